@@ -1,0 +1,260 @@
+"""The scenario file: one specification of what happens, for every engine. `scenarios/README.md` is made from this."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Fraction = Annotated[float, Field(gt=0, le=1)]
+
+
+def _listed(value: object) -> object:
+    return [value] if isinstance(value, str) else value
+
+
+Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
+
+
+class Section(BaseModel):
+    """A part of a scenario: unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+
+
+class Robot(Section):
+    """The robot and how it stands at the start."""
+
+    urdf: str = Field(description="the URDF file")
+    packages: dict[str, str] = Field(default={}, description="where package://NAME/ lies")
+    base: Literal["floating", "fixed", "free"] = Field(
+        default="floating", description="floating, fixed to the world, or a free body without joints"
+    )
+    start: Literal["recording", "keyframe", "zero"] | dict[str, Finite] = Field(
+        default="recording", description="joint angles at the start: measured, the first keyframe's, zero, or by joint [rad]"
+    )
+    stand_on: str | None = Field(default=None, description="this link is level on the ground at the start")
+    contact_links: list[str] | None = Field(
+        default=None, description="links that touch the ground (default: the base and the last links of the tree)"
+    )
+
+
+class Friction(Section):
+    """Joint friction; given with a servo, it replaces the URDF's <dynamics>."""
+
+    coulomb: NotNegative = Field(default=0.0, description="dry friction [N·m or N]")
+    viscous: NotNegative = Field(default=0.0, description="viscous friction [N·m·s/rad or N·s/m]")
+
+
+class RecordedSupply(Section):
+    """A supply voltage that was recorded."""
+
+    recorded: str = Field(description="the topic (BatteryState) or column of the supply voltage")
+
+
+class Servo(Section):
+    """What all servos have."""
+
+    name: str | None = Field(default=None, description="addresses this servo in `with: {servos.NAME.gain: 2.5}`")
+    joints: Patterns = Field(description="patterns over joint names; the first servo that matches wins")
+    armature: NotNegative = Field(default=0.0, description="rotor inertia at the output shaft [kg·m² or kg]")
+    friction: Friction | None = Field(default=None, description="replaces the URDF's <dynamics>")
+
+
+class DcServo(Servo):
+    """A position-controlled DC motor: duty = gain·(command − q), volts = duty·supply, back-EMF."""
+
+    kind: Literal["dc"]
+    gain: NotNegative = Field(description="duty per rad of position error")
+    duty_limit: Fraction = Field(default=1.0, description="largest duty")
+    supply: Positive | RecordedSupply = Field(description="supply voltage [V]")
+    torque_constant: Positive = Field(description="N·m/A at the output shaft")
+    resistance: Positive = Field(description="of the winding [Ω]")
+
+
+class PidServo(Servo):
+    """torque = kp·e + ki·∫e + kd·de/dt, within the URDF's effort and velocity limits."""
+
+    kind: Literal["pid"]
+    kp: NotNegative = Field(description="N·m/rad")
+    ki: NotNegative = Field(default=0.0, description="N·m/(rad·s)")
+    kd: NotNegative = Field(default=0.0, description="N·m·s/rad")
+
+
+class CascadeServo(Servo):
+    """force = gain·(kv·(kp·(command − q) − q̇)), within the URDF's effort limit."""
+
+    kind: Literal["cascade"]
+    gain: NotNegative = Field(description="N·m or N per unit of the velocity loop's output")
+    kv: NotNegative = Field(description="velocity loop gain")
+    kp: NotNegative = Field(description="position loop gain [1/s]")
+
+
+AnyServo = Annotated[DcServo | PidServo | CascadeServo, Field(discriminator="kind")]
+
+
+class Motion(Section):
+    """What the servos are told: a recorded stream of commands, or keyframes."""
+
+    recorded: str | None = Field(default=None, description="topic or column of the recorded commands")
+    keyframes: str | None = Field(default=None, description="animation file with goals in degrees, duration and pause")
+    meaning: Literal["position", "duty", "effort"] = Field(
+        default="position", alias="as", description="what a recorded command is"
+    )
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Motion:
+        if (self.recorded is None) == (self.keyframes is None):
+            raise ValueError("expected either recorded or keyframes")
+        return self
+
+
+class GroundSpec(Section):
+    """A ground by its numbers."""
+
+    friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
+    stiffness: Positive | None = Field(default=None, description="N/m per contact point; rigid where absent")
+    damping: NotNegative | None = Field(default=None, description="N·s/m per contact point")
+
+
+GROUNDS = {
+    "none": None,
+    "flat": GroundSpec(friction=0.8),
+    "grass": GroundSpec(friction=0.8, stiffness=3000.0, damping=100.0),
+}
+
+
+class PhysicsSpec(Section):
+    """How to simulate."""
+
+    step_rate: Positive = Field(default=1000.0, description="steps per second")
+    solver_iterations: Annotated[int, Field(gt=0)] | None = Field(
+        default=None, description="solver iterations, where the engine has them"
+    )
+
+
+class EffectSpec(BaseModel):
+    """One effect: its name, where it sits, and its parameters by name (`realitygap effects NAME`)."""
+
+    model_config = ConfigDict(extra="allow", frozen=True)
+    effect: str = Field(description="name of the effect")
+    target: str | list[str] = Field(default="*", description="joint, link, `ground`, `base`, or joint patterns")
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The remaining keys: parameter values in SI units."""
+        return dict(self.model_extra or {})
+
+
+class Stream(Section):
+    """A stream of messages other than JointState that hold arrays."""
+
+    topic: str = Field(description="topic")
+    names: str | None = Field(default=None, description="field with the joint names")
+    position: str | None = Field(default=None, description="field with the positions")
+    velocity: str | None = Field(default=None, description="field with the velocities")
+    effort: str | None = Field(default=None, description="field with the efforts")
+
+
+class EffortStream(Section):
+    """A measured effort and its unit."""
+
+    topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
+    measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
+    factor: Finite = Field(default=1.0, description="N·m (or N) per recorded unit")
+
+
+class Columns(Section):
+    """Column names of a table. A joint signal is one column, or a mapping from joint to column."""
+
+    time: str = Field(default="time", description="s")
+    command: str | dict[str, str] = Field(default="command", description="command")
+    position: str | dict[str, str] = Field(default="position", description="rad or m")
+    velocity: str | dict[str, str] = Field(default="velocity", description="rad/s or m/s")
+    effort: str | dict[str, str] = Field(default="effort", description="in the unit that `effort` states")
+    torque_enabled: str | dict[str, str] = Field(default="torque_enabled", description="0: the servo is off")
+    supply: str = Field(default="supply_voltage", description="V")
+    base_position: list[str] = Field(default=["x", "y", "z"], description="m")
+    base_quaternion: list[str] = Field(default=["qw", "qx", "qy", "qz"], description="orientation, w x y z")
+    base_linear: list[str] = Field(default=["vx", "vy", "vz"], description="m/s, world axes")
+    base_angular: list[str] = Field(default=["wx", "wy", "wz"], description="rad/s")
+    base_angular_axes: Literal["body", "world"] = Field(default="body", description="axes of the angular velocity")
+
+
+class Run(Section):
+    """One recording."""
+
+    path: str = Field(description="a bag, a bag folder or a table; `*` and `?` stand for several")
+    use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or to judge on")
+    window: tuple[Finite, Finite] | None = Field(default=None, description="what is judged [s from the first message]")
+    overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Run:
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise ValueError(f"window {list(self.window)} ends before it starts")
+        return self
+
+
+class Recordings(Section):
+    """What was measured, and where it lies."""
+
+    state: str | Stream | None = Field(default=None, description="topic of the measured joint states")
+    effort: Literal["none", "motor", "joint"] | EffortStream = Field(
+        default="none", description="whether the state's effort was measured, and what it measures"
+    )
+    columns: Columns = Field(default=Columns(), description="for tables")
+    pose: str | None = Field(default=None, description="topic of the base pose (PoseStamped, Odometry)")
+    imu: str | None = Field(default=None, description="topic of an Imu on the base")
+    battery: str | None = Field(default=None, description="topic of the supply (BatteryState)")
+    exclude: list[str] = Field(default=[], description="joints left out of the means")
+    ground: str | None = Field(default=None, description="what the real robot stood on, if known")
+    virtual: bool = Field(default=False, description="the recordings come from a simulation, not from a robot")
+    runs: list[Run] = Field(default=[], description="the recordings")
+
+
+class Budget(Section):
+    """Largest mean gap that a test accepts, over moving joints."""
+
+    position: Positive | None = Field(default=None, description="° (mm for prismatic joints)")
+    velocity: Positive | None = Field(default=None, description="°/s")
+    effort: Positive | None = Field(default=None, description="N·m")
+
+
+class Scenario(Section):
+    """What happens: robot, servos, motion, ground, physics, recordings."""
+
+    name: str = Field(description="name of the scenario")
+    robot: Robot
+    revisions: dict[str, str] = Field(default={}, description="named URDF files for the matrix axis `revision`")
+    servos: list[AnyServo] = Field(default=[], description="what turns a command into torque")
+    motion: Motion | None = Field(default=None, description="what the servos are told")
+    ground: Literal["none", "flat", "grass"] | GroundSpec = Field(default="flat", description="what it stands on")
+    physics: PhysicsSpec = Field(default=PhysicsSpec(), description="how to simulate")
+    effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
+    recordings: Recordings | None = Field(default=None, description="what was measured")
+    budget: Budget | None = Field(default=None, description="for tests")
+
+    @property
+    def ground_spec(self) -> GroundSpec | None:
+        """The ground by its numbers; None for no ground."""
+        return self.ground if isinstance(self.ground, GroundSpec) else GROUNDS[self.ground]
+
+    @property
+    def ground_name(self) -> str:
+        """The ground's name in tables."""
+        if isinstance(self.ground, GroundSpec):
+            parts = [f"{k} {v:g}" for k, v in self.ground.model_dump(exclude_none=True).items()]
+            return ", ".join(parts)
+        return self.ground
+
+    @property
+    def timestep(self) -> float:
+        """Length of one step [s]."""
+        step = 1.0 / self.physics.step_rate
+        assert math.isfinite(step)
+        return step
