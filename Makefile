@@ -1,0 +1,70 @@
+# Needs nothing but Python 3.11 or newer with venv and pip; every other tool is put into .venv from requirements.lock.
+
+SCENARIO ?= scenarios/wolfgang/scenario.yaml
+PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c 'import venv, ensurepip' 2>/dev/null && echo $$p && break; done)
+PYTEST   ?= -n 2 --dist worksteal --durations=15
+
+BIN   := .venv/bin
+READY := .venv/ready
+
+# The engines are single-threaded; threads inside linear algebra would only take the cores from the other tests.
+export OPENBLAS_NUM_THREADS ?= 1
+export OMP_NUM_THREADS ?= 1
+export PIP_DISABLE_PIP_VERSION_CHECK ?= 1
+
+.DEFAULT_GOAL := help
+
+.PHONY: help
+help:  ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## /\1	/p' Makefile | expand -t 10
+
+.PHONY: demo
+demo: $(READY)  ## run the bundled scenario in every engine and write its report page
+	$(BIN)/realitygap run $(SCENARIO)
+
+.PHONY: test
+test: $(READY)  ## run the tests
+	$(BIN)/pytest $(PYTEST)
+
+.PHONY: lint
+lint: $(READY)  ## ruff: rules and format
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+.PHONY: types
+types: $(READY)  ## mypy, strict
+	$(BIN)/mypy
+
+.PHONY: check
+check: lint types test  ## lint, types and tests
+
+.PHONY: bench
+bench: $(READY)  ## measure what the harness costs over a bare loop of each engine
+	$(BIN)/python tests/bench_overhead.py
+
+.PHONY: lock
+lock: $(READY)  ## write requirements.lock anew from pyproject.toml; keeps versions that still fit
+	$(BIN)/pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes \
+		--no-emit-index-url --no-annotate --custom-compile-command 'make lock' --quiet -o requirements.lock
+
+.PHONY: clean
+clean:  ## remove the environment, caches and runs
+	rm -rf .venv build dist results/runs .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find engines harness tests -name __pycache__ -prune -exec rm -rf {} +
+
+# Brought up to date when the lock or pyproject.toml changes. An environment that another tool made without pip gets pip;
+# one whose Python is gone is made anew.
+$(READY): requirements.lock pyproject.toml
+	@test -n "$(PYTHON)" || { echo "no Python with the venv module was found; install Python 3.11 (Debian: python3-venv)"; exit 1; }
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip >/dev/null 2>&1 \
+		|| $(PYTHON) -m venv --clear .venv
+	@echo "installing into .venv (about 2 GB, the first time takes some minutes)"
+	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 15))'; then \
+		$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock && \
+		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
+	else \
+		echo "the lock covers Python 3.11 to 3.14; installing the newest releases instead"; \
+		$(BIN)/python -m pip install --quiet --prefer-binary -e '.[dev]'; \
+	fi
+	@touch $@
