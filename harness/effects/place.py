@@ -1,0 +1,87 @@
+"""Putting the effects that a scenario names into a plant, with one sentence for what cannot be."""
+
+import fnmatch
+import math
+from collections.abc import Sequence
+
+from harness.effects import EFFECTS, Effect
+from harness.errors import InputError
+from harness.plant import Plant
+from harness.scenario import EffectSpec
+
+
+def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[int]:
+    """The joints or links that a target names; [0] for ground and base.
+
+    Raises:
+        InputError: for a target that names nothing, with what exists.
+    """
+    wanted = [target] if isinstance(target, str) else list(target)
+    if effect.sits_at in ("ground", "base"):
+        if wanted not in ([effect.sits_at], ["*"]):
+            raise InputError(f"effect {effect.name}: target {', '.join(wanted)}; it sits at the {effect.sits_at}")
+        return [0]
+    if effect.sits_at == "joint":
+        names = plant.model.joint_names
+    else:
+        names = [link.name for link in plant.model.links]
+        merged = {m: link.name for link in plant.model.links for m in link.merged}
+        wanted = [merged.get(w, w) for w in wanted]
+    for pattern in wanted:
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
+            raise InputError(f"effect {effect.name}: no {effect.sits_at} {pattern}; the robot has {', '.join(names)}")
+    return [i for i, name in enumerate(names) if any(fnmatch.fnmatchcase(name, p) for p in wanted)]
+
+
+def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
+    """The checked parameter values of one effect of a scenario.
+
+    Raises:
+        InputError: for an unknown or missing parameter, or a value that is no number or out of bounds.
+    """
+    known = {p.name: p for p in effect.parameters}
+    listed = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
+    out: dict[str, float] = {}
+    for name, value in spec.parameters.items():
+        if name not in known:
+            raise InputError(f"effect {effect.name}: unknown parameter {name}; it has {listed}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise InputError(f"effect {effect.name}: {name} is {value!r}; expected a number in {known[name].unit}")
+        low, high = known[name].low, known[name].high
+        neutral = known[name].absent
+        if not low <= value <= high and value != neutral:
+            raise InputError(f"effect {effect.name}: {name} is {value:g} {known[name].unit}; expected {low:g} to {high:g}")
+        out[name] = float(value)
+    for parameter in effect.parameters:
+        if parameter.name not in out:
+            if parameter.default is None:
+                raise InputError(f"effect {effect.name}: {parameter.name} is missing; it has {listed}")
+            out[parameter.name] = parameter.default
+    return out
+
+
+def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
+    """A plant with the effects of a scenario.
+
+    Raises:
+        InputError: for an unknown effect, target or parameter, the same effect twice on a target, or two effects that
+            exclude each other there.
+    """
+    plant = plant.copy()
+    seen: dict[tuple[str, int], str] = {}
+    for spec in specs:
+        effect = EFFECTS.get(spec.effect)
+        if effect is None:
+            raise InputError(f"effects: unknown effect {spec.effect}; known: {', '.join(sorted(EFFECTS))}")
+        indices = targets(plant, effect, spec.target)
+        checked = values(effect, spec)
+        for i in indices:
+            for other in (effect.name, *effect.excludes):
+                if (other, i) in seen:
+                    what = "stands twice on" if other == effect.name else f"and {other} exclude each other on"
+                    raise InputError(f"effect {effect.name} {what} {spec.target}; expected one of them")
+            if reason := effect.possible(plant, i):
+                raise InputError(f"effect {effect.name} on {spec.target}: {reason}")
+            seen[effect.name, i] = effect.name
+        effect.apply(plant, indices, checked)
+    return plant
