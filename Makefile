@@ -1,7 +1,8 @@
 # Needs nothing but Python 3.11 or newer with venv and pip; every other tool is put into .venv from requirements.lock.
 
 SCENARIO ?= scenarios/wolfgang/scenario.yaml
-PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c 'import venv, ensurepip' 2>/dev/null && echo $$p && break; done)
+USABLE   := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
+PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c '$(USABLE)' 2>/dev/null && echo $$p && break; done)
 PYTEST   ?= -n 2 --dist worksteal --durations=15
 
 BIN   := .venv/bin
@@ -44,7 +45,6 @@ bench: $(READY)  ## measure what the harness costs over a bare loop of each engi
 
 .PHONY: lock
 lock: $(READY)  ## write requirements.lock anew from pyproject.toml; keeps versions that still fit
-	$(BIN)/pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes \
 		--no-emit-index-url --no-annotate --custom-compile-command 'make lock' --quiet -o requirements.lock
 
@@ -56,7 +56,7 @@ clean:  ## remove the environment, caches and runs
 # Brought up to date when the lock or pyproject.toml changes. An environment that another tool made without pip gets pip;
 # one whose Python is gone is made anew.
 $(READY): requirements.lock pyproject.toml
-	@test -n "$(PYTHON)" || { echo "no Python with the venv module was found; install Python 3.11 (Debian: python3-venv)"; exit 1; }
+	@test -n "$(PYTHON)" || { echo "found no Python of 3.11 or newer with venv and pip; install one (Debian: python3 and python3-venv)"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip >/dev/null 2>&1 \
 		|| $(PYTHON) -m venv --clear .venv
 	@echo "installing into .venv (about 2 GB, the first time takes some minutes)"
