@@ -64,7 +64,7 @@ def _inset_cylinder(radius: float, half: float) -> Array:
 
 
 def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[str, Path]) -> Array:
-    file = _find(path, link, mesh.filename, packages)
+    file = find_mesh(path, link, mesh.filename, packages)
     try:
         loaded = trimesh.load(file, force="mesh")
         vertices = np.asarray(loaded.vertices, dtype=float)
@@ -79,7 +79,8 @@ def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[st
     return np.asarray(vertices + RADIUS * inwards / np.linalg.norm(inwards, axis=1, keepdims=True))
 
 
-def _find(path: Path, link: str, filename: str, packages: Mapping[str, Path]) -> Path:
+def find_mesh(path: Path, link: str, filename: str, packages: Mapping[str, Path]) -> Path:
+    """The file of a mesh; `package://NAME/` is looked for in `packages`, then beside and above the URDF."""
     if filename.startswith("package://"):
         package, _, rest = filename.removeprefix("package://").partition("/")
         places = [packages[package] / rest] if package in packages else []

@@ -64,7 +64,7 @@ class ScenarioFile:
 
     def resolve(self, text: str, key: str) -> Path:
         """The path that a scenario's text means: environment filled in, relative to the file."""
-        return _resolve(self.path, text, key)
+        return resolve_path(self.path, text, key)
 
     def override(self, changes: dict[str, Any]) -> "ScenarioFile":
         """The same scenario with dotted keys changed, checked again."""
@@ -233,7 +233,9 @@ def _sections_at(model: type[BaseModel], loc: list[Any]) -> list[type[BaseModel]
     return _sections(current)
 
 
-def _resolve(file: Path, text: str, key: str) -> Path:
+def resolve_path(file: Path, text: str, key: str) -> Path:
+    """The path that the text of a key means: environment filled in, relative to the file that says it."""
+
     def value(match: re.Match[str]) -> str:
         name = match[1]
         if name not in os.environ:
