@@ -29,3 +29,9 @@ def angle_between(a: Array, b: Array) -> Array:
     """The angle [rad] of the rotation between orientations. Shapes (t, 4), gives (t,)."""
     chord = np.minimum(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
     return np.asarray(4.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
+
+
+def vertical(quaternion: Array) -> Array:
+    """The world's upward direction in the axes of frames with these orientations. Shape (t, 4), gives (t, 3)."""
+    conjugate = quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+    return rotate(conjugate, np.tile([0.0, 0.0, 1.0], (len(quaternion), 1)))
