@@ -166,8 +166,9 @@ def _build(
     options.tolerance = TOLERANCE
     cones.setOptions(options)
     solver = world.getConstraintSolver()
-    solver.setSecondaryBoxedLcpSolver(solver.getBoxedLcpSolver())
+    pivoting = solver.getBoxedLcpSolver()
     solver.setBoxedLcpSolver(cones)
+    solver.setSecondaryBoxedLcpSolver(pivoting)
     skeleton = dartpy.dynamics.Skeleton(model.name)
     skeleton.disableSelfCollisionCheck()
     bodies: list[dartpy.dynamics.BodyNode] = []
