@@ -233,7 +233,9 @@ class Scenario(Section):
     revisions: dict[str, str] = Field(default={}, description="named URDF files for the matrix axis `revision`")
     servos: list[AnyServo] = Field(default=[], description="what turns a command into torque")
     motion: Motion | None = Field(default=None, description="what the servos are told")
-    ground: Literal["none", "flat", "grass"] | GroundSpec = Field(default="flat", description="what it stands on")
+    ground: Literal["none", "flat", "grass"] | GroundSpec | None = Field(
+        default=None, description="what it stands on (default: flat, or none where the base is fixed)"
+    )
     physics: PhysicsSpec = Field(default=PhysicsSpec(), description="how to simulate")
     effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
     recordings: Recordings | None = Field(default=None, description="what was measured")
@@ -242,7 +244,7 @@ class Scenario(Section):
     @property
     def ground_spec(self) -> GroundSpec | None:
         """The ground by its numbers; None for no ground."""
-        return self.ground if isinstance(self.ground, GroundSpec) else GROUNDS[self.ground]
+        return self.ground if isinstance(self.ground, GroundSpec) else GROUNDS[self.ground_name]
 
     @property
     def ground_name(self) -> str:
@@ -250,7 +252,7 @@ class Scenario(Section):
         if isinstance(self.ground, GroundSpec):
             parts = [f"{k} {v:g}" for k, v in self.ground.model_dump(exclude_none=True).items()]
             return ", ".join(parts)
-        return self.ground
+        return self.ground or ("none" if self.robot.base == "fixed" else "flat")
 
     @property
     def timestep(self) -> float:

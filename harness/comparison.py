@@ -1,0 +1,179 @@
+"""Comparing one motion in one engine with what was measured: the rows of the result table."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from os.path import commonprefix
+
+import numpy as np
+
+import engines
+from engines import Diverged, Unsupported
+from harness.errors import InputError
+from harness.experiment import Experiment, simulate
+from harness.gap import JOINT_SIGNALS, Difference, differences, mean_trace
+from harness.recording import Recording
+from harness.recording.align import average, repetitions
+from harness.recording.floor import noise_floor
+from harness.results import EXCLUDED, Cell, Row, failed, row
+from harness.rollout import Rollout
+from harness.scenario_file import ScenarioFile
+from harness.trace import Trace
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Repetitions of one motion under the same conditions, and what was measured in the mean.
+
+    Attributes:
+        name: of the recording, or what the repetitions' names have in common.
+        experiments: the repetitions; one where the motion was recorded once or not at all.
+        measured: their mean, in the window, on the first repetition's clock; None where nothing was measured.
+        shifts: what to add to each repetition's clock to agree with the first's [s].
+        noise: (joint, signal) -> noise floor in SI.
+    """
+
+    name: str
+    experiments: tuple[Experiment, ...]
+    measured: Trace | None
+    shifts: tuple[float, ...]
+    noise: dict[tuple[str, str], float]
+
+
+@dataclass
+class Comparison:
+    """One motion in one engine: rows for the table and, where it went well, traces for the figures."""
+
+    cell: Cell
+    rows: list[Row]
+    outcome: str
+    note: str = ""
+    simulated: Trace | None = None
+    measured: Trace | None = None
+    rollout: Rollout | None = None
+    settings: dict[str, object] = field(default_factory=dict)
+
+
+def motions(experiments: Sequence[Experiment]) -> list[Motion]:
+    """Recordings grouped into motions, each with the mean of its repetitions and their noise floor.
+
+    Raises:
+        InputError: for a window that holds no samples.
+    """
+    out = [Motion(e.name, (e,), None, (0.0,), {}) for e in experiments if e.recording is None]
+    recorded = [(e, e.recording) for e in experiments if e.recording is not None]
+    conditions = [{"with": e.overrides, "window": e.window, "use": e.use} for e, _ in recorded]
+    for group in repetitions([r for _, r in recorded], conditions):
+        out.append(_motion([recorded[i][0] for i, _ in group], [recorded[i][1] for i, _ in group], [d for _, d in group]))
+    return out
+
+
+def _motion(group: list[Experiment], recordings: list[Recording], shifts: list[float]) -> Motion:
+    first = group[0]
+    traces = [r.trace for r in recordings]
+    measured = average(traces, shifts).between(*first.window)
+    if len(measured.time) < 2:
+        whole = traces[0].time
+        raise InputError(
+            f"{recordings[0].path}: window {list(first.window)} holds {len(measured.time)} samples; "
+            f"the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
+        )
+    floors = noise_floor(traces, shifts, first.window)
+    noise: dict[tuple[str, str], float] = {}
+    for signal, values in floors.items():
+        names = measured.joints if signal in JOINT_SIGNALS else ("base",)
+        noise |= {(joint, signal): float(v) for joint, v in zip(names, values, strict=True)}
+    name = first.name if len(group) == 1 else f"{_common([e.name for e in group])} ×{len(group)}"
+    return Motion(name, tuple(group), measured, tuple(shifts), noise)
+
+
+def _common(names: list[str]) -> str:
+    """What the names of repetitions have in common, without a dangling `_rep`."""
+    return commonprefix(names).rstrip("_-.# ").removesuffix("rep").rstrip("_-.# ") or names[0]
+
+
+def cell_of(file: ScenarioFile, motion: Motion, engine: str, revision: str = "") -> Cell:
+    """The key columns of one motion in one engine."""
+    scenario = motion.experiments[0].scenario
+    recordings = scenario.recordings
+    return Cell(
+        scenario=scenario.name,
+        robot_revision=revision or scenario.robot.urdf.rsplit("/", 1)[-1].removesuffix(".urdf"),
+        engine=engine,
+        engine_version=engines.load(engine).version,
+        ground=scenario.ground_name,
+        recorded_ground=(recordings.ground or "") if recordings else "",
+        step_rate=scenario.physics.step_rate,
+        solver_iterations=scenario.physics.solver_iterations,
+        overrides=motion.experiments[0].overrides,
+        recording=motion.name if motion.measured is not None else "",
+        use=motion.experiments[0].use or "",
+    )
+
+
+def compare(file: ScenarioFile, motion: Motion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
+    """Simulate a motion and its numerical floor; a failure becomes rows that say what happened.
+
+    Args:
+        floors: whether to simulate again with half the step for the numerical floor.
+    """
+    cell = cell_of(file, motion, engine, revision)
+    excluded = scenario_excluded(motion)
+    try:
+        rollout, mean = _simulated(motion, engine, 1.0)
+        fine = _simulated(motion, engine, 2.0)[1] if floors and motion.measured is not None else None
+    except (Unsupported, Diverged) as error:
+        outcome = "diverged" if isinstance(error, Diverged) else "unsupported"
+        rows = []
+        for d in _expected(motion):
+            rows.append(failed(cell, d, _noise(motion, d), outcome, str(error)))
+        return Comparison(cell, rows, outcome, str(error), measured=motion.measured)
+    done = Comparison(cell, [], "ok", "", mean, motion.measured, rollout, rollout.settings)
+    if motion.measured is None:
+        return done
+    model = motion.experiments[0].plant.model
+    numerical = {}
+    if fine is not None:
+        on_stamps = replace(fine.at(motion.measured.time), command=motion.measured.command)
+        numerical = {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+    for d in differences(model, mean, motion.measured):
+        note = EXCLUDED if any(fnmatchcase(d.joint, p) for p in excluded) else ""
+        if d.values.size:
+            done.rows.append(row(cell, d, _noise(motion, d), numerical.get((d.joint, d.signal), float("nan")), note))
+    return done
+
+
+def scenario_excluded(motion: Motion) -> list[str]:
+    """Patterns of the joints that the scenario leaves out of the means."""
+    recordings = motion.experiments[0].scenario.recordings
+    return recordings.exclude if recordings else []
+
+
+def _simulated(motion: Motion, engine: str, finer: float) -> tuple[Rollout, Trace]:
+    """Every repetition simulated, and their mean on the measured clock."""
+    rollouts = []
+    for e in motion.experiments:
+        rollouts.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer))
+    if motion.measured is None or len(rollouts) == 1:
+        return rollouts[0], rollouts[0].trace
+    clock = motion.measured.time
+    parts = [replace(r.trace.at(clock - s), time=clock) for r, s in zip(rollouts, motion.shifts, strict=True)]
+    return rollouts[0], mean_trace(parts)
+
+
+def _noise(motion: Motion, difference: Difference) -> float:
+    return motion.noise.get((difference.joint, difference.signal), float("nan")) * difference.scale
+
+
+def _expected(motion: Motion) -> list[Difference]:
+    """The differences that a cell would have had: those of the measurement with itself."""
+    if motion.measured is None:
+        return []
+    model = motion.experiments[0].plant.model
+    measured = motion.measured
+    names = model.joint_names
+    order = [measured.index(n) for n in names]
+    twin = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in ("position", "velocity", "effort")}
+    return differences(model, replace(measured, joints=tuple(names), **twin), measured)
+
+

@@ -1,0 +1,197 @@
+"""One recording ready to be simulated: the plant, the commands, the start, and what was measured."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+import engines
+from engines import Physics, State
+from engines.model import Array
+from harness.commands import Commands
+from harness.effects.place import place
+from harness.errors import InputError
+from harness.motion import first_goals, play, read_animation
+from harness.plant import Plant, build_plant
+from harness.recording import Recording, read_recording
+from harness.rollout import Rollout, rollout
+from harness.scenario import DcServo, RecordedSupply, Run, Scenario
+from harness.scenario_file import ScenarioFile
+from harness.start import start_state
+from harness.trace import Trace
+
+SETTLE = 1.0
+"""How long an animation goes on after its last keyframe [s]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One motion of a scenario.
+
+    Attributes:
+        name: of the recording, or of the scenario where nothing was recorded.
+        scenario: with the overrides of this run.
+        plant: with the scenario's effects.
+        recording: what was measured; None where nothing was.
+        commands: on the simulation's clock.
+        begin: the recording's time at which the simulation starts [s].
+        duration: of the simulation [s].
+        use: train, held_out or None.
+        window: what is judged, on the recording's clock [s].
+    """
+
+    name: str
+    scenario: Scenario
+    plant: Plant
+    recording: Recording | None
+    commands: Commands
+    begin: float
+    duration: float
+    use: str | None = None
+    window: tuple[float, float] = (-np.inf, np.inf)
+    overrides: str = ""
+
+    def with_plant(self, plant: Plant) -> "Experiment":
+        """The same motion on another plant."""
+        return replace(self, plant=plant)
+
+    def start(self) -> State:
+        """The state at which the simulation starts."""
+        return _start(self)
+
+
+def experiments(file: ScenarioFile) -> list[Experiment]:
+    """Every motion of a scenario: one per recording, or the one animation where nothing was recorded.
+
+    Raises:
+        InputError: for whatever is wrong with the scenario's files.
+    """
+    cases = file.cases()
+    if not cases:
+        if file.scenario.motion is None or file.scenario.motion.keyframes is None:
+            raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
+        return [_prepare(file, file.scenario, file.scenario.name, None, None)]
+    return [_prepare(file, case.scenario, case.name, case.path, case.run) for case in cases]
+
+
+def _prepare(file: ScenarioFile, scenario: Scenario, name: str, path: Path | None, run: Run | None) -> Experiment:
+    plant = build_plant(file, scenario)
+    try:
+        plant = place(plant, scenario.effects)
+    except InputError as error:
+        raise InputError(f"{file.path}: {error}") from None
+    recording = None
+    if path is not None:
+        recording = read_recording(path, scenario, plant.model.joint_names, file=file.path)
+        _check_supply(file, scenario, recording)
+    commands, begin, duration = _commands(file, scenario, plant, recording)
+    return Experiment(
+        name=name,
+        scenario=scenario,
+        plant=plant,
+        recording=recording,
+        commands=commands,
+        begin=begin,
+        duration=duration,
+        use=run.use if run else None,
+        window=(run.window if run and run.window else (-np.inf, np.inf)),
+        overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
+    )
+
+
+def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:
+    asked = [s.supply.recorded for s in scenario.servos if isinstance(s, DcServo) and isinstance(s.supply, RecordedSupply)]
+    if asked and not len(recording.supply):
+        raise InputError(f"{file.path}: servos: supply {asked[0]} was not found in {recording.path}")
+
+
+def _commands(
+    file: ScenarioFile, scenario: Scenario, plant: Plant, recording: Recording | None
+) -> tuple[Commands, float, float]:
+    """Commands on the simulation's clock, where that clock starts in the recording, and how long it runs."""
+    n = len(plant.model.joints)
+    begin, duration = 0.0, 0.0
+    if recording is not None:
+        begin = float(recording.trace.time[0])
+        duration = float(recording.trace.time[-1]) - begin
+    motion = scenario.motion
+    if motion is not None and motion.keyframes is not None:
+        path = file.resolve(motion.keyframes, "motion.keyframes")
+        animation = read_animation(path)
+        start = first_goals(path, animation, plant.model)
+        if recording is not None and recording.trace.position is not None:
+            start = recording.trace.position[0]
+        commands, length = play(path, animation, plant.model, start)
+        return commands, begin, duration or length + SETTLE
+    if recording is None or not len(recording.command_time):
+        return Commands(np.zeros(1), np.full((1, n), np.nan)), begin, duration
+    return Commands(recording.command_time - begin, recording.command), begin, duration
+
+
+def _start(experiment: Experiment) -> State:
+    plant, recording, scenario = experiment.plant, experiment.recording, experiment.scenario
+    n = len(plant.model.joints)
+    wanted = scenario.robot.start
+    position: Array = np.zeros(n)
+    if wanted == "recording" and recording is not None and recording.trace.position is not None:
+        position = recording.trace.position[0] + plant.drive["offset"]
+    elif wanted in ("recording", "keyframe") and scenario.motion is not None and scenario.motion.keyframes is not None:
+        position = np.nan_to_num(experiment.commands.value[min(1, len(experiment.commands.value) - 1)])
+    elif isinstance(wanted, dict):
+        names = plant.model.joint_names
+        for joint, angle in wanted.items():
+            if joint not in names:
+                raise InputError(f"robot.start: found joint {joint!r}; the robot has {', '.join(names)}")
+            position[names.index(joint)] = angle
+    if not np.isfinite(position).all():
+        bad = plant.model.joint_names[int(np.flatnonzero(~np.isfinite(position))[0])]
+        raise InputError(f"{experiment.name}: the first measured position of {bad} is missing")
+    trace = recording.trace if recording is not None and plant.model.floating else None
+    state = start_state(
+        plant,
+        position,
+        stand_on=scenario.robot.stand_on,
+        base_position=_first(trace, "base_position"),
+        base_quaternion=_first(trace, "base_quaternion"),
+        base_linear=_first(trace, "base_linear"),
+        base_angular=_first(trace, "base_angular"),
+    )
+    if scenario.robot.base == "free":
+        # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far
+        state.base_linear = state.base_linear + np.array([0.0, 0.0, 9.81]) * scenario.timestep / 2
+    return state
+
+
+def _first(trace: Trace | None, signal: str) -> Array | None:
+    value = getattr(trace, signal) if trace is not None else None
+    return None if value is None or not np.isfinite(value[0]).all() else value[0]
+
+
+def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = None) -> Rollout:
+    """Simulate one motion in one engine; the trace is on the recording's clock.
+
+    Raises:
+        Unsupported: where the engine cannot express the plant.
+        Diverged: on a blow-up.
+    """
+    scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
+    physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
+    supply = None
+    if recording is not None and len(recording.supply):
+        supply = (recording.supply_time - experiment.begin, recording.supply)
+    recordings = scenario.recordings
+    effort = recordings.effort if recordings is not None else "none"
+    measures = effort if isinstance(effort, str) else effort.measures
+    with engines.load(engine).open(plant.machine(), physics) as simulation:
+        result = rollout(
+            simulation,
+            plant,
+            experiment.commands,
+            experiment.start(),
+            experiment.duration + physics.timestep,
+            supply=supply,
+            joint_effort=measures == "joint",
+        )
+    result.trace = replace(result.trace, time=result.trace.time + experiment.begin)
+    return result

@@ -1,0 +1,141 @@
+"""How far simulation and measurement are apart, per joint and signal, beside the floors below which nothing counts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from engines.model import Model, rotation_from_quaternion
+from harness.drive import Array
+from harness.trace import Trace
+
+MOVING = np.deg2rad(0.5)
+"""A joint whose command ranges over more than this in the window is moving [rad]."""
+MOVING_LINEAR = 5e-4
+"""The same for prismatic joints [m]."""
+JOINT_SIGNALS = ("position", "velocity", "effort")
+BASE_SIGNALS = ("base_position", "base_orientation", "base_angular_velocity")
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The absolute difference of one signal over time: `values` in `unit`, of one joint or of the base.
+
+    `scale` turns SI into the unit, for floors that are known in SI.
+    """
+
+    joint: str
+    signal: str
+    unit: str
+    group: str
+    scale: float
+    values: Array
+
+
+def unit_of(signal: str, prismatic: bool) -> tuple[str, float]:
+    """The unit of a joint signal in tables for people, and its factor from SI."""
+    if signal == "effort":
+        return ("N", 1.0) if prismatic else ("N·m", 1.0)
+    unit, factor = ("mm", 1e3) if prismatic else ("deg", 180 / np.pi)
+    return (unit, factor) if signal == "position" else (f"{unit}/s", factor)
+
+
+def moving_joints(model: Model, measured: Trace) -> list[bool]:
+    """Which joints are commanded to move within a trace; without commands, which were measured to move."""
+    source = measured.command
+    if source is None or np.isnan(source).all():
+        source = measured.position
+    out = []
+    for i, joint in enumerate(model.joints):
+        column = np.zeros(1) if source is None else source[:, measured.index(joint.name)]
+        column = column[np.isfinite(column)]
+        reach = float(np.ptp(column)) if column.size else 0.0
+        out.append(reach > (MOVING_LINEAR if model.joints[i].prismatic else MOVING))
+    return out
+
+
+def differences(model: Model, simulated: Trace, measured: Trace) -> list[Difference]:
+    """Simulated minus measured, absolute, at the measured time stamps, for every signal that both have.
+
+    Samples that were not measured (NaN) are left out.
+    """
+    sim = simulated.at(measured.time)
+    moves = moving_joints(model, measured)
+    out = []
+    for signal in JOINT_SIGNALS:
+        ours, theirs = getattr(sim, signal), getattr(measured, signal)
+        if ours is None or theirs is None:
+            continue
+        for i, joint in enumerate(model.joints):
+            unit, scale = unit_of(signal, joint.prismatic)
+            delta = np.abs(ours[:, i] - theirs[:, measured.index(joint.name)])
+            group = "moving" if moves[i] else "unmoving"
+            out.append(Difference(joint.name, signal, unit, group, scale, delta[np.isfinite(delta)] * scale))
+    return out + _base(sim, measured)
+
+
+def _base(sim: Trace, measured: Trace) -> list[Difference]:
+    out = []
+    if sim.base_position is not None and measured.base_position is not None:
+        far = np.linalg.norm(sim.base_position - measured.base_position, axis=1)
+        out.append(Difference("base", "base_position", "m", "base", 1.0, far[np.isfinite(far)]))
+    if sim.base_quaternion is not None and measured.base_quaternion is not None:
+        angle = np.rad2deg(angle_between(sim.base_quaternion, measured.base_quaternion))
+        out.append(Difference("base", "base_orientation", "deg", "base", 180 / np.pi, angle[np.isfinite(angle)]))
+    elif sim.base_quaternion is not None and measured.imu_quaternion is not None:
+        angle = np.rad2deg(_tilt(sim.base_quaternion, measured.imu_quaternion))
+        out.append(Difference("base", "base_orientation", "deg", "base", 180 / np.pi, angle[np.isfinite(angle)]))
+    rate = measured.base_angular if measured.base_angular is not None else None
+    if sim.base_angular is not None and rate is not None:
+        gap = np.rad2deg(np.linalg.norm(sim.base_angular - rate, axis=1))
+        out.append(Difference("base", "base_angular_velocity", "deg/s", "base", 180 / np.pi, gap[np.isfinite(gap)]))
+    elif sim.base_angular is not None and sim.base_quaternion is not None and measured.imu_angular is not None:
+        # a gyroscope measures in its own axes, taken to be those of the base; the size does not depend on them
+        sizes = np.linalg.norm(sim.base_angular, axis=1) - np.linalg.norm(measured.imu_angular, axis=1)
+        gap = np.rad2deg(np.abs(sizes))
+        out.append(Difference("base", "base_angular_velocity", "deg/s", "base", 180 / np.pi, gap[np.isfinite(gap)]))
+    return out
+
+
+def angle_between(a: Array, b: Array) -> Array:
+    """The angle [rad] of the rotation between orientations w x y z. Shape (t, 4) twice -> (t,)."""
+    return np.asarray(2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=1)), 0.0, 1.0)))
+
+
+def _tilt(a: Array, b: Array) -> Array:
+    """The angle [rad] between the verticals of two orientations, relative to their first sample. Shape (t,).
+
+    An IMU is mounted at some angle and its heading drifts, so only the change of the vertical is compared.
+    """
+
+    def vertical(q: Array) -> Array:
+        return np.array([rotation_from_quaternion(row)[2] for row in q])
+
+    va, vb = vertical(a), vertical(b)
+    turn = _align(vb[0], va[0])
+    return np.asarray(np.arccos(np.clip(np.sum(va * (vb @ turn.T), axis=1), -1.0, 1.0)))
+
+
+def _align(a: Array, b: Array) -> Array:
+    cross, dot = np.cross(a, b), float(a @ b)
+    k = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
+    return np.asarray(np.eye(3) + k + k @ k / (1 + dot)) if dot > -1 + 1e-9 else -np.eye(3)
+
+
+def mean_trace(traces: Sequence[Trace]) -> Trace:
+    """The mean of traces that share one clock and one order of joints; signals that all of them have."""
+    first = traces[0]
+    if len(traces) == 1:
+        return first
+    out = {}
+    for name in Trace.SIGNALS:
+        values = [getattr(t, name) for t in traces]
+        present = [v for v in values if v is not None]
+        out[name] = np.mean(present, axis=0) if len(present) == len(values) else None
+    for name in ("base_quaternion", "imu_quaternion"):
+        if out[name] is not None:
+            q = np.array([getattr(t, name) for t in traces])
+            q = q * np.sign(np.sum(q * q[:1], axis=2, keepdims=True))
+            mean = q.mean(axis=0)
+            out[name] = mean / np.linalg.norm(mean, axis=1, keepdims=True)
+    return Trace(time=first.time, joints=first.joints, **out)
