@@ -64,7 +64,9 @@ def motions(experiments: Sequence[Experiment]) -> list[Motion]:
     recorded = [(e, e.recording) for e in experiments if e.recording is not None]
     conditions = [{"with": e.overrides, "window": e.window, "use": e.use} for e, _ in recorded]
     for group in repetitions([r for _, r in recorded], conditions):
-        out.append(_motion([recorded[i][0] for i, _ in group], [recorded[i][1] for i, _ in group], [d for _, d in group]))
+        out.append(
+            _motion([recorded[i][0] for i, _ in group], [recorded[i][1] for i, _ in group], [d for _, d in group])
+        )
     return out
 
 
@@ -175,5 +177,3 @@ def _expected(motion: Motion) -> list[Difference]:
     order = [measured.index(n) for n in names]
     twin = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in ("position", "velocity", "effort")}
     return differences(model, replace(measured, joints=tuple(names), **twin), measured)
-
-

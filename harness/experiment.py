@@ -101,7 +101,9 @@ def _prepare(file: ScenarioFile, scenario: Scenario, name: str, path: Path | Non
 
 
 def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:
-    asked = [s.supply.recorded for s in scenario.servos if isinstance(s, DcServo) and isinstance(s.supply, RecordedSupply)]
+    asked = [
+        s.supply.recorded for s in scenario.servos if isinstance(s, DcServo) and isinstance(s.supply, RecordedSupply)
+    ]
     if asked and not len(recording.supply):
         raise InputError(f"{file.path}: servos: supply {asked[0]} was not found in {recording.path}")
 

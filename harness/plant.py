@@ -73,7 +73,9 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     )
     n = len(model.joints)
     if robot.base == "free" and n:
-        raise InputError(f"{file.path}: robot.base: found free, but the robot has {n} joints; expected floating or fixed")
+        raise InputError(
+            f"{file.path}: robot.base: found free, but the robot has {n} joints; expected floating or fixed"
+        )
     drive = neutral_drive(n)
     drive["coulomb"] = drive["static"] = [j.friction for j in model.joints]
     drive["viscous"] = [j.damping for j in model.joints]
@@ -126,5 +128,3 @@ def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
     else:
         d["kind"] = CASCADE
         d["gain"], d["kv"], d["kp"] = servo.gain, servo.kv, servo.kp
-
-

@@ -35,7 +35,8 @@ class Robot(Section):
         default="floating", description="floating, fixed to the world, or a free body without joints"
     )
     start: Literal["recording", "keyframe", "zero"] | dict[str, Finite] = Field(
-        default="recording", description="joint angles at the start: measured, the first keyframe's, zero, or by joint [rad]"
+        default="recording",
+        description="joint angles at the start: measured, the first keyframe's, zero, or by joint [rad]",
     )
     stand_on: str | None = Field(default=None, description="this link is level on the ground at the start")
     contact_links: list[str] | None = Field(

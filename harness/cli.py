@@ -1,0 +1,119 @@
+"""The command line. Engines and heavy libraries are imported when a command needs them."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(
+    name="realitygap",
+    help="One scenario through many physics engines, compared with recordings of the real robot.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+Engines = Annotated[list[str] | None, typer.Option("--engine", "-e", help="engine; may be repeated (default: all)")]
+Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder")]
+
+
+@app.command()
+def engines() -> None:
+    """List the engines: what is installed, its version, what it can and cannot express."""
+    from harness.engines_table import engines_table
+
+    print(engines_table())
+
+
+@app.command()
+def init(
+    urdf: Annotated[Path, typer.Argument(help="the robot")],
+    bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders or tables")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="folder for the scenario")] = Path(),
+) -> None:
+    """Write a first scenario from a URDF and recordings: topics, joints and runs found in them."""
+    from harness.init import init as write
+
+    print(f"wrote {write(urdf, bags, out)}")
+
+
+@app.command()
+def run(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    max_gap: Annotated[
+        list[str] | None,
+        typer.Option("--max-gap", help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger"),
+    ] = None,
+) -> None:
+    """Run one scenario in the engines: traces (MCAP), gap table, figures, page."""
+    from harness.budget import over_budget, parse_budget
+    from harness.progress import Progress
+    from harness.run import run as work
+    from harness.run import summary
+
+    budget = parse_budget(max_gap or [])
+    folder = out or Path("results/runs") / scenario.resolve().parent.name
+    result = work(scenario, engine or [], folder, Progress())
+    for line in summary(result.gaps):
+        print(line)
+    excess = over_budget(result.gaps, budget)
+    for line in excess:
+        print(line)
+    print(f"report: {result.page}")
+    if excess:
+        raise typer.Exit(1)
+
+
+@app.command()
+def audit(
+    path: Annotated[Path | None, typer.Argument(help="a URDF or a scenario (default: test machines only)")] = None,
+    engine: Engines = None,
+    out: Out = None,
+) -> None:
+    """Certify that the engines simulate the same machine; exits with 1 where they do not."""
+    from harness.audit import audit as certify
+    from harness.run import engine_names
+
+    certificate = certify(path, engine_names(engine or []), out)
+    print(certificate.text())
+    if not certificate.passed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
+    """Make the page again, from the results alone."""
+    from harness.report import write_page
+
+    print(f"report: {write_page(folder)}")
+
+
+@app.command()
+def effects(name: Annotated[str | None, typer.Argument(help="one effect")] = None) -> None:
+    """List the effects, or tell about one: physics, equation, signature, what it is confused with."""
+    from harness.effects.show import one, overview
+
+    print(one(name) if name else overview())
+
+
+def main() -> None:
+    """Entry point: bad input is one sentence on standard error and exit status 2."""
+    from engines.model import ModelError
+    from harness.errors import InputError
+
+    try:
+        app()
+    except (InputError, ModelError) as error:
+        print(f"realitygap: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+    except KeyboardInterrupt:
+        print("realitygap: stopped", file=sys.stderr)
+        raise SystemExit(130) from None
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,181 @@
+"""`realitygap run`: one scenario through the engines, each compared with what was measured."""
+
+import hashlib
+import json
+import platform
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import pandas as pd
+
+import engines
+from harness.comparison import Comparison, Motion, compare, motions
+from harness.errors import InputError
+from harness.experiment import experiments
+from harness.mcap import write_mcap
+from harness.progress import Progress
+from harness.report import write_curves, write_page
+from harness.results import Cell, means, table, to_csv, write_whole
+from harness.scenario_file import ScenarioFile, load_scenario
+
+PACKAGES = ("realitygap", "numpy", "scipy", "numba", "pydantic", "rosbags", "yourdfpy")
+
+
+@dataclass
+class RunResult:
+    """What a run gave: the table, the comparisons behind it, and the page."""
+
+    folder: Path
+    gaps: pd.DataFrame
+    comparisons: list[Comparison] = field(default_factory=list)
+    page: Path | None = None
+
+
+def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunResult:
+    """Simulate every motion of a scenario in every engine and write traces, tables, figures and the page.
+
+    Args:
+        path: the scenario file.
+        names: engines; empty for all that are installed.
+        out: the result folder.
+        progress: told what is being done.
+
+    Raises:
+        InputError: for a scenario that cannot be run; nothing is written then.
+    """
+    file = load_scenario(path)
+    chosen = engine_names(names)
+    found = motions(experiments(file))
+    result = RunResult(out, table([]))
+    with progress.task("simulating", len(found) * len(chosen)) as advance:
+        for engine in chosen:
+            for motion in found:
+                advance(f"{engine}: {motion.name}")
+                comparison = compare(file, motion, engine)
+                result.comparisons.append(comparison)
+                write_traces(out, comparison, motion)
+    result.gaps = table(r for c in result.comparisons for r in c.rows)
+    write_tables(out, result.gaps, result.comparisons)
+    write_manifest(out, file, found, result.comparisons)
+    result.page = write_page(out)
+    return result
+
+
+def engine_names(names: Sequence[str]) -> list[str]:
+    """The engines asked for, or all that are installed.
+
+    Raises:
+        InputError: for an engine that does not exist or is not installed.
+    """
+    for name in names:
+        if name not in engines.ENGINES:
+            raise InputError(f"--engine: found {name}; expected one of {', '.join(sorted(engines.ENGINES))}")
+        if name not in engines.available():
+            raise InputError(f"--engine: {name} is not installed; install it with: {engines.ENGINES[name].install}")
+    return list(dict.fromkeys(names)) or engines.available()
+
+
+def slug(cell: Cell) -> str:
+    """A file name that is the same for the same cell: readable, with a hash of the whole key."""
+    key = json.dumps([str(v) for v in vars(cell).values()])
+    readable = "_".join(p for p in (cell.engine, cell.recording or cell.scenario) if p)
+    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in readable)
+    return f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
+
+
+def write_traces(out: Path, comparison: Comparison, motion: Motion) -> None:
+    """The traces of one cell as MCAP, and the curves for the page."""
+    if comparison.simulated is None:
+        return
+    traces = {"simulated": comparison.simulated}
+    if comparison.measured is not None:
+        traces["measured"] = comparison.measured
+    name = slug(comparison.cell)
+    write_mcap(out / "traces" / f"{name}.mcap", traces)
+    write_curves(out, comparison.cell, comparison.simulated, comparison.measured, motion.experiments[0].plant.model)
+
+
+def write_tables(out: Path, gaps: pd.DataFrame, comparisons: Sequence[Comparison]) -> None:
+    """`gaps.csv` and `timings.csv`."""
+    write_whole(out / "gaps.csv", to_csv(gaps))
+    rows = []
+    for c in comparisons:
+        if c.rollout is not None:
+            seconds = c.rollout.steps / c.cell.step_rate
+            wall = c.rollout.wall
+            rows.append(
+                {**vars(c.cell), "wall_seconds": wall, "real_time_factor": seconds / wall, "steps": c.rollout.steps}
+            )
+    write_whole(out / "timings.csv", to_csv(pd.DataFrame(rows)))
+
+
+def write_manifest(out: Path, file: ScenarioFile, found: Sequence[Motion], comparisons: Sequence[Comparison]) -> None:
+    """`manifest.json`: versions, what each adapter really set, hashes of the inputs, the command line, notes."""
+    inputs = {str(file.path): _digest(file.path)}
+    notes: dict[str, list[str]] = {}
+    for motion in found:
+        for e in motion.experiments:
+            urdf = file.resolve(e.scenario.robot.urdf, "robot.urdf")
+            inputs.setdefault(str(urdf), _digest(urdf))
+            notes.setdefault("model", list(e.plant.model.notes))
+            if e.recording is not None:
+                inputs[str(e.recording.path)] = _digest(e.recording.path)
+                notes[f"recording {e.name}"] = [*e.recording.notes]
+    used = {c.cell.engine: c for c in comparisons}
+    manifest = {
+        "schema": 1,
+        "scenario": file.scenario.name,
+        "command_line": sys.argv[1:],
+        "python": platform.python_version(),
+        "platform": platform.machine(),
+        "versions": {p: _version(p) for p in PACKAGES} | {n: c.cell.engine_version for n, c in used.items()},
+        "settings": {c.cell.engine: c.settings for c in comparisons if c.settings},
+        "capabilities": {
+            name: {k: {"level": v.level, "how": v.how} for k, v in engines.load(name).capabilities().items()}
+            for name in used
+        },
+        "inputs": dict(sorted(inputs.items())),
+        "notes": notes,
+        "virtual": bool(file.scenario.recordings and file.scenario.recordings.virtual),
+        "traces": {slug(c.cell): f"traces/{slug(c.cell)}.mcap" for c in comparisons if c.simulated is not None},
+    }
+    write_whole(out / "manifest.json", json.dumps(manifest, indent=1, default=str, ensure_ascii=False) + "\n")
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file, or of all files of a folder with their names."""
+    digest = hashlib.sha256()
+    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
+        if file.is_file():
+            digest.update(file.name.encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def summary(gaps: pd.DataFrame) -> list[str]:
+    """Lines for the terminal: the mean gap of every engine, beside both floors."""
+    lines = []
+    if gaps.empty:
+        return ["nothing was measured: no gap, traces only"]
+    bad = gaps[gaps["outcome"] != "ok"].drop_duplicates(["engine", "recording"])
+    for record in bad.itertuples():
+        lines.append(f"{record.engine}, {record.recording}: {record.outcome}: {record.note}")
+    good = gaps[gaps["outcome"] == "ok"]
+    for (group, signal, unit), part in means(good).groupby(["group", "signal", "unit"], sort=True):
+        for engine, rows in part.groupby("engine"):
+            floor = rows[["noise_floor", "numerical_floor"]].mean()
+            lines.append(
+                f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
+                f"(noise floor {floor['noise_floor']:.2g}, numerical floor {floor['numerical_floor']:.2g})"
+            )
+    return lines
