@@ -4,6 +4,8 @@ For laws that must know the machine outside an engine. Everything is in world ax
 base link, so that no frame changes occur: spatial vectors are (linear, angular), composite inertias just add.
 Algorithms: composite rigid body and recursive Newton-Euler (Featherstone, Rigid Body Dynamics Algorithms, 2008).
 """
+# mypy: allow-untyped-defs
+# (the compiled functions take arrays and numbers only; their callers are typed)
 
 import numpy as np
 from numba import njit
@@ -19,6 +21,7 @@ class Dynamics:
         bias: Coriolis, centrifugal and gravity terms as in `Simulation.bias`. Shape (nv,).
         ancestor: the next coordinate towards the root, -1 at the end; `inertia` is zero off these chains. Shape (nv,).
         motion: the velocity (linear at the base origin, angular) that each coordinate gives. Shape (nv, 6).
+        swing: the angular acceleration of each link where no coordinate accelerates [rad/s²]. Shape (n + 1, 3).
         point: the lowest point of each contact sphere, from the base origin [m]. Shape (k, 3).
         height: its height above the ground [m]. Shape (k,).
         point_end: the last coordinate that moves it, -1 for a fixed base. Shape (k,).
@@ -51,7 +54,9 @@ class Dynamics:
             sphere_link,
             np.array([[*s.center, s.radius] for _, s in spheres]).reshape(-1, 4),
         )
-        self._work = (np.zeros((n + 1, 12)), np.zeros((n + 1, 18)), np.zeros((n + 1, 6, 6)))
+        flow = np.zeros((n + 1, 18))
+        self.swing = flow[:, 9:12]
+        self._work = (np.zeros((n + 1, 12)), flow, np.zeros((n + 1, 6, 6)))
 
     def update(self, position: Array, velocity: Array, base: Array, gravity: Array) -> None:
         """Take over a state: joints Shape (n,), the base row Shape (13,) of `Simulation.read`, gravity Shape (3,).

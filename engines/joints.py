@@ -1,93 +1,130 @@
 """The joint law of `engines.engine`, for engines that lack armature, implicit damping or dry friction.
 
-The torque that the engine gets makes its own step come out as the law asks. With the machine's inertia M and bias c
-(from `engines.dynamics`), armature A, damping D and step h, the end-of-step velocity v' solves
+With the machine's inertia M and bias c (`engines.dynamics`), armature A, damping D and step h, the law asks for the
+end-of-step velocity v' of
 
-    (M + A + h D + K) (v' - v) = h (effort - D v + dry - c + load) + K (v_ground - v),     abs(dry) <= friction,
+    (M + A + h D) (v' - v) = h (effort - D v + dry - c) + ground,     abs(dry) <= friction,
 
-and the engine, which lacks some of A, D and dry, is handed effort + dry - D v' - A (v' - v)/h of those it lacks.
+and an engine that lacks A, D and dry comes out there when it is handed effort + dry - D v' - A (v' - v)/h.
 
-The ground: a rigid contact point that does not slide moves on as it must (v_ground: not into the ground), which K, a
-very large inertia at that point, sees to. This matters: a planted foot has an inertia of 4.5e-4 kg·m² against an
-armature of 0.027, and a law that took the ground's force from the previous step would need 60 steps to follow a
-change of torque. What K cannot know, the force on sliding or soft points, is taken from the previous step (`load`:
-what that step's change of velocity asks for beyond the torque given). After a rigid contact begins or ends that force
-says nothing about the next step (an impact is a spike of 100 times the weight) and is dropped. Where the engine
-moved a joint otherwise than foreseen, as in such a step, the momentum that its rotor should have kept is given back
-in the next step.
+*Ballast.* A planted foot has an inertia of 4.5e-4 kg·m² against an armature of 0.027: in an engine that does not know
+of the armature the ground moves it 60 times too easily, and no torque that was chosen before the contact was solved can
+mend that. So the engine gets a model (`JointLaw.model`) with rotary inertia E on its outermost links, as much as the
+armature of the joints before them, and is handed E (v' - v)/h more, on the base too (`JointLaw.wrench`): what differs
+from the law is A - E then, which is small where contact is felt. An engine opts in with `ballast=True`; without
+ground there is none.
 
-The friction is a box-constrained linear complementarity problem; it is solved exactly by block principal pivoting
-(Júdice and Pires 1994) over which joints are stuck, starting from those of the previous step. All factorisations use
-the branches of the tree (L^T D L; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.4).
+*Ground.* It has to be foreseen: a rigid contact point at rest stays (it gets the inertia of `FIRM` robots), one that
+comes down stops at the surface, a soft one has its spring and damper; a sliding one is foreseen without its friction.
+
+*Momentum.* Where the engine moved otherwise than foreseen (an impact, a foot that leaves the ground, sliding), what
+A + h D - E should have had of it is handed over in the next step. So an error lasts for one step and does not add up.
+
+Which joints are stuck is solved exactly (`engines.friction`).
 """
+# mypy: allow-untyped-defs
+# (the compiled functions take arrays and numbers only; their callers are typed)
+
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from engines.dynamics import Dynamics
 from engines.engine import Physics
+from engines.friction import stick_slip
 from engines.model import Array, Model
 
-HEIGHT = 1e-4
-"""A contact point or limit within this distance [m, rad] counts as touching."""
+TOUCH = 1e-4
+"""A rigid contact point or a joint limit nearer than this [m, rad] is touched."""
 FIRM = 1e4
-"""Inertia of a firm contact point in units of the robot's mass."""
+"""Inertia of a point that stays, in units of the robot's mass [kg] and, for limits, of as many kg·m²."""
 
 
 class JointLaw:
     """The joint law of one simulation, outside the engine.
 
     Attributes:
+        model: what the engine has to simulate: the model, with ballast on some links and without armature unless that
+            is native.
         dry: the dry friction of the last step, signed [N·m or N]. Shape (n,).
+        wrench: force [N] at the origin of the base link and torque [N·m], world axes, that the engine has to apply to
+            a floating base in this step. Shape (6,), (0,) for a fixed base.
+        ballasted: whether any link has ballast; `wrench` stays zero otherwise.
     """
 
-    def __init__(self, model: Model, physics: Physics, *, native_armature: bool, native_damping: bool) -> None:
-        """`native_armature`, `native_damping`: the engine itself adds the model's armature, the step's damping."""
-        n = len(model.joints)
+    def __init__(
+        self, model: Model, physics: Physics, *, native_armature: bool, native_damping: bool, ballast: bool = False
+    ) -> None:
+        """Set up the law for one model.
+
+        Args:
+            model: the machine.
+            physics: the settings of the simulation.
+            native_armature: the engine itself adds the model's armature.
+            native_damping: the engine itself adds the step's damping.
+            ballast: the engine simulates `model` of this object, not the one given, and applies `wrench`.
+        """
+        n, ground = len(model.joints), physics.ground
         self._dynamics = d = Dynamics(model)
-        nv = len(d.bias)
+        first = len(d.bias) - n
         self._gravity = np.asarray(physics.gravity, dtype=float)
-        self.dry = np.zeros(n)
-        self._out = np.zeros(n)
-        self._stick = np.zeros(n, dtype=np.int64)
         self._lacks_armature = not native_armature and bool(model.armature.any())
         self._lacks_damping = not native_damping
-        ground = physics.ground
-        soft = ground is not None and ground.stiffness is not None
-        self._ground = np.array(
+
+        weight = np.zeros(n + 1)
+        if ballast and self._lacks_armature and ground is not None:
+            weight = _ballast(model)
+        links = [replace(k, inertia=k.inertia + w * np.eye(3)) for k, w in zip(model.links, weight, strict=True)]
+        self.model = replace(model, links=tuple(links)) if weight.any() else model
+        if not native_armature:
+            self.model = self.model.with_armature(np.zeros(n))
+        self.ballasted = bool(weight.any())
+        carrier = np.flatnonzero(weight)
+        self._ballast = (carrier, weight[carrier], first - 1 + carrier)
+
+        stiffness = ground.stiffness if ground is not None else None
+        self._settings = np.array(
             [
-                float(ground is not None),
-                float(soft),
-                (ground.stiffness or 0.0) if ground else 0.0,
-                (ground.damping or 0.0) if ground else 0.0,
-            ]
+                physics.timestep,
+                self._lacks_armature,
+                self._lacks_damping,
+                FIRM * model.mass,
+                ground is not None,
+                stiffness is not None,
+                stiffness or 0.0,
+                (ground.damping if ground is not None else None) or 0.0,
+                0.5 * float(np.linalg.norm(self._gravity)) * physics.timestep,
+            ],
+            dtype=float,
         )
-        self._options = np.array([physics.timestep, float(native_armature), float(native_damping), FIRM * model.mass])
-        limits = np.array([[j.lower, j.upper] for j in model.joints]).reshape(n, 2)
-        self._law = (np.append(np.zeros(nv - n), model.armature), limits, self._options, self._ground)
-        # of the previous step: inertia, bias, velocity, joint torque the engine had, foreseen velocity, touching
-        self._past = (
-            np.zeros((nv, nv)), np.zeros(nv), np.zeros(nv), np.zeros(n), np.zeros(n),
-            np.zeros(len(d.height) + n, dtype=np.bool_), np.zeros(1, dtype=np.bool_),
-        )  # fmt: skip
-        self._work = (np.zeros((nv, nv)), np.zeros((nv, nv)), np.zeros((5, nv)), np.zeros(nv))
+        self._armature = np.append(np.zeros(first), model.armature)
+        self._limits = np.array([[j.lower, j.upper] for j in model.joints]).reshape(n, 2)
+        self._stick = np.zeros(n, dtype=np.int64)
+        self._known = np.zeros(1, dtype=np.bool_)
+        self._work = np.zeros((6, first + n))
+        self._matrices = np.zeros((2, first + n, first + n))
+        self.dry = np.zeros(n)
+        self._given = np.zeros(first + n)
+        self.wrench, self._out = self._given[:first], self._given[first:]
 
     def reset(self) -> None:
         """Forget the previous step."""
         self.dry[:] = 0.0
+        self._given[:] = 0.0
         self._stick[:] = 0
-        self._past[-1][0] = False
+        self._known[0] = False
 
     def effort(
         self, position: Array, velocity: Array, base: Array, effort: Array, damping: Array, friction: Array
     ) -> Array:
-        """The torque to hand to the engine for this step; valid until the next call. Shape (n,).
+        """The joint effort to hand to the engine for this step (and `wrench`); valid until the next call. Shape (n,).
 
         Args:
             position: of the joints at the start of the step. Shape (n,), as are velocity, effort, damping, friction.
             velocity: of the joints at the start of the step.
             base: the row of `Simulation.read`; for a fixed base its pose and zero velocity. Shape (13,).
-            effort: the motors' effort.
+            effort: as in `Simulation.step`.
             damping: as in `Simulation.step`.
             friction: as in `Simulation.step`.
         """
@@ -98,147 +135,152 @@ class JointLaw:
         d.update(position, velocity, base, self._gravity)
         _solve(
             position, velocity, base, effort, damping, friction,
-            d.inertia, d.bias, d.ancestor, d.motion, d.point, d.height, d.point_end,
-            *self._law, *self._past, *self._work, self._stick, self.dry, self._out,
+            d.inertia, d.bias, d.ancestor, d.motion, d.swing, d.point, d.height, d.point_end,
+            self._armature, self._limits, self._settings, *self._ballast,
+            self._known, self._stick, self.dry, self._given, self._work, self._matrices,
         )  # fmt: skip
         return self._out
+
+    def ballast(self, position: Array, velocity: Array, base: Array) -> tuple[Array, Array]:
+        """The ballast's part in the engine's inertia matrix and bias. Shapes (nv, nv) and (nv,)."""
+        d = self._dynamics
+        d.update(position, velocity, base, self._gravity)
+        nv = len(d.bias)
+        matrix, bias = np.zeros((nv, nv)), np.zeros(nv)
+        for k, weight, end in zip(*self._ballast, strict=True):
+            _swing(d.motion, d.ancestor, end, weight, np.zeros(nv), d.swing[k], 1.0, bias)
+            for i in range(nv):
+                _swing(d.motion, d.ancestor, end, weight, np.eye(nv)[i], d.swing[k], 0.0, matrix[i])
+        return matrix, bias
+
+
+def _ballast(model: Model) -> Array:
+    """Rotary inertia of each link [kg·m²], so that all beyond a joint carry its armature at least. Shape (n + 1,).
+
+    It is isotropic, because engines refuse or drop an inertia that no body has.
+    """
+    out = np.zeros(len(model.links))
+    beyond = np.zeros(len(model.links))
+    for i in range(len(model.joints), 0, -1):
+        joint = model.joints[i - 1]
+        if not joint.prismatic:
+            out[i] = max(0.0, joint.armature - beyond[i])
+        beyond[joint.parent] += beyond[i] + out[i]
+    return out
 
 
 @njit(cache=True)
 def _solve(
     position, velocity, base, effort, damping, friction,
-    inertia, bias, ancestor, motion, point, height, point_end,
-    armature, limits, options, ground,
-    old_inertia, old_bias, old_velocity, old_torque, foreseen, old_touch, known,
-    matrix, factor, vectors, row, stick, dry, out,
+    inertia, bias, ancestor, motion, swing, point, height, point_end,
+    armature, limits, settings, carrier, ballast, carrier_end,
+    known, stick, dry, given, work, matrices,
 ):  # fmt: skip
     n, nv = len(position), len(bias)
     first = nv - n
-    h, native_armature, native_damping, firm = options[0], options[1] > 0, options[2] > 0, options[3]
-    speed, load, right, change, free = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
+    h, lacks_armature, lacks_damping = settings[0], settings[1], settings[2]
+    foreseen, speed, change, right, free = work[0], work[1], work[2], work[3], work[4]
+    matrix, factor = matrices[0], matrices[1]
     for i in range(first):
         speed[i] = base[7 + i]
+        given[i] = 0.0
     for i in range(n):
         speed[first + i] = velocity[i]
+        given[first + i] = effort[i]
 
-    # what the previous step's change of velocity asks for beyond the torque given: contact, limits
-    load[:] = 0.0
-    if known[0]:
+    if known[0]:  # hand over the momentum that the last step missed
         for i in range(nv):
-            change[i] = (speed[i] - old_velocity[i]) / h
-        _multiply(old_inertia, ancestor, change, load)
-        for i in range(nv):
-            load[i] += old_bias[i]
+            change[i] = (foreseen[i] - speed[i]) / h
         for i in range(n):
-            load[first + i] -= old_torque[i]
-            if native_damping:
-                load[first + i] += damping[i] * velocity[i]
-            if native_armature:
-                load[first + i] += armature[first + i] * change[first + i]
+            lack = lacks_armature * armature[first + i] + lacks_damping * h * damping[i]
+            if lack > 0:
+                given[first + i] += lack * change[first + i]
+        for i in range(len(carrier)):
+            _swing(motion, ancestor, carrier_end[i], -ballast[i], change, swing[carrier[i]], 0.0, given)
 
     for i in range(nv):
         j = i
         while j >= 0:
-            matrix[i, j] = old_inertia[i, j] = inertia[i, j]
+            matrix[i, j] = inertia[i, j]
             j = ancestor[j]
         matrix[i, i] += armature[i]
-        old_bias[i], old_velocity[i] = bias[i], speed[i]
-        right[i] = -h * bias[i]
+        right[i] = h * (given[i] - bias[i])
     for i in range(n):
         matrix[first + i, first + i] += h * damping[i]
-        out[i] = effort[i]
-        if known[0]:
-            kept = (0.0 if native_armature else armature[first + i]) + (0.0 if native_damping else h * damping[i])
-            if kept > 0:
-                out[i] -= kept * (velocity[i] - foreseen[i]) / h
-        right[first + i] += h * (out[i] - damping[i] * velocity[i])
+        right[first + i] -= h * damping[i] * velocity[i]
+    _touch(position, speed, limits, settings, ancestor, motion, point, height, point_end, matrix, right, free)
+    stick_slip(matrix, factor, ancestor, right, change, free, speed, friction, h, stick, dry)
 
-    touching, same = _touch(
-        position,
-        speed,
-        limits,
-        h,
-        firm,
-        ground,
-        ancestor,
-        motion,
-        point,
-        height,
-        point_end,
-        old_touch,
-        matrix,
-        right,
-        row,
-    )
-    if touching and (same or ground[1] > 0):
-        for i in range(nv):
-            right[i] += h * load[i]
-
-    _pivot(matrix, factor, ancestor, right, change, free, speed, friction, h, stick, dry)
-
+    for i in range(nv):
+        foreseen[i] = speed[i] + change[i]
+        change[i] /= h
     for i in range(n):
-        after = velocity[i] + change[first + i]
-        foreseen[i] = after
-        torque = out[i]
+        j = first + i
         if friction[i] > 0:
-            torque += dry[i]
-        if damping[i] != 0 and not native_damping:
-            torque -= damping[i] * after
-        if armature[first + i] != 0 and not native_armature:
-            torque -= armature[first + i] * change[first + i] / h
-        out[i] = old_torque[i] = torque
+            given[j] += dry[i]
+        if damping[i] != 0 and lacks_damping > 0:
+            given[j] -= damping[i] * foreseen[j]
+        if armature[j] != 0 and lacks_armature > 0:
+            given[j] -= armature[j] * change[j]
+    for i in range(len(carrier)):
+        _swing(motion, ancestor, carrier_end[i], ballast[i], change, swing[carrier[i]], 1.0, given)
     known[0] = True
 
 
 @njit(cache=True)
-def _touch(
-    position, speed, limits, h, firm, ground, ancestor, motion, point, height, point_end, old_touch, matrix, right, row
-):  # fmt: skip
-    """Add the inertia of what touches to `matrix` and `right`; whether anything touches, and the same as before."""
-    touching, same = False, True
-    n, k = len(position), len(height)
+def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
+    """Add the effort that a link's rotary inertia `weight` asks for; `swing` is its angular acceleration at rest."""
+    a, b, c = share * swing[0], share * swing[1], share * swing[2]
+    j = end
+    while j >= 0:
+        a += motion[j, 3] * acceleration[j]
+        b += motion[j, 4] * acceleration[j]
+        c += motion[j, 5] * acceleration[j]
+        j = ancestor[j]
+    j = end
+    while j >= 0:
+        out[j] += weight * (a * motion[j, 3] + b * motion[j, 4] + c * motion[j, 5])
+        j = ancestor[j]
+
+
+@njit(cache=True)
+def _touch(position, speed, limits, settings, ancestor, motion, point, height, point_end, matrix, right, row):
+    """Add what the ground and the joint limits will do to `matrix` and `right`."""
+    h, firm, ground, soft = settings[0], settings[3], settings[4], settings[5]
+    stiffness, damping, slow = settings[6], settings[7], settings[8]
+    n = len(position)
     first = len(speed) - n
-    slow = 0.5 * 9.81 * h  # half of what a free fall gains in a step: slower than this is at rest
-    soft = ground[1] > 0
-    for i in range(k):
-        touch = ground[0] > 0 and height[i] < (0.0 if soft else HEIGHT)
-        if touch:
-            push = np.zeros(3)
-            for d in range(3):
-                j = point_end[i]
-                while j >= 0:
-                    push[d] += _reach(motion, point, i, j, d) * speed[j]
-                    j = ancestor[j]
-            stays = abs(push[0]) + abs(push[1]) < slow
-            if soft:
-                weight = h * (ground[3] + h * ground[2])
-                _hold(
-                    matrix, right, row, ancestor, motion, point, point_end, i, 2, weight, -h * h * ground[2] * push[2]
-                )
-            else:
-                touch = push[2] < slow
-                stays = stays and touch
-                if touch:
-                    end = max(push[2], -max(height[i], 0.0) / h) if push[2] < 0 else push[2]
-                    _hold(matrix, right, row, ancestor, motion, point, point_end, i, 2, firm, firm * (end - push[2]))
-            if stays:
-                for d in range(2):
-                    _hold(matrix, right, row, ancestor, motion, point, point_end, i, d, firm, 0.0)
-        same = same and touch == old_touch[i]
-        old_touch[i] = touch
-        touching = touching or touch
+    # `slow` is half of what a free fall gains in a step: what is slower than that is at rest
+    for i in range(len(height)):
+        if ground == 0 or height[i] > (0.0 if soft > 0 else TOUCH):
+            continue
+        x, y, z = 0.0, 0.0, 0.0
+        j = point_end[i]
+        while j >= 0:
+            x += _reach(motion, point, i, j, 0) * speed[j]
+            y += _reach(motion, point, i, j, 1) * speed[j]
+            z += _reach(motion, point, i, j, 2) * speed[j]
+            j = ancestor[j]
+        if soft > 0:  # the spring and damper at the end of the step
+            weight = h * (damping + h * stiffness)
+            push = -h * stiffness * height[i] - weight * z
+        elif z < slow:
+            weight = firm
+            push = firm * (max(z, -max(height[i], 0.0) / h) - z)
+        else:
+            continue
+        _hold(matrix, right, row, ancestor, motion, point, point_end, i, 2, weight, push)
+        if abs(x) + abs(y) < slow:
+            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 0, firm, 0.0)
+            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 1, firm, 0.0)
     for i in range(n):
-        low, high, rate = position[i] - limits[i, 0], limits[i, 1] - position[i], speed[first + i]
-        touch = (low < HEIGHT and rate < slow) or (high < HEIGHT and -rate < slow)
-        if touch:
+        rate = speed[first + i]
+        if position[i] - limits[i, 0] < TOUCH and rate < slow:
             matrix[first + i, first + i] += firm
-            inward = rate < 0 if low < HEIGHT else rate > 0
-            if inward:
-                right[first + i] -= firm * rate
-        same = same and touch == old_touch[k + i]
-        old_touch[k + i] = touch
-        touching = touching or touch
-    return touching, same
+            right[first + i] -= firm * min(rate, 0.0)
+        elif limits[i, 1] - position[i] < TOUCH and rate > -slow:
+            matrix[first + i, first + i] += firm
+            right[first + i] -= firm * max(rate, 0.0)
 
 
 @njit(cache=True, inline="always")
@@ -263,109 +305,3 @@ def _hold(matrix, right, row, ancestor, motion, point, point_end, i, d, weight, 
             matrix[j, k] += weight * row[j] * row[k]
             k = ancestor[k]
         j = ancestor[j]
-
-
-@njit(cache=True)
-def _pivot(matrix, factor, ancestor, right, change, residual, speed, friction, h, stick, dry):
-    """The change of velocity and the dry friction, by block principal pivoting.
-
-    `stick` is 0 for a stuck joint and the sign of its velocity for a sliding one. Blocks of joints are moved between
-    the sets while that lowers the number of contradictions, else the last contradicting one alone, which is finite.
-    """
-    n, nv = len(stick), len(right)
-    first = nv - n
-    best, tries = n + 1, 4
-    for _ in range(8 * n + 8):
-        for i in range(nv):
-            change[i] = 0.0
-        for i in range(n):
-            if friction[i] > 0 and stick[i] == 0:
-                change[first + i] = -speed[first + i]
-        _multiply(matrix, ancestor, change, residual)
-        for i in range(nv):
-            residual[i] = right[i] - residual[i]
-        for i in range(nv):
-            locked = i >= first and friction[i - first] > 0 and stick[i - first] == 0
-            j = i
-            while j >= 0:
-                off = locked or (j >= first and friction[j - first] > 0 and stick[j - first] == 0)
-                factor[i, j] = matrix[i, j] if not off else (1.0 if i == j else 0.0)
-                j = ancestor[j]
-            if locked:
-                residual[i] = change[i]
-            elif i >= first and friction[i - first] > 0:
-                residual[i] -= h * stick[i - first] * friction[i - first]
-        _factorise(factor, ancestor)
-        _substitute(factor, ancestor, residual)
-        for i in range(nv):
-            change[i] = residual[i]
-        _multiply(matrix, ancestor, change, residual)
-        wrong, last = 0, -1
-        for i in range(n):
-            dry[i] = 0.0
-            if friction[i] > 0:
-                if stick[i] == 0:
-                    dry[i] = (residual[first + i] - right[first + i]) / h
-                    bad = abs(dry[i]) > friction[i] * (1 + 1e-9)
-                else:
-                    dry[i] = -stick[i] * friction[i]
-                    bad = stick[i] * (speed[first + i] + change[first + i]) < -1e-12
-                if bad:
-                    wrong, last = wrong + 1, i
-        if wrong == 0:
-            break
-        if wrong < best:
-            best, tries = wrong, 4
-        else:
-            tries -= 1
-        for i in range(n):
-            if friction[i] > 0 and (tries >= 0 or i == last):
-                if stick[i] == 0 and abs(dry[i]) > friction[i] * (1 + 1e-9):
-                    stick[i] = -1 if dry[i] > 0 else 1
-                elif stick[i] != 0 and stick[i] * (speed[first + i] + change[first + i]) < -1e-12:
-                    stick[i] = 0
-    for i in range(n):
-        dry[i] = min(max(dry[i], -friction[i]), friction[i])
-
-
-@njit(cache=True)
-def _multiply(matrix, ancestor, x, out):
-    """The product of a branch-sparse symmetric matrix, of which the lower triangle is used, and x."""
-    for i in range(len(x)):
-        out[i] = matrix[i, i] * x[i]
-        j = ancestor[i]
-        while j >= 0:
-            out[i] += matrix[i, j] * x[j]
-            out[j] += matrix[i, j] * x[i]
-            j = ancestor[j]
-
-
-@njit(cache=True)
-def _factorise(matrix, ancestor):
-    """L^T D L in place."""
-    for k in range(len(ancestor) - 1, -1, -1):
-        i = ancestor[k]
-        while i >= 0:
-            a = matrix[k, i] / matrix[k, k]
-            j = i
-            while j >= 0:
-                matrix[i, j] -= a * matrix[k, j]
-                j = ancestor[j]
-            matrix[k, i] = a
-            i = ancestor[i]
-
-
-@njit(cache=True)
-def _substitute(factor, ancestor, x):
-    """Solve L^T D L x = b in place."""
-    for i in range(len(x) - 1, -1, -1):
-        j = ancestor[i]
-        while j >= 0:
-            x[j] -= factor[i, j] * x[i]
-            j = ancestor[j]
-    for i in range(len(x)):
-        x[i] /= factor[i, i]
-        j = ancestor[i]
-        while j >= 0:
-            x[i] -= factor[i, j] * x[j]
-            j = ancestor[j]
