@@ -116,6 +116,9 @@ def _say_duty(motions: list[Motion], current: CurrentFit | None, summary: Summar
         ["recording", "no-load speed [rad/s per duty]", "friction [duty]", "restoring [duty per rad]"],
         [[n, f.no_load_speed.text(), f.coulomb.text(4), f.restoring.text(4)] for n, f in fits.items()],
     )
+    speeds = [f.no_load_speed for n, f in fits.items() if n != "together"]
+    if max(s.low for s in speeds) > min(s.high for s in speeds):
+        summary.lines.append("The recordings differ by more than their intervals: each had its own, unrecorded supply.")
     if both.restoring.low > 0:
         summary.lines.append("Something pulls the lever back to 0: a cable, or a bench that is not level.")
     for m in motions:
@@ -129,8 +132,8 @@ def _say_duty(motions: list[Motion], current: CurrentFit | None, summary: Summar
         if current is not None:
             constant = current.torque_constant.value
             summary.lines.append(
-                f"so the stall torque is {stall.value * constant:.2f} N·m per duty, and the friction seen in the duty "
-                f"{both.coulomb.value * stall.value * constant:.2f} N·m (an upper bound, with the bridge's voltage drop)"
+                f"so stall torque is {stall.value * constant:.2f} N·m per duty, and the friction seen in the duty "
+                f"{both.coulomb.value * stall.value * constant:.2f} N·m (with the bridge's voltage drop: at most that)"
             )
 
 

@@ -78,24 +78,25 @@ def _straightness(fits: Lines, summary: Summary) -> None:
     )
     for kind, by_supply in fits.items():
         for supply, x in by_supply.items():
-            where = f"WARNING: {kind} at {supply:.1f} V:"
+            found = []
             if x.max_torque > x.stall_torque.high:
-                summary.lines.append(
-                    f"{where} the straight line does not hold: the maximum torque, {x.max_torque:.2f} N·m, lies "
-                    f"{x.max_torque - x.stall_torque.value:.2f} N·m above the fitted stall torque, beyond its interval."
+                found.append(
+                    f"the straight line does not hold, the maximum torque lies "
+                    f"{x.max_torque - x.stall_torque.value:.2f} N·m above the fitted stall torque, beyond its interval"
                 )
             if x.curvature_p < 0.05:
-                summary.lines.append(f"{where} the points bend (square term, p = {x.curvature_p:.2g}).")
+                found.append(f"the points bend (square term, p = {x.curvature_p:.2g})")
             if x.max_speed > x.no_load_speed.high and x.torque_at_max_speed < 0:
-                summary.lines.append(
-                    f"{where} the maximum speed, {x.max_speed:.2f} rad/s, was measured at {x.torque_at_max_speed:.2f} "
-                    "N·m: the load drove the servo, so it is not a no-load speed."
+                found.append(
+                    f"the maximum speed is no no-load speed, the load drove the servo ({x.torque_at_max_speed:.2f} N·m)"
                 )
             if not x.stall_torque.low <= x.other_stall_torque <= x.stall_torque.high:
-                summary.lines.append(
-                    f"{where} regressed the other way round the stall torque is {x.other_stall_torque:.2f} N·m and the "
-                    f"no-load speed {x.other_no_load_speed:.2f} rad/s; the truth may lie between."
+                found.append(
+                    f"regressed the other way round it is {x.other_stall_torque:.2f} N·m and "
+                    f"{x.other_no_load_speed:.2f} rad/s"
                 )
+            if found:
+                summary.lines.append(f"WARNING: {kind} at {supply:.1f} V: {'; '.join(found)}.")
 
 
 def _datasheet(types: dict[str, MotorType], fits: Lines, summary: Summary) -> None:
@@ -140,7 +141,7 @@ def _condition(spec: ServoBench, sweep: pd.DataFrame, summary: Summary) -> None:
         if np.isnan(p):
             verdict = "one motor of each says nothing about its kind"
         elif p < 0.05:
-            verdict = f"new and used motors differ (p = {p:.2g})"
+            verdict = f"new and used motors differ (p = {p:.2g}), one line for both describes neither"
         else:
             verdict = f"no difference seen (p = {p:.2g})"
         rows.append(f"{kind}: new less used {difference.text()} N·m: {verdict}; each from the mean: {each}.")

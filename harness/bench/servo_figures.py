@@ -37,7 +37,7 @@ def torque_speed(
             for axes, condition in zip(panels, ("used", "new"), strict=True):
                 group = groups[condition]
                 line = fit_line(group["speed"].to_numpy(float), group["torque"].to_numpy(float))
-                _panel(axes, group, line, sheet)
+                _panel(axes, group, line, sheet if sheet is not None and sheet.supply == supply else None)
                 axes.set_title(f"{kind}, {condition} motors, {supply:g} V")
             files.append(_save(figure, panels[0], out / f"new_and_used_{kind.replace(' ', '_')}.png"))
     return files
