@@ -34,7 +34,9 @@ SIGNALS = {
 }
 
 
-def layout_of(kind: str, fields: tuple[str, ...], named: Stream | None, *, command: bool) -> Layout | None:
+def layout_of(
+    kind: str, fields: tuple[str, ...], named: Stream | None = None, *, command: bool = False
+) -> Layout | None:
     """Where names and values stand in a message type; None where it has no such arrays.
 
     Args:
