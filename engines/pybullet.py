@@ -1,0 +1,356 @@
+"""PyBullet: generalized coordinates (articulated-body algorithm), contact by projected Gauss-Seidel, friction in a cone.
+
+How it solves: free acceleration first, then contact and limit impulses in sweeps, then positions from the new
+velocities. It has no armature and its joint damping and friction are explicit or motors, so that all three come from
+`engines.joints`.
+Where it lies by default: a velocity motor on every joint, damping of links, a speed limit of 100, a residual at which
+the sweeps end whatever their number, inertias from collision shapes, one cached file per path, sleeping, the base's
+centre of mass in place of its frame, friction of a pair as the product. All of that is switched off or undone here.
+"""
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from engines.joints import JointLaw
+from engines.model import Array, Model, quaternion_from_rotation, rotation_from_quaternion
+from engines.urdf import write_urdf
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Keep what C code prints off the standard output, which belongs to the caller's data."""
+    sys.stdout.flush()
+    kept, sink = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(sink, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(sink)
+
+
+with _silence():
+    import pybullet
+
+FREE = 1e9
+"""In place of a limit that does not exist: of a joint's position and speed."""
+RUNAWAY = 1e6
+"""A speed that no robot has [rad/s or m/s]; Bullet removes what leaves its world and goes on."""
+SHORT = 1e-7
+"""The step [s] from which the bias is taken: Bullet's own error of order h vanishes, rounding does not show yet."""
+ITERATIONS = 50
+"""Sweeps of the contact solver where none are asked for: Bullet's default."""
+
+
+class PybulletSimulation(Simulation):
+    """One physics client with one body and the ground. See `Simulation`."""
+
+    def __init__(self, model: Model, physics: Physics) -> None:
+        self.model = model
+        self.physics = physics
+        n = len(model.joints)
+        self._law = JointLaw(model, physics, native_armature=False, native_damping=False, ballast=True)
+        self._client, self._body = _open(self._law.model, physics)
+        self._joints = list(range(n))
+        self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
+        info = pybullet.getDynamicsInfo(self._body, -1, physicsClientId=self._client)
+        # Bullet's frame of the base is in the centre of mass, along the principal axes
+        x, y, z, w = info[4]
+        self._com: Vector = info[3]
+        self._principal = rotation_from_quaternion(np.array([w, x, y, z]))
+        self._from_principal = (w, -x, -y, -z)
+        self._untouched = pybullet.saveState(physicsClientId=self._client)
+        self.settings = _settings(self._client, physics)
+        self.settings["ballast for armature"] = self._law.ballasted
+        self.settings["armature, damping, dry friction"] = "emulated by engines.joints"
+        self.settings["limits enforced"] = [j.name for j in model.joints if _limited(j.lower, j.upper)]
+        self.reset(State(np.zeros(n), np.zeros(n)))
+
+    def reset(self, state: State) -> None:
+        body, client = self._body, self._client
+        pybullet.restoreState(self._untouched, physicsClientId=client)  # without contacts and warm starts
+        turn = rotation_from_quaternion(state.base_quaternion)
+        arm = turn @ self._com
+        w, x, y, z = quaternion_from_rotation(turn @ self._principal).tolist()
+        pybullet.resetBasePositionAndOrientation(
+            body, (state.base_position + arm).tolist(), (x, y, z, w), physicsClientId=client
+        )
+        if self.model.floating:
+            linear = state.base_linear + np.cross(state.base_angular, arm)
+            pybullet.resetBaseVelocity(body, linear.tolist(), state.base_angular.tolist(), physicsClientId=client)
+        for i, (q, v) in enumerate(zip(state.position.tolist(), state.velocity.tolist(), strict=True)):
+            pybullet.resetJointState(body, i, q, v, physicsClientId=client)
+        self._base[:3], self._base[3:7] = state.base_position, state.base_quaternion
+        self._law.reset()
+        self._steps = 0
+        self._fetch()
+
+    def step(self, effort: Array, damping: Array, friction: Array) -> None:
+        body, client = self._body, self._client
+        effort = self._law.effort(self._position, self._velocity, self._base, effort, damping, friction)
+        self._steps += 1
+        if self._joints:
+            forces = effort.tolist()
+            pybullet.setJointMotorControlArray(
+                body, self._joints, pybullet.TORQUE_CONTROL, forces=forces, physicsClientId=client
+            )
+        if self._law.ballasted and self.model.floating:
+            wrench = self._law.wrench.tolist()
+            origin, world = self._base[:3].tolist(), pybullet.WORLD_FRAME
+            pybullet.applyExternalForce(body, -1, wrench[:3], origin, world, physicsClientId=client)
+            pybullet.applyExternalTorque(body, -1, wrench[3:], world, physicsClientId=client)
+        pybullet.stepSimulation(physicsClientId=client)
+        self._fetch()
+
+    def _fetch(self) -> None:
+        body, client = self._body, self._client
+        if self._joints:
+            states = pybullet.getJointStates(body, self._joints, physicsClientId=client)
+            self._position[:] = [s[0] for s in states]
+            self._velocity[:] = [s[1] for s in states]
+        if self.model.floating:
+            com, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+            linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
+            turn = _product((w, x, y, z), self._from_principal)
+            arm = _rotate(turn, self._com)
+            swept = _cross(angular, arm)
+            self._base[:] = (
+                *(com[0] - arm[0], com[1] - arm[1], com[2] - arm[2]),
+                *turn,
+                *(linear[0] - swept[0], linear[1] - swept[1], linear[2] - swept[2]),
+                *angular,
+            )
+        speed = self._velocity @ self._velocity + self._base[7:] @ self._base[7:]
+        if not speed < RUNAWAY**2:
+            wrong = np.flatnonzero(~(np.abs(self._velocity) < RUNAWAY))
+            joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
+            raise Diverged(self._steps * self.physics.timestep, joint, "velocity runs away")
+
+    def read(self, position: Array, velocity: Array, base: Array) -> None:
+        position[:] = self._position
+        velocity[:] = self._velocity
+        if self.model.floating:
+            base[:] = self._base
+
+    def dry_friction(self) -> Array:
+        return self._law.dry.copy()
+
+    def mass_matrix(self) -> Array:
+        n = len(self._joints)
+        o = 6 if self.model.floating else 0
+        if o + n == 6 and not n:
+            found = np.zeros((6, 6))
+            info = pybullet.getDynamicsInfo(self._body, -1, physicsClientId=self._client)
+            found[:3, :3], found[3:, 3:] = np.diag(info[2]), info[0] * np.eye(3)
+        else:
+            found = np.array(
+                pybullet.calculateMassMatrix(self._body, self._position.tolist(), physicsClientId=self._client)
+            )
+        if o:
+            found = self._turn(found, n)
+        ballast: Array = found - self._law.ballast(self._position, self._velocity, self._base)[0]
+        return ballast
+
+    def _turn(self, found: Array, n: int) -> Array:
+        """From Bullet's base coordinates: angular first, both in its frame and about the centre of mass."""
+        link = rotation_from_quaternion(self._base[3:7])
+        frame = (link @ self._principal).T
+        x, y, z = link @ self._com
+        to_bullet = np.eye(6 + n)
+        to_bullet[:6, :6] = 0.0
+        to_bullet[:3, 3:6] = to_bullet[3:6, :3] = frame
+        to_bullet[3:6, 3:6] = -frame @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        turned: Array = to_bullet.T @ found @ to_bullet
+        return turned
+
+    def bias(self) -> Array:
+        # from a real step, short and without ground: Bullet's inverse dynamics corrupts memory with a floating base
+        zero = np.zeros(len(self._joints))
+        base = self._base
+        state = State(self._position, self._velocity, base[:3], base[3:7], base[7:10], base[10:])
+        before = self._speeds()
+        with closing(PybulletSimulation(self.model, replace(self.physics, timestep=SHORT, ground=None))) as free:
+            free.reset(state)
+            free.step(zero, zero, zero)
+            after = free._speeds()
+        bias: Array = self.mass_matrix() @ (before - after) / SHORT
+        return bias
+
+    def _speeds(self) -> Array:
+        return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])
+
+    def close(self) -> None:
+        if pybullet.isConnected(self._client):
+            pybullet.disconnect(self._client)
+
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Of quaternions w x y z; plain floats, because four elements are too few for numpy."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
+        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
+    )
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _rotate(q: Quaternion, v: Vector) -> Vector:
+    """v turned by the unit quaternion q."""
+    axis = (q[1], q[2], q[3])
+    t = _cross(axis, v)
+    u = _cross(axis, t)
+    return v[0] + 2 * (q[0] * t[0] + u[0]), v[1] + 2 * (q[0] * t[1] + u[1]), v[2] + 2 * (q[0] * t[2] + u[2])
+
+
+def _limited(lower: float, upper: float) -> bool:
+    return bool(np.isfinite(lower) or np.isfinite(upper))
+
+
+def _urdf(model: Model) -> str:
+    """The model's URDF with its finite limits: Bullet takes limits from the file only."""
+    tree = ElementTree.fromstring(write_urdf(model))
+    for joint, element in zip(model.joints, tree.iter("joint"), strict=True):
+        if _limited(joint.lower, joint.upper):
+            element.set("type", "prismatic" if joint.prismatic else "revolute")
+            for old in element.findall("limit"):
+                element.remove(old)
+            limits = {
+                "lower": max(joint.lower, -FREE),
+                "upper": min(joint.upper, FREE),
+                "effort": FREE,
+                "velocity": FREE,
+            }
+            ElementTree.SubElement(element, "limit", {k: repr(float(v)) for k, v in limits.items()})
+    return ElementTree.tostring(tree, encoding="unicode")
+
+
+def _open(model: Model, physics: Physics) -> tuple[int, int]:
+    """A client with the robot, the ground and no hidden physics; the numbers of client and robot."""
+    with _silence():
+        client = pybullet.connect(pybullet.DIRECT)
+        pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "robot.urdf"
+            path.write_text(_urdf(model), encoding="utf-8")
+            body = pybullet.loadURDF(
+                str(path),
+                useFixedBase=not model.floating,
+                flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_MAINTAIN_LINK_ORDER,
+                physicsClientId=client,
+            )
+    pybullet.setGravity(*physics.gravity, physicsClientId=client)
+    pybullet.setPhysicsEngineParameter(
+        fixedTimeStep=physics.timestep,
+        numSubSteps=0,
+        numSolverIterations=ITERATIONS if physics.solver_iterations is None else physics.solver_iterations,
+        solverResidualThreshold=0.0,
+        deterministicOverlappingPairs=1,
+        enableConeFriction=1,
+        restitutionVelocityThreshold=FREE,
+        physicsClientId=client,
+    )
+    n = len(model.joints)
+    if n:
+        pybullet.setJointMotorControlArray(
+            body, list(range(n)), pybullet.VELOCITY_CONTROL, forces=[0.0] * n, physicsClientId=client
+        )
+    for link in range(-1, n):
+        change = {"bodyUniqueId": body, "linkIndex": link, "physicsClientId": client}
+        pybullet.changeDynamics(**change, maxJointVelocity=FREE)
+        # in a call of its own: together with the line above the damping is dropped
+        pybullet.changeDynamics(**change, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0)
+        pybullet.changeDynamics(
+            **change, lateralFriction=1.0, rollingFriction=0.0, spinningFriction=0.0, restitution=0.0
+        )
+    pybullet.changeDynamics(
+        body, -1, activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING, physicsClientId=client
+    )
+    if physics.ground is not None:
+        _lay(client, physics)
+    return client, body
+
+
+def _lay(client: int, physics: Physics) -> None:
+    """The ground. Bullet multiplies the friction of a pair, and the robot has 1."""
+    assert physics.ground is not None
+    shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
+    plane = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
+    pybullet.changeDynamics(
+        plane,
+        -1,
+        lateralFriction=physics.ground.friction,
+        rollingFriction=0.0,
+        spinningFriction=0.0,
+        restitution=0.0,
+        physicsClientId=client,
+    )
+    if physics.ground.stiffness is not None:
+        pybullet.changeDynamics(
+            plane,
+            -1,
+            contactStiffness=physics.ground.stiffness,
+            contactDamping=physics.ground.damping or 0.0,
+            physicsClientId=client,
+        )
+
+
+def _settings(client: int, physics: Physics) -> dict[str, object]:
+    found = pybullet.getPhysicsEngineParameters(physicsClientId=client)
+    return {
+        **found,
+        "solver iterations": found["numSolverIterations"],
+        "default motors, link damping, sleeping, restitution, self collision": "off",
+        "maxJointVelocity": FREE,
+        "inertia": "from file",
+        "robot friction": 1.0,
+        "ground friction": None if physics.ground is None else physics.ground.friction,
+        "contactStiffness": None if physics.ground is None else physics.ground.stiffness,
+        "contactDamping": None if physics.ground is None else physics.ground.damping,
+    }
+
+
+class PybulletEngine(Engine):
+    """PyBullet. See `Engine`."""
+
+    name = "pybullet"
+
+    @property
+    def version(self) -> str:
+        return version("pybullet")
+
+    def capabilities(self) -> dict[str, Capability]:
+        return {
+            "armature": Capability("emulated", "engines.joints; Bullet has none"),
+            "joint_damping": Capability("emulated", "engines.joints; Bullet's jointDamping is explicit"),
+            "joint_friction": Capability("emulated", "engines.joints"),
+            "joint_limits": Capability("native", "rows of the contact problem"),
+            "rigid_ground": Capability("native", "friction cone, projected Gauss-Seidel"),
+            "soft_ground": Capability("native", "contactStiffness and contactDamping of the ground"),
+            "solver_iterations": Capability("native", "numSolverIterations, all of them carried out"),
+        }
+
+    def open(self, model: Model, physics: Physics) -> PybulletSimulation:
+        return PybulletSimulation(model, physics)
+
+
+ENGINE = PybulletEngine()
+__all__ = ["ENGINE", "PybulletEngine", "PybulletSimulation"]
