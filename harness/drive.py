@@ -1,14 +1,9 @@
-"""The drive law: what turns commands into joint efforts, compiled, for all joints at once.
+"""What the drive of a joint is made of: one record per joint holds every parameter of servo, friction and transmission.
 
-One record per joint holds every parameter of servo, friction and transmission, so that an effect is an edit of
-numbers and the law itself is one function. Units: rad, N·m (m, N for prismatic joints), V, Ω, A, s.
-
-Numerics: engines are semi-implicit Euler, in which velocities sit half a step before positions. Back-EMF and viscous
-friction therefore act on the mean of the velocities before and after the step (second order); where a rotor is too
-light for that to be damped they act on the velocity after it.
+An effect is an edit of these numbers; the law itself is in `harness.drive_law`. Units: rad, N·m (m, N for prismatic
+joints), V, Ω, A, s.
 """
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +32,7 @@ DRIVE = np.dtype(
         ("stall_torque", np.float64),
         ("no_load_speed", np.float64),
         ("sag_resistance", np.float64),
-        ("sag_group", np.int64),
+        ("sag_group", np.int64),  # servos of one group, with the same supply, share it
         ("heating", np.float64),
         ("offset", np.float64),
         ("armature", np.float64),
@@ -54,23 +49,45 @@ DRIVE = np.dtype(
         ("ripple_periods", np.float64),
         ("ripple_phase", np.float64),
         ("constant", np.float64),
-        ("backlash", np.float64),
-        ("stiffness", np.float64),
+        ("backlash", np.float64),  # full width; 0: none
+        ("stiffness", np.float64),  # of the spring between encoder and link; 0: rigid
     ]
 )
 """The parameters of one joint's drive."""
 
 STATE = np.dtype(
     [
+        ("begun", np.int64),
+        ("started", np.int64),  # whether the servo was on in the previous step
         ("integral", np.float64),
-        ("error", np.float64),
-        ("started", np.int64),
-        ("velocity", np.float64),  # at the previous step
-        ("motor", np.float64),  # motor effort over the previous step
+        ("goal", np.float64),  # the previous command
         ("bus", np.float64),  # supply voltage after sag
+        ("velocity", np.float64),  # of the link, at the previous step
+        ("effort", np.float64),  # of the joint law over the previous step, without the constant effort
+        ("damping", np.float64),
+        ("driven", np.float64),  # torque on the rotor, without friction, at the previous step
+        ("transmitted", np.float64),  # torque from the rotor to the link over the previous step
+        ("rotor", np.float64),  # angle and speed, at the output, where the rotor is not rigid to the link
+        ("rotor_velocity", np.float64),
+        ("side", np.int64),  # -1, 1: the rotor is at that end of its backlash
+        ("closing", np.float64),  # the speed, relative to the link, at which it lands there
+        ("momentum", np.float64),  # what the rotor would have after the step without friction and link
+        ("mass", np.float64),  # its inertia and implicit damping
+        ("bound", np.float64),  # of its dry friction
     ]
 )
 """What the drive of one joint remembers from step to step."""
+
+LOG = np.dtype(
+    [
+        ("motor", np.float64),  # the motor's effort over the step is motor - emf·ω, with ω the rotor's mean velocity
+        ("emf", np.float64),
+        ("encoder", np.float64),  # true angle of the encoder's shaft
+        ("rotor", np.float64),  # speed of the rotor, at the output
+        ("transmitted", np.float64),  # torque from the rotor to the link over the step before
+    ]
+)
+"""What is worth recording of one joint on every step."""
 
 
 def neutral_drive(n: int) -> NDArray[np.void]:
@@ -83,114 +100,3 @@ def neutral_drive(n: int) -> NDArray[np.void]:
     for name in ("stribeck_exponent", "load_exponent"):
         drive[name] = 2.0
     return drive
-
-
-@numba.njit(cache=True)
-def _sagged(drive, state, command, q, w, heat, recorded, j):  # type: ignore[no-untyped-def]
-    """Supply of joint j after the drop that all servos on its supply cause together: a few fixed-point steps."""
-    d = drive[j]
-    supply = recorded if d.recorded_supply == 1 else d.supply
-    bus = state[j].bus if state[j].bus > 0.0 else supply
-    for _ in range(4):
-        drawn = 0.0
-        for i in range(drive.size):
-            o = drive[i]
-            if o.sag_group != d.sag_group or o.kind != DC or np.isnan(command[i]):
-                continue
-            duty = command[i] if o.meaning == DUTY else o.gain * (command[i] - (q[i] - o.offset))
-            duty = min(max(duty, -o.duty_limit), o.duty_limit)
-            kt = o.torque_constant * (1.0 - o.heating * heat)
-            volts = duty * bus
-            drawn += max(0.0, volts * (volts - kt * w[i]) / o.resistance / supply)
-        bus = 0.5 * (bus + max(supply - d.sag_resistance * drawn, 0.0))
-    return bus
-
-
-@numba.njit(cache=True)
-def drive_effort(  # type: ignore[no-untyped-def]
-    drive, state, command, q, w, dry, recorded, t, h, effort, damping, friction, motor, emf
-):
-    """Efforts of all joints for the step that starts at time t.
-
-    Args:
-        drive, state: Shape (n,) of `DRIVE` and `STATE`.
-        command: Shape (n,); NaN is no command: the servo gives no torque.
-        q, w: joint positions and velocities now. Shape (n,).
-        dry: dry friction effort of the previous step. Shape (n,).
-        recorded: recorded supply voltage now [V].
-        t, h: time and length of the step [s].
-        effort, damping, friction: written: the three terms of the joint law in `engines.engine`. Shape (n,).
-        motor, emf: written: the motor's effort is motor - emf·ω with ω the mean velocity of the step. Shape (n,).
-    """
-    for j in range(drive.size):
-        d = drive[j]
-        s = state[j]
-        reading = q[j] - d.offset
-        torque = 0.0
-        back = 0.0
-        if d.kind != NONE and not np.isnan(command[j]):
-            kt = d.torque_constant * (1.0 - d.heating * t)
-            error = command[j] - reading
-            if d.meaning == EFFORT:
-                torque = min(max(command[j], -d.effort_limit), d.effort_limit)
-            elif d.kind == DC:
-                duty = command[j] if d.meaning == DUTY else d.gain * error
-                duty = min(max(duty, -d.duty_limit), d.duty_limit)
-                if d.sag_resistance > 0.0:
-                    bus = _sagged(drive, state, command, q, w, t, recorded, j)
-                    s.bus = bus
-                else:
-                    bus = recorded if d.recorded_supply == 1 else d.supply
-                torque = kt / d.resistance * duty * bus
-                back = kt * kt / d.resistance
-            elif d.kind == PID:
-                rate = (error - s.error) / h if s.started == 1 else -w[j]
-                s.error = error
-                s.started = 1
-                torque = d.kp * error + s.integral + d.kd * rate
-                inside = abs(torque) < d.effort_limit
-                torque = min(max(torque, -d.effort_limit), d.effort_limit)
-                if inside:  # no wind-up while the limit holds
-                    s.integral += d.ki * error * h
-                if abs(w[j]) >= d.velocity_limit and torque * w[j] > 0.0:
-                    torque = 0.0
-            else:
-                torque = d.gain * (d.kv * (d.kp * error - w[j]))
-                torque = min(max(torque, -d.effort_limit), d.effort_limit)
-            if d.stall_torque < np.inf:
-                now = torque - back * w[j]
-                sign = 1.0 if now > 0.0 else -1.0
-                bound = d.stall_torque * max(0.0, 1.0 - w[j] * sign / d.no_load_speed)
-                if abs(now) > bound:
-                    # on the line the torque is bound(w): its slope is damping, as back-EMF is
-                    torque = sign * d.stall_torque if bound > 0.0 else 0.0
-                    back = d.stall_torque / d.no_load_speed if bound > 0.0 else 0.0
-        else:
-            s.started = 0
-            s.integral = 0.0
-        motor[j] = torque
-        emf[j] = back
-        # the torque through the gears: half the difference of what drives and what loads the joint
-        speed = abs(w[j])
-        bound = d.coulomb
-        if d.static != d.coulomb:
-            bound += (d.static - d.coulomb) * np.exp(-((speed / d.stribeck_velocity) ** d.stribeck_exponent))
-        if d.load != 0.0 or d.load_static != 0.0:
-            acceleration = (w[j] - s.velocity) / h
-            # A·a = motor + load + dry - viscous·w over the previous step gives the load on the joint
-            loading = d.armature * acceleration - s.motor - dry[j] + d.viscous * s.velocity
-            through = 0.5 * abs(torque - back * w[j] - loading)
-            coefficient = d.load
-            if d.load_static != 0.0:
-                coefficient += d.load_static * np.exp(-((speed / d.load_velocity) ** d.load_exponent))
-            bound += coefficient * through
-        s.velocity = w[j]
-        s.motor = torque - back * w[j]
-        friction[j] = bound
-        extra = d.constant
-        if d.ripple != 0.0:
-            extra -= d.ripple * np.sin(d.ripple_periods * q[j] + d.ripple_phase)
-        total = back + d.viscous
-        half = 0.5 if h * total < d.armature else 1.0
-        effort[j] = torque + extra - (1.0 - half) * total * w[j]
-        damping[j] = half * total

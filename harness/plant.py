@@ -56,6 +56,21 @@ class Plant:
         elastic = (self.drive["backlash"] > 0) | (self.drive["stiffness"] > 0)
         return self.model.with_armature(np.where(elastic, 0.0, self.drive["armature"]))
 
+    def inertia(self) -> Array:
+        """The inertia of every joint's child link about its axis, with the rotor [kg·m² or kg]. Shape (n,).
+
+        What a joint really moves is more (further links) or less (its parent gives way).
+        """
+        links = zip(self.model.joints, self.model.links[1:], strict=True)
+        return np.array(
+            [
+                link.mass
+                if joint.prismatic
+                else joint.axis @ link.inertia @ joint.axis + link.mass * np.sum(np.cross(joint.axis, link.com) ** 2)
+                for joint, link in links
+            ]
+        ) + np.maximum(self.drive["armature"], 1e-9)
+
 
 def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """The plant that a scenario states, without its effects.

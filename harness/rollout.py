@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from engines import Diverged, Simulation, State
 from harness.commands import Commands, on_steps
-from harness.drive import STATE, Array, drive_effort
+from harness.drive import LOG, STATE, Array
+from harness.drive_law import arrive, drive_effort
 from harness.plant import Plant
 from harness.trace import Trace
 
@@ -57,23 +59,24 @@ def rollout(
     steps = max(round(duration / h), 1)
     q, w = np.empty((steps + 1, n)), np.empty((steps + 1, n))
     base = np.zeros((steps + 1, 13))
-    motor, emf, dry = np.empty((steps, n)), np.empty((steps, n)), np.zeros((steps + 1, n))
+    log, dry = np.zeros((steps + 1, n), LOG), np.zeros((steps + 1, n))
     command = on_steps(commands, steps, h, plant.delay)
     volts = np.zeros(steps) if supply is None else np.interp(np.arange(steps) * h, *supply)
     effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
-    wants_dry = joint_effort or bool((drive["load"] != 0).any() or (drive["load_static"] != 0).any())
+    wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
+    inertia = plant.inertia()
 
     simulation.reset(start)
     simulation.read(q[0], w[0], base[0])
     state["velocity"] = w[0]
     began = clock.perf_counter()
-    rows = zip(command, q, w, volts.tolist(), motor, emf, dry, q[1:], w[1:], base[1:], strict=False)
+    rows = zip(command, q, w, volts.tolist(), log, dry, q[1:], w[1:], base[1:], strict=False)
     step, read, efforts = simulation.step, simulation.read, plant.efforts
     try:
-        for k, (c, qk, wk, v, mk, ek, dk, q1, w1, b1) in enumerate(rows):
+        for k, (c, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
             t = k * h
-            drive_effort(drive, state, c, qk, wk, dk, v, t, h, effort, damping, friction, mk, ek)
+            drive_effort(drive, state, c, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
             for law in efforts:
                 effort += law(t, qk, wk)
             step(effort, damping, friction)
@@ -86,7 +89,8 @@ def rollout(
         raise Diverged(error.time, error.joint, error.what) from None
     wall = clock.perf_counter() - began
     _raise_if_diverged(plant.model.joint_names, q, w, base, h, min(k + 1, steps))
-    trace = _trace(plant, h, q, w, base, motor, emf, dry if joint_effort else None, command)
+    arrive(drive, state, q[steps], w[steps], dry[steps], h, log[steps])
+    trace = _trace(plant, h, w, base, log, dry if joint_effort else None, command)
     return Rollout(trace, steps, wall, simulation.settings)
 
 
@@ -105,21 +109,23 @@ def _raise_if_diverged(joints: Sequence[str], q: Array, w: Array, base: Array, h
 
 
 def _trace(
-    plant: Plant, h: float, q: Array, w: Array, base: Array, motor: Array, emf: Array, dry: Array | None, command: Array
+    plant: Plant, h: float, w: Array, base: Array, log: NDArray[np.void], dry: Array | None, command: Array
 ) -> Trace:
     """Signals at the times of the positions: velocities sit half a step before, so neighbours are averaged."""
-    steps = len(motor)
-    middle = 0.5 * (w[:-1] + w[1:])
-    effort = motor - emf * middle
+    drive, steps = plant.drive, len(command)
+    rotor = 0.5 * (log["rotor"][:-1] + log["rotor"][1:])
+    middle = np.where(drive["stiffness"] > 0, rotor, 0.5 * (w[:-1] + w[1:]))  # of the encoder
+    effort = log["motor"][:-1] - log["emf"][:-1] * rotor
     if dry is not None:
-        effort = effort + dry[1:] - plant.drive["viscous"] * middle
+        separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
+        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] - drive["viscous"] * middle)
     velocity = _sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
     floating = plant.model.floating
     b = base[:steps]
     return Trace(
         time=np.arange(steps) * h,
         joints=tuple(plant.model.joint_names),
-        position=q[:steps] - plant.drive["offset"],
+        position=log["encoder"][:steps] - drive["offset"],
         velocity=velocity,
         effort=effort,
         command=command,
