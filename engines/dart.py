@@ -36,13 +36,14 @@ class DartSimulation(Simulation):
         self.model = model
         self.physics = physics
         n = len(model.joints)
-        self._world, self._skeleton, self._root = _build(model, physics)
+        self._law = JointLaw(model, physics, native_armature=False, native_damping=False, ballast=True)
+        self._world, self._skeleton, self._root = _build(self._law.model, physics)
         self._offset = o = 6 if model.floating else 0
         names = [self._skeleton.getDof(o + i).getName() for i in range(n)]
         order = [names.index(joint.name) for joint in model.joints]
         self._joints = slice(o, None) if order == list(range(n)) else np.array(order) + o
-        self._law = JointLaw(model, physics, native_armature=False, native_damping=False)
         self._forces = np.zeros(o + n)
+        self._ballasted = bool(o) and self._law.ballasted
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
         solver = self._world.getConstraintSolver()
         self.settings = {
@@ -62,6 +63,7 @@ class DartSimulation(Simulation):
             "restitution": 0.0,
             "limits enforced": [j.name for j in model.joints if np.isfinite(j.lower) or np.isfinite(j.upper)],
             "armature, damping, dry friction": "emulated by engines.joints",
+            "ballast": self._law.ballasted,
         }
         self.reset(State(np.zeros(n), np.zeros(n)))
 
@@ -95,6 +97,8 @@ class DartSimulation(Simulation):
         if not isfinite(effort.sum()):
             raise self._diverged(effort, "effort is not finite")
         self._forces[self._joints] = effort
+        if self._ballasted:
+            self._forces[:3], self._forces[3:6] = self._law.wrench[3:], self._law.wrench[:3]
         self._skeleton.setForces(self._forces)
         self._world.step(False)
         self._fetch()
@@ -127,10 +131,12 @@ class DartSimulation(Simulation):
 
     def mass_matrix(self) -> Array:
         order = self._world_order()
-        return np.asarray(self._skeleton.getMassMatrix())[np.ix_(order, order)]
+        ballast, _ = self._law.ballast(self._position, self._velocity, self._base)
+        return np.asarray(self._skeleton.getMassMatrix())[np.ix_(order, order)] - ballast
 
     def bias(self) -> Array:
-        return np.asarray(self._skeleton.getCoriolisAndGravityForces()).ravel()[self._world_order()]
+        _, ballast = self._law.ballast(self._position, self._velocity, self._base)
+        return np.asarray(self._skeleton.getCoriolisAndGravityForces()).ravel()[self._world_order()] - ballast
 
     def _world_order(self) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
         """DART's free joint counts rotation first, both parts in world axes already."""

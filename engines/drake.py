@@ -114,8 +114,8 @@ class DrakeSimulation(Simulation):
             self._actuation.GetMutableData().get_mutable_value().get_mutable_value()[self._inputs] = effort
         try:  # the update that a Simulator would call, without its clock
             self._diagram.CalcForcedDiscreteVariableUpdate(self._context, self._next)
-        except RuntimeError as error:
-            raise self._diverged(str(error).splitlines()[0]) from None
+        except (RuntimeError, SystemExit) as error:  # a failed condition in Drake arrives as SystemExit
+            raise self._diverged(effort, str(error).splitlines()[0]) from None
         self._context.SetDiscreteState(self._next)
         self._fetch()
 
@@ -137,8 +137,8 @@ class DrakeSimulation(Simulation):
             base[7:10] = x[o + 3 : o + 6]
             base[10:] = x[o : o + 3]
 
-    def _diverged(self, what: str) -> Diverged:
-        wrong = np.flatnonzero(~np.isfinite(self._position + self._velocity))
+    def _diverged(self, effort: Array, what: str) -> Diverged:
+        wrong = np.flatnonzero(~np.isfinite(effort + self._position + self._velocity))
         joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
         return Diverged(self._steps * self.physics.timestep, joint, what)
 
@@ -221,7 +221,11 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
         motor.set_default_rotor_inertia(joint.armature)
     if ground is not None:
         _add_contact(model, ground, plant, scene, bodies)
+    log = logging.getLogger("drake")
+    level = log.level
+    log.setLevel(logging.ERROR)  # it warns that half spaces do not touch deformable bodies; there are none
     plant.Finalize()
+    log.setLevel(level)
     return plant, builder.Build(), pedestal
 
 
@@ -234,11 +238,7 @@ def _add_contact(
     AddContactMaterial(material, point_stiffness=values["point_contact_stiffness"], friction=friction)
     if "relaxation_time" in values:
         material.AddProperty("material", "relaxation_time", values["relaxation_time"])
-    log = logging.getLogger("drake")
-    level = log.level
-    log.setLevel(logging.ERROR)  # half spaces and deformable bodies do not mix, it warns; there are none
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", material)
-    log.setLevel(level)
     spheres = []
     for i, (link, body) in enumerate(zip(model.links, bodies, strict=True)):
         for k, sphere in enumerate(link.spheres if i or model.floating else ()):
