@@ -41,8 +41,8 @@ def fit_current(motions: Sequence[Motion]) -> CurrentFit:
     """Fit the current of slow sines; the interval comes from leaving out one load at a time.
 
     motor torque = L + (coulomb + coefficient·τ_t)·sign ω, with L the torque that the arm takes and the transmitted
-    torque τ_t = ½·abs(τ_m − τ_l), here of load and load-dependent friction, so that τ_t = abs(L)/(1 ∓ coefficient/2), minus
-    where the motor drives the load.
+    torque τ_t = ½·abs(τ_m − τ_l), here of load and load-dependent friction, so that τ_t = abs(L)/(1 ∓ coefficient/2),
+    minus where the motor drives the load.
     """
     kept = [m.rows(np.abs(m.velocity) > MOVING * np.abs(m.velocity).max()) for m in motions]
 
