@@ -1,4 +1,4 @@
-"""PyBullet: generalized coordinates (articulated-body algorithm), contact by projected Gauss-Seidel, friction in a cone.
+"""PyBullet: generalized coordinates (articulated-body algorithm), contact by projected Gauss-Seidel with cones.
 
 How it solves: free acceleration first, then contact and limit impulses in sweeps, then positions from the new
 velocities. It has no armature and its joint damping and friction are explicit or motors, so that all three come from
@@ -9,10 +9,8 @@ centre of mass in place of its frame, friction of a pair as the product. All of 
 """
 
 import os
-import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -23,30 +21,22 @@ import numpy as np
 from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
 from engines.joints import JointLaw
 from engines.model import Array, Model, quaternion_from_rotation, rotation_from_quaternion
-from engines.urdf import write_urdf
+from engines.urdf import rpy_from_rotation, write_urdf
 
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    """Keep what C code prints off the standard output, which belongs to the caller's data."""
-    sys.stdout.flush()
-    kept, sink = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(sink, 1)
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(sink)
-
-
-with _silence():
+_stderr, _sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+try:  # its C code greets on the standard error at import
+    os.dup2(_sink, 2)
     import pybullet
+finally:
+    os.dup2(_stderr, 2)
+    os.close(_stderr)
+    os.close(_sink)
 
 FREE = 1e9
 """In place of a limit that does not exist: of a joint's position and speed."""
 RUNAWAY = 1e6
 """A speed that no robot has [rad/s or m/s]; Bullet removes what leaves its world and goes on."""
+SMOOTH = {"rollingFriction": 0.0, "spinningFriction": 0.0, "restitution": 0.0}
 SHORT = 1e-7
 """The step [s] from which the bias is taken: Bullet's own error of order h vanishes, rounding does not show yet."""
 ITERATIONS = 50
@@ -148,16 +138,13 @@ class PybulletSimulation(Simulation):
 
     def mass_matrix(self) -> Array:
         n = len(self._joints)
-        o = 6 if self.model.floating else 0
-        if o + n == 6 and not n:
-            found = np.zeros((6, 6))
+        if n:
+            found = pybullet.calculateMassMatrix(self._body, self._position.tolist(), physicsClientId=self._client)
+            found = np.array(found)
+        else:  # which Bullet does not answer for a single body
             info = pybullet.getDynamicsInfo(self._body, -1, physicsClientId=self._client)
-            found[:3, :3], found[3:, 3:] = np.diag(info[2]), info[0] * np.eye(3)
-        else:
-            found = np.array(
-                pybullet.calculateMassMatrix(self._body, self._position.tolist(), physicsClientId=self._client)
-            )
-        if o:
+            found = np.diag([*info[2], *[info[0]] * 3])
+        if self.model.floating:
             found = self._turn(found, n)
         ballast: Array = found - self._law.ballast(self._position, self._velocity, self._base)[0]
         return ballast
@@ -226,43 +213,50 @@ def _limited(lower: float, upper: float) -> bool:
 
 
 def _urdf(model: Model) -> str:
-    """The model's URDF with its finite limits: Bullet takes limits from the file only."""
+    """The model's URDF with its finite limits, which Bullet takes from the file only, and principal moments of inertia.
+
+    Bullet finds the principal axes itself, but to eleven digits only.
+    """
     tree = ElementTree.fromstring(write_urdf(model))
+    for link, element in zip(model.links, tree.iter("inertial"), strict=True):
+        moments, axes = np.linalg.eigh(link.inertia)
+        axes[:, 2] *= np.linalg.det(axes)  # right-handed
+        origin, inertia = element.find("origin"), element.find("inertia")
+        assert origin is not None
+        assert inertia is not None
+        origin.set("rpy", " ".join(repr(angle) for angle in rpy_from_rotation(axes)))
+        ixx, iyy, izz = map(repr, moments.tolist())
+        inertia.attrib.update(ixx=ixx, iyy=iyy, izz=izz, ixy="0", ixz="0", iyz="0")
     for joint, element in zip(model.joints, tree.iter("joint"), strict=True):
         if _limited(joint.lower, joint.upper):
             element.set("type", "prismatic" if joint.prismatic else "revolute")
             for old in element.findall("limit"):
                 element.remove(old)
-            limits = {
-                "lower": max(joint.lower, -FREE),
-                "upper": min(joint.upper, FREE),
-                "effort": FREE,
-                "velocity": FREE,
-            }
-            ElementTree.SubElement(element, "limit", {k: repr(float(v)) for k, v in limits.items()})
+            lower, upper = repr(max(joint.lower, -FREE)), repr(min(joint.upper, FREE))
+            ElementTree.SubElement(element, "limit", lower=lower, upper=upper, effort="1e9", velocity="1e9")
     return ElementTree.tostring(tree, encoding="unicode")
 
 
 def _open(model: Model, physics: Physics) -> tuple[int, int]:
     """A client with the robot, the ground and no hidden physics; the numbers of client and robot."""
-    with _silence():
-        client = pybullet.connect(pybullet.DIRECT)
-        pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "robot.urdf"
-            path.write_text(_urdf(model), encoding="utf-8")
-            body = pybullet.loadURDF(
-                str(path),
-                useFixedBase=not model.floating,
-                flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_MAINTAIN_LINK_ORDER,
-                physicsClientId=client,
-            )
+    client = pybullet.connect(pybullet.DIRECT)
+    pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "robot.urdf"
+        path.write_text(_urdf(model), encoding="utf-8")
+        body = pybullet.loadURDF(
+            str(path),
+            useFixedBase=not model.floating,
+            flags=pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_MAINTAIN_LINK_ORDER,
+            physicsClientId=client,
+        )
     pybullet.setGravity(*physics.gravity, physicsClientId=client)
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=physics.timestep,
         numSubSteps=0,
         numSolverIterations=ITERATIONS if physics.solver_iterations is None else physics.solver_iterations,
         solverResidualThreshold=0.0,
+        contactSlop=0.0,
         deterministicOverlappingPairs=1,
         enableConeFriction=1,
         restitutionVelocityThreshold=FREE,
@@ -278,9 +272,7 @@ def _open(model: Model, physics: Physics) -> tuple[int, int]:
         pybullet.changeDynamics(**change, maxJointVelocity=FREE)
         # in a call of its own: together with the line above the damping is dropped
         pybullet.changeDynamics(**change, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0)
-        pybullet.changeDynamics(
-            **change, lateralFriction=1.0, rollingFriction=0.0, spinningFriction=0.0, restitution=0.0
-        )
+        pybullet.changeDynamics(**change, lateralFriction=1.0, **SMOOTH)
     pybullet.changeDynamics(
         body, -1, activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING, physicsClientId=client
     )
@@ -294,23 +286,11 @@ def _lay(client: int, physics: Physics) -> None:
     assert physics.ground is not None
     shape = pybullet.createCollisionShape(pybullet.GEOM_PLANE, planeNormal=[0, 0, 1], physicsClientId=client)
     plane = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
-    pybullet.changeDynamics(
-        plane,
-        -1,
-        lateralFriction=physics.ground.friction,
-        rollingFriction=0.0,
-        spinningFriction=0.0,
-        restitution=0.0,
-        physicsClientId=client,
-    )
+    change = {"bodyUniqueId": plane, "linkIndex": -1, "physicsClientId": client}
+    pybullet.changeDynamics(**change, lateralFriction=physics.ground.friction, **SMOOTH)
     if physics.ground.stiffness is not None:
-        pybullet.changeDynamics(
-            plane,
-            -1,
-            contactStiffness=physics.ground.stiffness,
-            contactDamping=physics.ground.damping or 0.0,
-            physicsClientId=client,
-        )
+        damping = physics.ground.damping or 0.0
+        pybullet.changeDynamics(**change, contactStiffness=physics.ground.stiffness, contactDamping=damping)
 
 
 def _settings(client: int, physics: Physics) -> dict[str, object]:
