@@ -34,8 +34,8 @@ def drive_effort(  # type: ignore[no-untyped-def]
     `drive`, `state` and `log` are Shape (n,) of `DRIVE`, `STATE` and `LOG`; the other arrays Shape (n,) too. `command`
     is NaN where there is none: the servo then gives no torque. `q` and `w` are the joints' positions and velocities
     now, `dry` their dry friction effort in the previous step, `inertia` about what each joint moves, with its rotor
-    [kg·m² or kg], and `recorded` the recorded supply voltage now [V]. Written are `log` and the three terms of the joint
-    law in `engines.engine`: `effort`, `damping` and `friction`.
+    [kg·m² or kg], and `recorded` the recorded supply voltage now [V]. Written are `log` and the three terms of the
+    joint law in `engines.engine`: `effort`, `damping` and `friction`.
     """
     arrive(drive, state, q, w, dry, h, log)
     _sag(drive, state, command, recorded, t, log)

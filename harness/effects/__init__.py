@@ -1,7 +1,26 @@
 """The effects: physics that a model may lack. Adding one is one definition and one line in `EFFECTS`."""
 
+from harness.effects.body import BASE_TILT, CENTER_OF_MASS, LINK_INERTIA, LINK_MASS
+from harness.effects.control import COMMAND_DELAY, CONTROLLER_GAIN
 from harness.effects.effect import Effect, Page, Parameter, Values
-from harness.effects.friction import COULOMB_FRICTION, VISCOUS_FRICTION
+from harness.effects.friction import (
+    COULOMB_FRICTION,
+    LOAD_DEPENDENT_FRICTION,
+    STRIBECK_FRICTION,
+    VISCOUS_FRICTION,
+)
+from harness.effects.ground import GROUND_FRICTION, SOFT_GROUND
+from harness.effects.motor import (
+    CONSTANT_EFFORT,
+    MOTOR_HEATING,
+    SUPPLY_VOLTAGE,
+    TORQUE_CONSTANT,
+    TORQUE_RIPPLE,
+    TORQUE_SPEED_LIMIT,
+    VOLTAGE_SAG,
+)
+from harness.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
+from harness.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
 __all__ = ["EFFECTS", "Effect", "Page", "Parameter", "Values"]
 
@@ -10,6 +29,28 @@ EFFECTS: dict[str, Effect] = {
     for effect in (
         COULOMB_FRICTION,
         VISCOUS_FRICTION,
+        STRIBECK_FRICTION,
+        LOAD_DEPENDENT_FRICTION,
+        BACKLASH,
+        JOINT_COMPLIANCE,
+        ROTOR_INERTIA,
+        TORQUE_CONSTANT,
+        TORQUE_SPEED_LIMIT,
+        SUPPLY_VOLTAGE,
+        VOLTAGE_SAG,
+        COMMAND_DELAY,
+        CONTROLLER_GAIN,
+        JOINT_OFFSET,
+        TORQUE_RIPPLE,
+        MOTOR_HEATING,
+        CONSTANT_EFFORT,
+        LINK_MASS,
+        CENTER_OF_MASS,
+        LINK_INERTIA,
+        BASE_TILT,
+        GROUND_FRICTION,
+        SOFT_GROUND,
+        VELOCITY_FILTER,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""

@@ -16,7 +16,7 @@ class Parameter:
     Attributes:
         name, unit: as in the scenario file and in tables.
         low, high: bounds of what is physical and worth fitting.
-        first: a sensible first size, for a first try and for planting.
+        first: a sensible first size where nothing is known of the joint (see `Effect.first_size`).
         absent: the neutral value of an effect that is absent from every model (marked with a raised 0 in tables);
             None where the neutral value is the model's own.
         default: the value where the scenario leaves it out; None where it must be given.
@@ -60,6 +60,7 @@ class Effect:
         apply: (plant, indices, values) -> None, edits the plant in place; values are totals.
         possible: (plant, index) -> a reason in words why it cannot act there, or None.
         page: physics, equation, signature, confusions, source.
+        scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
     """
@@ -73,6 +74,7 @@ class Effect:
     apply: Callable[[Plant, list[int], Values], None]
     possible: Callable[[Plant, int], str | None]
     page: Page
+    scaled: Callable[[Plant, int], dict[str, float]] | None = None
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
 
@@ -83,7 +85,23 @@ class Effect:
                 return parameter
         raise KeyError(name)
 
+    def first_size(self, plant: Plant, index: int) -> dict[str, float]:
+        """Values that are neither negligible nor absurd there, within bounds: for a first try and for planting."""
+        sizes = {p.name: p.first for p in self.parameters}
+        sizes.update(self.scaled(plant, index) if self.scaled else {})
+        return {p.name: min(max(sizes[p.name], p.low), p.high) for p in self.parameters}
 
-def anywhere(plant: Plant, index: int) -> str | None:
-    """For effects that can act at every target."""
-    return None
+
+def reads(**fields: str) -> Callable[[Plant, int], dict[str, float]]:
+    """`own` of an effect whose parameters are fields of the drive."""
+    return lambda plant, index: {name: float(plant.drive[field][index]) for name, field in fields.items()}
+
+
+def writes(**fields: str) -> Callable[[Plant, list[int], Values], None]:
+    """`apply` of an effect whose parameters are fields of the drive."""
+
+    def apply(plant: Plant, indices: list[int], values: Values) -> None:
+        for name, field in fields.items():
+            plant.drive[field][indices] = values[name]
+
+    return apply

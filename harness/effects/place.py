@@ -17,6 +17,8 @@ def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[i
         InputError: for a target that names nothing, with what exists.
     """
     wanted = [target] if isinstance(target, str) else list(target)
+    if not wanted:
+        raise InputError(f"effect {effect.name}: target is empty; expected a {effect.sits_at}")
     if effect.sits_at in ("ground", "base"):
         if wanted not in ([effect.sits_at], ["*"]):
             raise InputError(f"effect {effect.name}: target {', '.join(wanted)}; it sits at the {effect.sits_at}")
@@ -24,7 +26,7 @@ def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[i
     if effect.sits_at == "joint":
         names = plant.model.joint_names
     else:
-        names = [link.name for link in plant.model.links]
+        names = [link.name for link in plant.model.links]  # the links fixed to one of them are named, too
         merged = {m: link.name for link in plant.model.links for m in link.merged}
         wanted = [merged.get(w, w) for w in wanted]
     for pattern in wanted:
@@ -50,7 +52,9 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
         low, high = known[name].low, known[name].high
         neutral = known[name].absent
         if not low <= value <= high and value != neutral:
-            raise InputError(f"effect {effect.name}: {name} is {value:g} {known[name].unit}; expected {low:g} to {high:g}")
+            raise InputError(
+                f"effect {effect.name}: {name} is {value:g} {known[name].unit}; expected {low:g} to {high:g}"
+            )
         out[name] = float(value)
     for parameter in effect.parameters:
         if parameter.name not in out:
@@ -61,27 +65,42 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
 
 
 def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
-    """A plant with the effects of a scenario.
+    """A plant with the effects of a scenario, in whatever order it names them.
 
     Raises:
-        InputError: for an unknown effect, target or parameter, the same effect twice on a target, or two effects that
-            exclude each other there.
+        InputError: for an unknown effect, target or parameter, the same effect twice on a target, two effects that
+            exclude each other there, or an effect that cannot act there.
     """
     plant = plant.copy()
-    seen: dict[tuple[str, int], str] = {}
+    seen: set[tuple[str, int]] = set()
+    waiting: list[tuple[Effect, EffectSpec, list[int], dict[str, float]]] = []
     for spec in specs:
         effect = EFFECTS.get(spec.effect)
         if effect is None:
-            raise InputError(f"effects: unknown effect {spec.effect}; known: {', '.join(sorted(EFFECTS))}")
+            raise InputError(f"effects: unknown effect {spec.effect}; known: {', '.join(EFFECTS)}")
         indices = targets(plant, effect, spec.target)
-        checked = values(effect, spec)
         for i in indices:
             for other in (effect.name, *effect.excludes):
                 if (other, i) in seen:
                     what = "stands twice on" if other == effect.name else f"and {other} exclude each other on"
-                    raise InputError(f"effect {effect.name} {what} {spec.target}; expected one of them")
-            if reason := effect.possible(plant, i):
-                raise InputError(f"effect {effect.name} on {spec.target}: {reason}")
-            seen[effect.name, i] = effect.name
-        effect.apply(plant, indices, checked)
+                    raise InputError(f"effect {effect.name} {what} {_written(spec.target)}; expected one of them")
+            seen.add((effect.name, i))
+        waiting.append((effect, spec, indices, values(effect, spec)))
+    while waiting:  # an effect may need another: a compliance needs a rotor inertia
+        possible = [w for w in waiting if not _reason(plant, w[0], w[2])]
+        if not possible:
+            effect, spec, indices, _ = waiting[0]
+            raise InputError(f"effect {effect.name} on {_written(spec.target)}: {_reason(plant, effect, indices)}")
+        for effect, _, indices, checked in possible:
+            effect.apply(plant, indices, checked)
+        waiting = [w for w in waiting if w not in possible]
     return plant
+
+
+def _reason(plant: Plant, effect: Effect, indices: list[int]) -> str | None:
+    """Why an effect cannot act at one of the indices; None where it can at all of them."""
+    return next((reason for i in indices if (reason := effect.possible(plant, i))), None)
+
+
+def _written(target: str | Sequence[str]) -> str:
+    return target if isinstance(target, str) else ", ".join(target)
