@@ -83,9 +83,9 @@ def reported_velocity(plant: Foreign, motion: Motion) -> np.ndarray:
 
 
 def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing: Sensing, seed: int) -> Recording:
-    """Sample a motion just before each command is sent."""
+    """Sample a motion as each command is sent; the effort is the one that this command makes."""
     rng = np.random.default_rng(seed)
-    at = sent.time - 0.5 * (motion.time[1] - motion.time[0])
+    at = sent.time
 
     def sampled(values: np.ndarray) -> np.ndarray:
         return np.stack([np.interp(at, motion.time, v) for v in values.T], axis=1)
@@ -102,7 +102,8 @@ def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing:
         velocity = np.round(velocity / noise) * noise
     effort = None
     if sensing.effort:
-        effort = sampled(motion.effort) + sensing.effort_noise * robot.torque * rng.standard_normal(shape)
+        first = np.minimum(np.searchsorted(motion.time, at + 1e-9), len(motion.time) - 1)
+        effort = motion.effort[first] + sensing.effort_noise * robot.torque * rng.standard_normal(shape)
     stamp = sent.time + 0.01 * sensing.jitter / sensing.rate * rng.standard_normal(len(at))
     stamp -= stamp[0]
     return Recording(np.maximum.accumulate(stamp), sent.value, position, velocity, effort, sent.enabled)
