@@ -1,0 +1,78 @@
+"""The audit: is this the same machine in every engine?"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import engines
+from engines import Engine, Unsupported
+from harness.audit import between, ground, joints, motion
+from harness.audit.certificate import Certificate, Row
+from harness.audit.check import Check
+from harness.audit.dynamics import checks_of
+from harness.audit.machines import tree
+from harness.audit.oracle import pinocchio
+from harness.audit.robot import Robot, load_robot
+from harness.errors import InputError
+
+Progress = Callable[[str], None]
+
+
+def audit(
+    path: Path | None, names: list[str], out: Path | None = None, progress: Progress = lambda _: None
+) -> Certificate:
+    """Audit engines on the bundled machines and, where a path is given, on that robot.
+
+    Args:
+        path: a URDF or a scenario; None for the bundled test machines only.
+        names: engines; empty for all that are installed.
+        out: a folder for audit.json and audit.csv.
+        progress: is told one line per engine and group of checks.
+
+    Raises:
+        InputError: for an engine that is unknown or not installed, a missing Pinocchio, or a path that cannot be used.
+    """
+    pinocchio()
+    robot = load_robot(path) if path is not None else None
+    certificate = certify([_engine(name) for name in names or engines.available()], robot, progress)
+    if out is not None:
+        certificate.write(out)
+    return certificate
+
+
+def certify(audited: list[Engine], robot: Robot | None = None, progress: Progress = lambda _: None) -> Certificate:
+    """The certificate of these engines."""
+    rows: list[Row] = []
+    for name, checks in groups(robot).items():
+        for engine in audited:
+            progress(f"{engine.name}: {name}")
+            rows += [check.row(engine) for check in checks]
+    progress("all engines: the same motion side by side")
+    rows += between.chain_rows(audited)
+    rows += between.contact_rows(audited)
+    if robot is not None:
+        rows += between.free_rows(audited, robot.model, robot.timestep)
+        rows += robot.rows()
+    versions = {engine.name: engine.version for engine in audited}
+    return Certificate(tuple(rows), {**versions, "pinocchio": pinocchio().__version__}, robot.facts if robot else {})
+
+
+def groups(robot: Robot | None = None) -> dict[str, tuple[Check, ...]]:
+    """All checks of one engine, by what they are about."""
+    found = {
+        "machine": (*checks_of(tree(), "tree"), *checks_of(tree(False), "arm")),
+        "motion": motion.CHECKS,
+        "joints": joints.CHECKS,
+        "ground": ground.CHECKS,
+    }
+    if robot is not None:
+        found["robot"] = checks_of(robot.model, "robot", robot.timestep)
+    return found
+
+
+def _engine(name: str) -> Engine:
+    try:
+        return engines.load(name)
+    except KeyError:
+        raise InputError(f"--engine: found {name!r}; expected one of {', '.join(engines.ENGINES)}") from None
+    except Unsupported as error:
+        raise InputError(f"--engine: {error}") from None

@@ -1,0 +1,142 @@
+"""Does it move as it must? Free motion against closed forms, and what engines silently do to it."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import ellipk
+
+from engines import Diverged, Engine, Physics, State
+from engines.model import Array
+from harness.audit.check import Check, advance, read
+from harness.audit.machines import at_rest, pendulum, random_state, rotor, tree
+from harness.audit.oracle import Oracle
+
+G = 9.81
+STEP = 1e-3
+AMPLITUDE = 1.0
+INERTIA = 0.01
+TOO_FAST = 1e4
+"""A speed [rad/s] at which the time loop calls a simulation diverged."""
+
+
+def _swing(engine: Engine, steps: int) -> tuple[Array, Array]:
+    """Angle and velocity of the pendulum let go at rest at `AMPLITUDE`. Shape (steps + 1,) each."""
+    with engine.open(pendulum(), Physics(STEP)) as simulation:
+        simulation.reset(at_rest(AMPLITUDE))
+        rows = [read(simulation)] + [advance(simulation) for _ in range(steps)]
+    return np.array([r.position[0] for r in rows]), np.array([r.velocity[0] for r in rows])
+
+
+def _pendulum() -> tuple[float, float]:
+    """Inertia about the hinge [kg·m²] and gravity torque when horizontal [N·m]."""
+    bob = pendulum().links[1]
+    length = -bob.com[2]
+    return bob.inertia[1, 1] + bob.mass * length**2, bob.mass * G * length
+
+
+def period(engine: Engine) -> float:
+    """T = 4 K(k) sqrt(I/mgl), k = sin(amplitude/2) (Landau, Lifshitz, Mechanics, section 11)."""
+    inertia, torque = _pendulum()
+    expected = 4 * ellipk(np.sin(AMPLITUDE / 2) ** 2) * np.sqrt(inertia / torque)
+    q, _ = _swing(engine, 4000)
+    down = np.flatnonzero((q[:-1] > 0) & (q[1:] <= 0))
+    if len(down) < 2:
+        return float(np.inf)
+    crossing = down + q[down] / (q[down] - q[down + 1])
+    return float(abs(np.diff(crossing).mean() * STEP / expected - 1))
+
+
+def energy(engine: Engine) -> float:
+    """Energy with the velocity averaged over neighbours, which is that at the time of the position to order h²."""
+    inertia, torque = _pendulum()
+    q, w = _swing(engine, 4000)
+    middle = 0.5 * (w[:-1] + w[1:])
+    total = 0.5 * inertia * middle**2 - torque * np.cos(q[:-1])
+    start = -torque * np.cos(AMPLITUDE)
+    return float(np.abs(total[1:] - start).max() / (start + torque))
+
+
+def free_fall(engine: Engine) -> float:
+    """g·h²·n·(n + 1)/2 after n steps, under a gravity that is askew."""
+    gravity, n = np.array([1.0, 2.0, -3.0]), 300
+    body = replace(tree(), links=tree().links[:1], joints=())
+    with engine.open(body, Physics(STEP, gravity=(1.0, 2.0, -3.0))) as simulation:
+        end = advance(simulation, n)
+    expected = gravity * STEP * STEP * n * (n + 1) / 2
+    return float(np.abs(end.base_position - expected).max() / np.abs(expected).max())
+
+
+def free_spin(engine: Engine) -> float:
+    """A balanced wheel at 200 rad/s keeps its speed: no motor, no damping, no speed limit."""
+    with engine.open(rotor(INERTIA), Physics(STEP)) as simulation:
+        simulation.reset(State(np.zeros(1), np.array([200.0])))
+        end = advance(simulation, 200)
+    return float(abs(end.velocity[0] / 200.0 - 1))
+
+
+def strong_effort(engine: Engine) -> float:
+    """1000 N·m on a wheel whose joint states a limit of 1e-3 N·m: limits are the servo's."""
+    with engine.open(rotor(INERTIA), Physics(1e-4)) as simulation:
+        end = advance(simulation, effort=1000.0)
+    return float(abs(end.velocity[0] / (1000.0 * 1e-4 / INERTIA) - 1))
+
+
+def crawl(engine: Engine) -> float:
+    """A wheel at 1e-3 rad/s, and a body that drifts at 1e-3 m/s, go on for 3 s: nothing falls asleep."""
+    worst = 0.0
+    with engine.open(rotor(INERTIA), Physics(STEP)) as simulation:
+        simulation.reset(State(np.zeros(1), np.array([1e-3])))
+        worst = abs(advance(simulation, 3000).position[0] / 3e-3 - 1)
+    body = replace(tree(), links=tree().links[:1], joints=())
+    with engine.open(body, Physics(STEP, gravity=(0.0, 0.0, 0.0))) as simulation:
+        state = State(np.zeros(0), np.zeros(0))
+        state.base_linear = np.array([1e-3, 0.0, 0.0])
+        simulation.reset(state)
+        worst = max(worst, abs(advance(simulation, 3000).base_position[0] / 3e-3 - 1))
+    return float(worst)
+
+
+def side_by_side(engine: Engine) -> float:
+    """Two machines of one name, one with 1.5 times the mass, open at once and stepped in turn."""
+    light = tree(False)
+    links = tuple(replace(x, mass=1.5 * x.mass, inertia=1.5 * x.inertia) for x in light.links)
+    heavy = replace(light, links=links)
+    worst = 0.0
+    with engine.open(light, Physics(STEP)) as a, engine.open(heavy, Physics(STEP)) as b:
+        pairs = [(a, Oracle(light)), (b, Oracle(heavy))]
+        efforts = np.random.default_rng(1).uniform(-0.02, 0.02, len(light.joints))
+        states = [random_state(light, 5, fastest=0.5)] * 2
+        for (simulation, _), state in zip(pairs, states, strict=True):
+            simulation.reset(state)
+        for _ in range(20):
+            for i, (simulation, oracle) in enumerate(pairs):
+                states[i] = oracle.step(states[i], STEP, efforts)
+                found = advance(simulation, effort=efforts)
+                worst = max(worst, float(np.abs(found.position - states[i].position).max()))
+    return worst
+
+
+def blow_up(engine: Engine) -> float:
+    """The number of blow-ups, of two, that pass for a result: too strong an effort, and one that is not a number."""
+    unseen = 0
+    for effort in (1e12, np.nan):
+        with engine.open(rotor(1e-4, limit=np.inf), Physics(STEP)) as simulation:
+            try:
+                end = advance(simulation, 50, effort=effort)
+            except Diverged:
+                continue
+            found = abs(end.velocity[0])
+        unseen += bool(found < TOO_FAST)
+    return float(unseen)
+
+
+CHECKS = (
+    Check("pendulum: period", period, 1e-5, note="elliptic integral, 1 rad"),
+    Check("pendulum: energy", energy, 1e-4, note="4 s at 1 ms, relative to the swing"),
+    Check("free fall", free_fall, 1e-9, note="0.3 s under a skewed gravity"),
+    Check("free spin: no motor, damping, speed limit", free_spin, 1e-9, note="200 rad/s for 0.2 s"),
+    Check("strong effort is not clipped", strong_effort, 1e-6),
+    Check("slow motion is not put to sleep", crawl, 1e-6, note="1e-3 rad/s and 1e-3 m/s for 3 s"),
+    Check("two simulations at once", side_by_side, 1e-9, "rad", "two masses, one name"),
+    Check("a blow-up is seen", blow_up, 0.0, "unseen", "1e12 N·m, and an effort that is not a number"),
+)
