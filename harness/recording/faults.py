@@ -48,7 +48,7 @@ def velocity_faults(recording: Recording) -> list[Fault]:
     fits = {}
     for i, joint in enumerate(trace.joints):
         fit = velocity_of_position(trace.time, trace.position[:, i], trace.velocity[:, i])
-        if fit is not None and fit[2] > 0.9 and (abs(fit[0] - 1.0) > 0.04 or fit[1] > period):
+        if fit is not None and abs(fit[2]) > 0.9 and (abs(fit[0] - 1.0) > 0.04 or fit[1] > period):
             fits[joint] = fit
     if not fits:
         return []
@@ -126,7 +126,7 @@ def repeated_readings(recording: Recording) -> Fault | None:
 
 
 def command_glitches(recording: Recording) -> list[Fault]:
-    """Single commands that jump away and back: more than 2° and ten times what the commands around them differ."""
+    """Single commands that jump away and back: more than 2° and five times what the commands around them differ."""
     command = recording.command
     if len(command) < 5:
         return []
@@ -135,7 +135,7 @@ def command_glitches(recording: Recording) -> list[Fault]:
     jump = np.minimum(np.abs(at - before), np.abs(at - after))
     back = (at - before) * (at - after) > 0
     with np.errstate(invalid="ignore"):
-        glitch = back & (jump > np.radians(2.0)) & (jump > 10.0 * usual)
+        glitch = back & (jump > np.radians(2.0)) & (jump > 5.0 * usual)
     faults = []
     for row in np.flatnonzero(glitch.any(axis=1)):
         columns = np.flatnonzero(glitch[row])

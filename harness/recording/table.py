@@ -48,7 +48,7 @@ def load(path: Path) -> pd.DataFrame:
         if path.suffix.lower() == ".parquet":
             frame = pd.read_parquet(path)
         else:
-            frame = pd.read_csv(path, float_precision="round_trip", skipinitialspace=True)
+            frame = pd.read_csv(path, skipinitialspace=True)
     except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
         what = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
