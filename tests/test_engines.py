@@ -39,6 +39,15 @@ def tree(floating: bool, seed: int = 3) -> Model:
     return Model("tree", tuple(links), tuple(joints), floating)
 
 
+def feet(model: Model) -> Model:
+    """The tree with spheres to touch the ground with on its base and two of its links."""
+    links = [
+        replace(x, spheres=(Sphere(x.com, 0.03), Sphere(-x.com, 0.02))) if i in (0, 3, 5) else x
+        for i, x in enumerate(model.links)
+    ]
+    return replace(model, links=tuple(links))
+
+
 def chain() -> Model:
     """Three links on skewed axes, hung from a fixed base."""
     model = tree(False, seed=8)
@@ -128,18 +137,23 @@ class Oracle:
 
 @every()
 @pytest.mark.parametrize("floating", [False, True])
-def test_mass_matrix_and_bias_are_the_oracles(name: str, floating: bool) -> None:
-    model = tree(floating)
+@pytest.mark.parametrize("armature", [0.0, 0.02])
+def test_mass_matrix_and_bias_are_the_oracles(name: str, floating: bool, armature: float) -> None:
+    """With armature in the matrix where that is native, and without a trace of what stands for it elsewhere."""
+    model = feet(tree(floating)).with_armature(np.full(6, armature))
     oracle = Oracle(model)
     tolerance = 1e-8 if name == "pybullet" else 1e-9
-    with engines.load(name).open(model, Physics()) as simulation:
+    engine = engines.load(name)
+    native = armature if engine.capabilities()["armature"].level == "native" else 0.0
+    rotors = np.diag(np.concatenate([np.zeros(6 if floating else 0), np.full(6, native)]))
+    with engine.open(model, Physics(ground=Ground())) as simulation:
         for seed in range(5):
             state = random_state(model, seed)
             if not floating:
                 state.base_position, state.base_quaternion = np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
             simulation.reset(state)
             mass, bias = oracle.matrices(state)
-            np.testing.assert_allclose(simulation.mass_matrix(), mass, rtol=0, atol=tolerance)
+            np.testing.assert_allclose(simulation.mass_matrix(), mass + rotors, rtol=0, atol=tolerance)
             np.testing.assert_allclose(simulation.bias(), bias, rtol=0, atol=tolerance * 100)
 
 
@@ -200,13 +214,8 @@ def test_a_fixed_base_stands_as_it_was_reset(name: str) -> None:
 
 
 def swing(name: str) -> Array:
-    """A trace of the floating tree falling on the ground, as an array."""
-    model = tree(True)
-    links = [
-        replace(x, spheres=(Sphere(x.com, 0.03), Sphere(-x.com, 0.02))) if i in (0, 3, 5) else x
-        for i, x in enumerate(model.links)
-    ]
-    model = replace(model, links=tuple(links))
+    """A trace of the floating tree falling on the ground, with all of the joint law, as an array."""
+    model = feet(tree(True)).with_armature(np.full(6, 0.02))
     state = random_state(model, 1)
     state.base_position[2] = 0.6
     rows = []
@@ -215,7 +224,8 @@ def swing(name: str) -> Array:
             simulation.reset(state)
             for _ in range(300):
                 before = read(simulation)
-                after = step(simulation, -before.position - 0.05 * before.velocity)
+                simulation.step(-before.position, np.full(6, 0.05), np.full(6, 0.1))
+                after = read(simulation)
                 rows.append(
                     np.concatenate(
                         [after.position, after.velocity, after.base_position, after.base_linear, after.base_angular]
