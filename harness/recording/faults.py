@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
+from scipy.signal import lfilter
 
 from harness.recording.align import quantum
 from harness.recording.delay import delay, moving_commands
@@ -92,11 +93,8 @@ def low_pass(value: Array, constant: float, period: float) -> Array:
         return value
     decay = float(np.exp(-period / constant))
     lead = constant / period * (1.0 - decay)
-    out = np.empty_like(value)
-    out[0] = value[0]
-    for k in range(1, len(value)):
-        out[k] = decay * out[k - 1] + (lead - decay) * value[k - 1] + (1.0 - lead) * value[k]
-    return out
+    out, _ = lfilter([1.0 - lead, lead - decay], [1.0, -decay], value, zi=[lead * value[0]])  # out[0] = value[0]
+    return np.asarray(out)
 
 
 def repeated_readings(recording: Recording) -> Fault | None:
