@@ -91,7 +91,7 @@ class DrakeSimulation(Simulation):
         plant, context = self._plant, self._plant_context
         x = self._state
         x[self._q], x[self._v] = state.position, state.velocity
-        if self.model.floating:
+        if self._pedestal is None:
             nq = plant.num_positions()
             x[:4], x[4:7] = state.base_quaternion, state.base_position
             x[nq : nq + 3], x[nq + 3 : nq + 6] = state.base_angular, state.base_linear
@@ -186,7 +186,7 @@ def _material(ground: Ground | None) -> dict[str, float]:
 
 
 def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, FixedOffsetFrame | None]:
-    """The plant, the diagram around it, and the frame in the world that carries a fixed base."""
+    """The plant, the diagram around it, and the frame in the world that carries a fixed base (None: floating)."""
     ground = physics.ground
     builder = DiagramBuilder()
     config = MultibodyPlantConfig(
