@@ -1,4 +1,4 @@
-"""The robot with centres of mass and inertia boxes, as figure 4.1 of the thesis, seen from the front and from the side."""
+"""The robot with centres of mass and inertia boxes, as figure 4.1 of the thesis, from the front and from the side."""
 
 from pathlib import Path
 
@@ -61,14 +61,17 @@ def _view(axes: Axes, links: dict[str, UrdfLink], doubtful: dict[str, bool], acr
         axes.plot(*center, "o", ms=5, mfc="white", mec="black", mew=1.4, zorder=3)
         # of a pair seen from the side both lie on one another: one label is enough
         if name in doubtful and not (across == 0 and name.startswith(("l_", "left_"))):
+            left = across == 1 and center[0] > 0  # away from the middle: the front view has y to the left
             axes.annotate(
                 name,
                 (center[0], center[1]),
-                xytext=(9, 6),
+                xytext=(-9 if left else 9, 6),
                 textcoords="offset points",
+                ha="right" if left else "left",
                 fontsize=8,
                 color="tab:red",
                 zorder=4,
+                bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.5},
             )
 
 

@@ -111,7 +111,10 @@ def revised_text(urdf: UrdfFile, links: dict[str, UrdfLink]) -> str:
             child = inertial.find(tag)
             assert child is not None
             child.set(key, f"{value:.6g}")
-    return urdf.head + ET.tostring(root, encoding="unicode") + "\n"
+    text = ET.tostring(root, encoding="unicode")
+    if not urdf.spaced:
+        text = text.replace(" />", "/>")
+    return urdf.head + text + "\n"
 
 
 def _entries(inertia: Array) -> list[tuple[str, str, float]]:

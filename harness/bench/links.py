@@ -1,4 +1,4 @@
-"""`realitygap bench links`: masses, centres of mass and inertia tensors of a URDF, against scales and sense (thesis, 4.1)."""
+"""`realitygap bench links`: masses, centres of mass and inertias of a URDF, against scales and sense (thesis, 4.1)."""
 
 from pathlib import Path
 

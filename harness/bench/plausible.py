@@ -24,7 +24,7 @@ DENSE = 2700.0
 
 @dataclass(frozen=True)
 class Doubt:
-    """What is wrong with a link. `impossible`: no body can have it, else no likely one; `tensor`: it is in the inertia."""
+    """What is wrong with a link. `impossible`: no body can have it, else no likely one; `tensor`: the inertia."""
 
     link: str
     impossible: bool

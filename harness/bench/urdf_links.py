@@ -34,10 +34,14 @@ class UrdfLink:
 
 @dataclass(frozen=True)
 class UrdfFile:
-    """A URDF: the tree that can be edited, the text before its root element, and the links that have a mass."""
+    """A URDF: the tree that can be edited, and the links that have a mass.
+
+    `head` is the text before the root element; `spaced` says whether empty elements are written `<a />`.
+    """
 
     path: Path
     head: str
+    spaced: bool
     root: ET.Element
     links: dict[str, UrdfLink]
 
@@ -73,7 +77,7 @@ def read_urdf_links(path: Path, packages: Mapping[str, Path]) -> UrdfFile:
         links[name] = _link(path, name, element, inertial, poses.get(name, np.eye(4)), packages)
     if not links:
         raise InputError(f"{path}: no link has an <inertial>; nothing to check")
-    return UrdfFile(path, text[: text.index("<robot")], root, links)
+    return UrdfFile(path, text[: text.index("<robot")], " />" in text, root, links)
 
 
 def _link(
