@@ -188,7 +188,7 @@ def _build(
             root, body = skeleton.createWeldJointAndBodyNodePair()
         body.setName(link.name)
         body.setInertia(dartpy.dynamics.Inertia(link.mass, link.com, link.inertia))
-        for sphere in link.spheres if physics.ground is not None else ():
+        for sphere in link.spheres if physics.ground is not None and (i or model.floating) else ():
             shape = body.createShapeNode(dartpy.dynamics.SphereShape(sphere.radius))
             shape.setRelativeTranslation(sphere.center)
             shape.createCollisionAspect()
