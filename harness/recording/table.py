@@ -45,10 +45,8 @@ def load(path: Path) -> pd.DataFrame:
         InputError: for a file that is not a table with a header and at least one row.
     """
     try:
-        if path.suffix.lower() == ".parquet":
-            frame = pd.read_parquet(path)
-        else:
-            frame = pd.read_csv(path, skipinitialspace=True)
+        parquet = path.suffix.lower() == ".parquet"
+        frame = pd.read_parquet(path) if parquet else pd.read_csv(path, skipinitialspace=True)
     except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
         what = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
