@@ -1,7 +1,9 @@
 """The result table `gaps.csv`: one row per joint and signal, sorted, the same for every command."""
 
 import csv
+import hashlib
 import io
+import json
 import os
 import tempfile
 from collections.abc import Iterable
@@ -53,6 +55,14 @@ class Row(Cell):
 
 
 COLUMNS = [f.name for f in fields(Row)]
+
+
+def slug(cell: Cell) -> str:
+    """A file name that is the same for the same cell: readable, with a hash of the whole key."""
+    key = json.dumps([str(v) for v in vars(cell).values()])
+    readable = "_".join(p for p in (cell.engine, cell.recording or cell.scenario) if p)
+    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in readable)
+    return f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
 
 
 def row(cell: Cell, difference: Difference, noise: float, numerical: float, note: str = "") -> Row:

@@ -17,8 +17,8 @@ from harness.errors import InputError
 from harness.experiment import experiments
 from harness.mcap import write_mcap
 from harness.progress import Progress
-from harness.report import write_curves, write_page
-from harness.results import Cell, means, table, to_csv, write_whole
+from harness.report import write_curves, write_figures, write_page
+from harness.results import means, slug, table, to_csv, write_whole
 from harness.scenario_file import ScenarioFile, load_scenario
 
 PACKAGES = ("realitygap", "numpy", "scipy", "numba", "pydantic", "rosbags", "yourdfpy")
@@ -60,6 +60,7 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     result.gaps = table(r for c in result.comparisons for r in c.rows)
     write_tables(out, result.gaps, result.comparisons)
     write_manifest(out, file, found, result.comparisons)
+    write_figures(out)
     result.page = write_page(out)
     return result
 
@@ -76,14 +77,6 @@ def engine_names(names: Sequence[str]) -> list[str]:
         if name not in engines.available():
             raise InputError(f"--engine: {name} is not installed; install it with: {engines.ENGINES[name].install}")
     return list(dict.fromkeys(names)) or engines.available()
-
-
-def slug(cell: Cell) -> str:
-    """A file name that is the same for the same cell: readable, with a hash of the whole key."""
-    key = json.dumps([str(v) for v in vars(cell).values()])
-    readable = "_".join(p for p in (cell.engine, cell.recording or cell.scenario) if p)
-    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in readable)
-    return f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
 
 
 def write_traces(out: Path, comparison: Comparison, motion: Motion) -> None:

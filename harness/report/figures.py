@@ -1,0 +1,106 @@
+"""The figures of a result folder, as files for papers and slides: `figures/*.svg`, made from the curve files alone."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from harness.report.draw import BoxSet, Curve, draw_boxes, draw_curves
+from harness.report.curves import read_curves, unpack
+from harness.report.folder import Results, cell_key, read_folder
+from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_label
+
+MOST = 12
+"""Conditions that get figures of their own; a larger matrix has its page."""
+CHOSEN = 4
+"""Joints whose curves are drawn: those with the largest gap."""
+CONDITION = [a for a in AXES if a != "engine"]
+
+
+def write_figures(folder: Path) -> list[Path]:
+    """Write box plots per joint and curves of the joints with the largest gaps. Returns the files.
+
+    Box plots stand one above the other: the engines for every condition, and for every engine the revisions.
+
+    Raises:
+        InputError: where the folder holds no result table.
+    """
+    results = read_folder(folder)
+    cells = [r for r in results.cells.to_dict("records") if cell_key(r) in results.curves]
+    written = []
+    for condition, group in list(_by(cells, CONDITION).items())[:MOST]:
+        name = _name(dict(zip(CONDITION, condition, strict=True)), results)
+        contents = {str(c["engine"]): read_curves(results.curves[cell_key(c)]) for c in group}
+        written += _box_files(folder, name, _sets(contents, results))
+        written += _curve_files(folder, name, contents, results)
+    if len(results.axes["robot_revision"]) > 1:
+        others = [a for a in AXES if a != "robot_revision"]
+        for condition, group in list(_by(cells, others).items())[:MOST]:
+            name = _name(dict(zip(others, condition, strict=True)), results)
+            revisions = {str(c["robot_revision"]): read_curves(results.curves[cell_key(c)]) for c in group}
+            if len(revisions) > 1:
+                written += _box_files(folder, f"revisions {name}", _revision_sets(revisions, str(group[0]["engine"])))
+    return written
+
+
+def _by(cells: Sequence[dict[Any, Any]], axes: Sequence[str]) -> dict[tuple[str, ...], list[dict[Any, Any]]]:
+    out: dict[tuple[str, ...], list[dict[Any, Any]]] = {}
+    for cell in cells:
+        out.setdefault(tuple(str(cell[a]) for a in axes), []).append(cell)
+    return out
+
+
+def _name(condition: dict[str, str], results: Results) -> str:
+    """What tells this condition from the others, in words; the recording or scenario where nothing does."""
+    parts = []
+    for axis, value in condition.items():
+        if axis == "overrides":
+            parts += [f"{k.split('.')[-1]} {v}" for k, v in json.loads(value or "{}").items() if k in results.varying]
+        elif axis in results.varying:
+            parts.append(axis_value(axis, value))
+    return " ".join(parts) or condition["recording"] or condition["scenario"]
+
+
+def _sets(contents: dict[str, dict[str, Any]], results: Results) -> list[BoxSet]:
+    return [
+        BoxSet(engine_label(e), engine_color(e, results.engines), content["boxes"], content["simulated"])
+        for e, content in contents.items()
+        if "boxes" in content
+    ]
+
+
+def _revision_sets(contents: dict[str, dict[str, Any]], engine: str) -> list[BoxSet]:
+    color = engine_color(engine, [engine])
+    return [BoxSet(r, color, c["boxes"], c["simulated"]) for r, c in contents.items() if "boxes" in c]
+
+
+def _box_files(folder: Path, name: str, sets: list[BoxSet]) -> list[Path]:
+    signals = [s for s in SIGNALS if any(s in b.boxes for b in sets)]
+    return [path for s in signals if (path := draw_boxes(_path(folder, f"boxes {s} {name}"), sets, s, name))]
+
+
+def _curve_files(folder: Path, name: str, contents: dict[str, dict[str, Any]], results: Results) -> list[Path]:
+    simulated = next(iter(contents.values()))["simulated"]
+    signal = next((s for s in SIGNALS if s in simulated), None)
+    if signal is None:
+        return []
+    joints = list(simulated[signal])
+    boxed = [c["boxes"][signal] for c in contents.values() if signal in c.get("boxes", {})]
+    if boxed and all(j in boxed[0] for j in joints):
+        joints = sorted(joints, key=lambda j: -max(b[j][3] for b in boxed if j in b))
+    curves = []
+    measured: dict[str, Any] = {}
+    for engine, content in contents.items():
+        if content.get("measured"):
+            measured = read_curves(folder / "curves" / f"{content['measured']}.js").get(signal, {})
+        color = engine_color(engine, results.engines)
+        series = {j: unpack(content["simulated"][signal][j]) for j in joints[:CHOSEN]}
+        curves.append(Curve(engine_label(engine), color, unpack(content["time"]), series))
+    theirs = {j: unpack(measured[j]) for j in joints[:CHOSEN] if j in measured}
+    units = {j: simulated[signal][j]["unit"] for j in joints[:CHOSEN]}
+    return [draw_curves(_path(folder, f"curves {signal} {name}"), curves, theirs, units, signal, name)]
+
+
+def _path(folder: Path, name: str) -> Path:
+    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in name)
+    return folder / "figures" / f"{safe}.svg"

@@ -1,0 +1,84 @@
+"""Names, units and colours that figures and page share. Colours: Okabe and Ito (2008), told apart by every eye."""
+
+import math
+
+ENGINES = {
+    "mujoco": ("MuJoCo", "#0072b2"),
+    "dart": ("DART", "#d55e00"),
+    "drake": ("Drake", "#009e73"),
+    "pybullet": ("PyBullet", "#cc79a7"),
+    "ode": ("ODE", "#b8860b"),
+}
+OTHERS = ("#56b4e9", "#8c6bb1", "#737373", "#a6761d")
+
+SIGNALS = {
+    "position": "position",
+    "velocity": "velocity",
+    "effort": "effort",
+    "base_position": "base position",
+    "base_orientation": "base orientation",
+    "base_angular_velocity": "base angular velocity",
+}
+
+UNITS = {"deg": "°", "deg/s": "°/s"}
+
+AXES = {
+    "scenario": "scenario",
+    "recording": "recording",
+    "robot_revision": "revision",
+    "engine": "engine",
+    "ground": "ground",
+    "step_rate": "step rate",
+    "solver_iterations": "iterations",
+    "overrides": "overrides",
+}
+"""The columns that tell cells apart, and what people call them."""
+
+
+def engine_label(name: str) -> str:
+    """The engine's name as its authors write it."""
+    return ENGINES.get(name, (name, ""))[0]
+
+
+def engine_color(name: str, among: list[str]) -> str:
+    """The engine's colour; an engine that is not in the table gets one by its place among the unknown ones."""
+    if name in ENGINES:
+        return ENGINES[name][1]
+    unknown = [n for n in among if n not in ENGINES]
+    return OTHERS[unknown.index(name) % len(OTHERS)]
+
+
+def unit_label(unit: str) -> str:
+    """The unit as it is printed behind a number."""
+    return UNITS.get(unit, unit)
+
+
+def number(value: float) -> str:
+    """Three significant digits, without an exponent where a person would not write one."""
+    if math.isnan(value):
+        return "unknown"
+    if math.isinf(value):
+        return "∞"
+    if value == 0:
+        return "0"
+    if not 1e-4 <= abs(value) < 1e6:
+        return f"{value:.2e}"
+    digits = max(2 - math.floor(math.log10(abs(value))), 0)
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number with its unit: 0.520°, 1.68 °/s, 0.280 N·m."""
+    label = unit_label(unit)
+    return number(value) + ("" if label == "°" else " ") + label
+
+
+def axis_value(axis: str, value: object) -> str:
+    """The value of an axis in words."""
+    if axis == "engine":
+        return engine_label(str(value))
+    if axis == "step_rate":
+        return f"{float(str(value)):g} Hz"
+    if axis == "solver_iterations":
+        return f"{value} iterations" if value not in ("", None) else "the engine's own iterations"
+    return str(value) if value not in ("", None) else "none"

@@ -1,0 +1,102 @@
+// The map: joints down, engines across. A grid that the arrow keys walk and Enter chooses from.
+function drawHeatmap() {
+  const place = document.getElementById("heatmap");
+  const hadFocus = place.contains(document.activeElement);
+  const engines = data.axes[engineAxis].values.map((_, e) => e).filter((e) => shownCells(e).length);
+  const targets = mapTargets(engines);
+  if (!targets.length) {
+    place.replaceChildren(element("p", null, "Nothing was measured here: there is no gap to show, only curves."));
+    return;
+  }
+  const stats = new Map(targets.map((t) => [t, engines.map((e) => stat(shownCells(e), state.signal, t))]));
+  const finite = [...stats.values()].flat().filter((s) => s && Number.isFinite(s.mean)).map((s) => s.mean);
+  const top = Math.max(...finite, 0);
+  const body = [];
+  let group = null;
+  targets.forEach((target, r) => {
+    if (target.section && target.section !== group) {
+      group = target.section;
+      body.push(element("tr", { class: "section" }, element("th", { colspan: engines.length + 1, scope: "colgroup" },
+        { moving: "moving joints", unmoving: "unmoving joints", base: "base" }[group])));
+    }
+    const cells = stats.get(target).map((s, c) => heatCell(s, engines[c], target, r, c, top));
+    const excluded = stats.get(target).some((s) => s && s.excluded);
+    const name = targetText(target) + (excluded ? " (not in the means)" : "");
+    body.push(element("tr", { class: target.group ? "mean" : null }, element("th", { scope: "row" }, name), cells));
+  });
+  const head = element("tr", null, element("td", { style: "all:unset" }),
+    engines.map((e) => element("th", { scope: "col" }, data.axes[engineAxis].values[e].text)));
+  const columns = element("colgroup", null, element("col", { class: "joint" }), engines.map(() => element("col")));
+  const unit = unitLabel((([...stats.values()].flat().find((s) => s)) || { unit: "" }).unit);
+  const label = `${data.signals[state.signal].label}, mean absolute difference in ${unit}`;
+  const table = element("table", { class: "heat", role: "grid", "aria-label": label, onkeydown: walk }, columns,
+    element("thead", null, head), element("tbody", null, body));
+  place.replaceChildren(element("p", { class: "hint" }, element("b", null, `${data.signals[state.signal].label} [${unit}]`),
+    contextText() ? ` · ${contextText()}` : ""), table, heatLegend(top, unit));
+  const chosen = table.querySelector("[aria-selected=true]") || table.querySelector("td[data-r]");
+  if (chosen) { chosen.tabIndex = 0; if (hadFocus) chosen.focus(); }
+}
+
+// Means first, then joints: those that move in any of the cells shown, then the others, then the base.
+function mapTargets(engines) {
+  const sections = new Map();
+  for (const e of engines) for (const cell of shownCells(e)) for (const i of rowsOfCell[cell].values()) {
+    if (data.rows.signal[i] !== state.signal) continue;
+    const joint = data.rows.joint[i], group = data.groups[data.rows.group[i]];
+    if (sections.get(joint) !== "moving") sections.set(joint, group);
+  }
+  const joints = [...sections.keys()].sort((a, b) => a - b);
+  const out = [];
+  for (const group of ["moving", "unmoving"])
+    if (engines.some((e) => stat(shownCells(e), state.signal, { group }))) out.push({ group });
+  for (const group of ["moving", "unmoving", "base"])
+    for (const joint of joints) if (sections.get(joint) === group) out.push({ joint, section: group });
+  return out;
+}
+
+function heatCell(s, engine, target, r, c, top) {
+  const name = `${targetText(target)}, ${data.axes[engineAxis].values[engine].text}`;
+  const chosen = engine === state.engine && target.joint === state.target.joint && target.group === state.target.group;
+  const common = { role: "gridcell", tabindex: -1, "data-r": r, "data-c": c, "aria-selected": String(chosen),
+    onclick: () => select(engine, { joint: target.joint, group: target.group }), onmouseleave: () => tooltip("") };
+  if (!s) return element("td", { ...common, class: "none", "aria-label": `${name}: not measured` }, "–");
+  const failed = s.failed.length ? `${s.failed.length} of ${shownCells(engine).length} did not finish` : "";
+  if (!Number.isFinite(s.mean)) {
+    const { outcome, note } = data.cells[s.failed[0]];
+    return element("td", { ...common, class: "failed", "aria-label": `${name}: ${outcome}: ${note}`,
+      onmousemove: (e) => tooltip(`${name}\n${outcome}: ${note}`, e) }, outcome);
+  }
+  const same = s.mean <= floorOf(s);
+  const heat = top > 0 ? Math.sqrt(s.mean / top) : 0;
+  const words = `${quantity(s.mean, s.unit)}${same ? `, ${SAME}` : ""}; ${floorWords(s)}${failed ? `; ${failed}` : ""}`;
+  const kind = same ? "same" : heat > 0.62 ? "hot" : null;
+  return element("td", { ...common, class: kind, style: same ? null : `--heat:${(heat * 100).toFixed(1)}%`,
+    "aria-label": `${name}: ${words}`, onmousemove: (e) => tooltip(`${name}\n${words.replaceAll("; ", "\n")}`, e) },
+    number(s.mean), same ? element("small", null, SAME) : failed ? element("small", null, failed) : null);
+}
+
+function heatLegend(top, unit) {
+  return element("p", { class: "legend" },
+    element("span", null, "0 ", element("span", { class: "ramp" }), ` ${number(top)} ${unit}`),
+    element("span", null, element("span", { class: "swatch" }), ` ${SAME}: not above its floors`));
+}
+
+function walk(event) {
+  const cell = event.target.closest("td[data-r]");
+  if (!cell) return;
+  const moves = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
+  if (event.key === "Enter" || event.key === " ") { event.preventDefault(); cell.click(); return; }
+  const all = [...event.currentTarget.querySelectorAll("td[data-r]")];
+  let next = null;
+  if (event.key === "Home") next = all[0];
+  else if (event.key === "End") next = all[all.length - 1];
+  else if (moves[event.key]) {
+    const [r, c] = [Number(cell.dataset.r) + moves[event.key][0], Number(cell.dataset.c) + moves[event.key][1]];
+    next = all.find((t) => Number(t.dataset.r) === r && Number(t.dataset.c) === c);
+  } else return;
+  event.preventDefault();
+  if (!next) return;
+  cell.tabIndex = -1;
+  next.tabIndex = 0;
+  next.focus();
+}

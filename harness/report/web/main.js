@@ -1,0 +1,18 @@
+// Starts the page once table and curves are there, and draws anew when the window's width changes.
+realitygap.start = () => {
+  startState();
+  [drawSwitches, drawHeatmap, drawDetail, drawTables, drawTradeoffs].forEach(onChange);
+  let group = null;
+  onChange(() => { // the list of all cells depends on the group alone
+    const next = state.target.group || group || "moving";
+    if (next !== group) { group = next; drawCellTable(); }
+  });
+  changed();
+  let width = window.innerWidth, waiting = null;
+  window.addEventListener("resize", () => {
+    if (window.innerWidth === width) return;
+    width = window.innerWidth;
+    clearTimeout(waiting);
+    waiting = setTimeout(() => { drawDetail(); drawTradeoffs(); }, 120);
+  });
+};

@@ -1,0 +1,77 @@
+// What is shown: a signal, a value per axis, an engine and a target. Everything that draws listens.
+const state = { signal: 0, choice: {}, engine: 0, target: { group: "moving" } };
+const listeners = [];
+
+function onChange(draw) { listeners.push(draw); }
+function changed() { listeners.forEach((draw) => draw()); }
+
+const switchable = data.axes.map((_, i) => i).filter((i) => i !== engineAxis && data.axes[i].values.length > 1);
+
+function startState() {
+  const first = data.cells.findIndex((c) => c.outcome === "ok");
+  const cell = data.cells[Math.max(first, 0)];
+  for (const axis of switchable) state.choice[axis] = cell ? cell.at[axis] : 0;
+  const groups = new Set(data.rows.group.map((g) => data.groups[g]));
+  state.target = { group: ["moving", "base", "unmoving"].find((g) => groups.has(g)) || "moving" };
+  const signals = new Set(data.rows.signal);
+  state.signal = signals.size ? Math.min(...signals) : 0;
+  settle(null);
+  state.engine = bestEngine();
+}
+
+function shownCells(engine, changes) { return cellsWhere({ ...state.choice, [engineAxis]: engine, ...changes }); }
+
+function bestEngine() {
+  let best = cell0Engine(), least = Infinity;
+  data.axes[engineAxis].values.forEach((_, e) => {
+    const s = stat(shownCells(e), state.signal, state.target);
+    if (s && s.mean < least) { least = s.mean; best = e; }
+  });
+  return best;
+}
+
+function cell0Engine() { const cells = cellsWhere(state.choice); return cells.length ? data.cells[cells[0]].at[engineAxis] : 0; }
+
+// After a switch: where no cell has this combination, the other switches follow to one that has; likewise the signal.
+function settle(axis) {
+  if (!cellsWhere(state.choice).length) {
+    const held = axis === null ? {} : { [axis]: state.choice[axis] };
+    const candidates = cellsWhere(held);
+    const agreement = (c) => switchable.filter((a) => data.cells[c].at[a] === state.choice[a]).length;
+    const nearest = candidates.sort((a, b) => agreement(b) - agreement(a) || a - b)[0];
+    if (nearest !== undefined)
+      for (const a of switchable) if (a !== axis && state.choice[a] !== -1) state.choice[a] = data.cells[nearest].at[a];
+  }
+  const cells = cellsWhere(state.choice);
+  const signals = new Set(cells.flatMap((c) => [...rowsOfCell[c].values()].map((i) => data.rows.signal[i])));
+  if (signals.size && !signals.has(state.signal)) state.signal = Math.min(...signals);
+  if (!cells.some((c) => cellStat(c, state.signal, state.target))) {
+    const group = ["moving", "base", "unmoving"].find((g) => cells.some((c) => cellStat(c, state.signal, { group: g })));
+    state.target = { group: group || "moving" };
+  }
+}
+
+function choose(axis, value) { state.choice[axis] = value; settle(axis); changed(); }
+function chooseSignal(signal) { state.signal = signal; settle(null); changed(); }
+function select(engine, target) { state.engine = engine; state.target = target; changed(); }
+
+function showCell(cell) {
+  for (const axis of switchable) state.choice[axis] = data.cells[cell].at[axis];
+  state.engine = data.cells[cell].at[engineAxis];
+  settle(null);
+  changed();
+  document.getElementById("map").scrollIntoView();
+}
+
+function targetText(target) {
+  if (target.joint !== undefined) return data.joints[target.joint];
+  return { moving: "mean of moving joints", unmoving: "mean of unmoving joints", base: "base" }[target.group];
+}
+
+function contextText(without) {
+  const parts = switchable.filter((a) => a !== without).map((a) => {
+    const value = state.choice[a];
+    return value < 0 ? `all ${data.axes[a].label}s` : data.axes[a].values[value].text;
+  });
+  return parts.join(" · ");
+}
