@@ -7,6 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from harness.bench import servo
 from harness.bench.drive_fit import fit_current, fit_duty, fit_rotor
@@ -301,6 +303,69 @@ def test_units_are_converted(tmp_path: Path) -> None:
     assert "6.80 [6.48, 7.12]" in text
 
 
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+
+
+def write_bag(path: Path, speed: float, torque: float) -> None:
+    """A lift: the speed rises to its maximum and falls again; the torque is right only at that moment."""
+    state = STORE.types["sensor_msgs/msg/JointState"]
+    header = STORE.types["std_msgs/msg/Header"]
+    time = STORE.types["builtin_interfaces/msg/Time"]
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        topic = writer.add_connection("/motor", state.__msgtype__, typestore=STORE)
+        for k in range(101):
+            shape = 1 - ((k - 60) / 60) ** 2
+            message = state(
+                header(time(0, k), ""), ["m"], np.zeros(1), np.array([speed * shape]), np.array([torque + abs(k - 60)])
+            )
+            writer.write(topic, 1_000_000 * k, STORE.serialize_cdr(message, state.__msgtype__))
+
+
+SWEEP = """torque_speed:
+  speed: {topic: /motor, field: velocity, unit: rad/s}
+  torque: {topic: /motor, field: effort, unit: N·m}
+  bags:
+"""
+
+
+def test_a_sweep_from_bags_is_the_largest_speed_and_its_torque(tmp_path: Path) -> None:
+    text = SWEEP
+    for k, load in enumerate((0.0, 1.0, 2.0, 3.0)):
+        torque = 1.5 * load
+        write_bag(tmp_path / f"load{k}", 6.0 * (1 - torque / 7.0), torque)
+        text += f"    - {{path: load{k}, motor: m, type: MX, supply: 12 V, load: {load} kg}}\n"
+    (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
+    report = "\n".join(servo.run(tmp_path / "bench.yaml", tmp_path / "out").lines)
+    assert "7.00 [7.00, 7.00]" in report
+    assert "6.00 [6.00, 6.00]" in report
+
+
+@pytest.mark.parametrize(
+    ("field", "topic", "expected"),
+    [
+        ("velocity", "/other", "has no topic /other; found /motor"),
+        ("speed", "/motor", "has no field speed"),
+        ("name", "/motor", "field name of /motor holds no number"),
+    ],
+)
+def test_a_signal_that_is_not_there_is_one_sentence(field: str, topic: str, expected: str, tmp_path: Path) -> None:
+    write_bag(tmp_path / "load", 6.0, 0.0)
+    text = SWEEP.replace("topic: /motor, field: velocity", f"topic: {topic}, field: {field}")
+    text += "    - {path: load, motor: m, type: MX, supply: 12 V, load: 1 kg}\n"
+    (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=expected):
+        servo.run(tmp_path / "bench.yaml", tmp_path / "out")
+
+
+def test_a_file_that_is_no_bag_is_one_sentence(tmp_path: Path) -> None:
+    for name in ("no.bag", "no.mcap"):
+        (tmp_path / name).write_bytes(b"this is no bag")
+        text = SWEEP + f"    - {{path: {name}, motor: m, type: MX, supply: 12 V, load: 1 kg}}\n"
+        (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match="is not a bag that can be read"):
+            servo.run(tmp_path / "bench.yaml", tmp_path / "out")
+
+
 @pytest.mark.skipif("REALITYGAP_DATA" not in os.environ, reason="REALITYGAP_DATA (the recordings) is not set")
 def test_the_recorded_mx106(tmp_path: Path) -> None:
     """Against the published identification of this motor type: 2.19 N·m/A, armature 0.0266 kg·m² (Rhoban/bam)."""
@@ -312,3 +377,17 @@ def test_the_recorded_mx106(tmp_path: Path) -> None:
     assert armature == pytest.approx(0.0266, rel=0.1)
     assert "The hysteresis grows with the load: load-dependent friction is there." in text
     assert "Coulomb friction cannot be read from this current" in text
+
+
+def test_sines_under_two_loads_are_too_few(tmp_path: Path) -> None:
+    arm = "inertia: 0.01 kg·m², gravity_torque: 0.5 N·m"
+    (tmp_path / "bench.yaml").write_text(
+        "recordings:\n"
+        "  position: {topic: /joint_states, field: position, unit: rad}\n"
+        "  current: {topic: /joint_currents, field: effort, unit: A}\n"
+        f"  arms: [{{name: a, {arm}}}, {{name: b, {arm}}}]\n"
+        "  sines: [{path: a.bag, arm: a}, {path: b.bag, arm: b}]\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError, match="found 2 arms, expected at least 3 loads"):
+        servo.run(tmp_path / "bench.yaml", tmp_path / "out")

@@ -39,9 +39,14 @@ def _read(path: Path, reader: AnyReader, signal: Signal) -> tuple[Array, Array]:
             if not hasattr(value, part):
                 raise InputError(f"{path}: {connection.msgtype} of {signal.topic} has no field {signal.field}")
             value = getattr(value, part)
-        flat = np.atleast_1d(np.asarray(value, dtype=float))
-        if not len(flat):
-            raise InputError(f"{path}: field {signal.field} of {signal.topic} is empty; expected a number")
+        try:
+            flat = np.atleast_1d(np.asarray(value, dtype=float))
+        except (TypeError, ValueError):
+            flat = np.zeros(0)
+        if not len(flat) or not np.isfinite(flat[0]):
+            raise InputError(
+                f"{path}: field {signal.field} of {signal.topic} holds no number; expected one per message"
+            )
         times.append(stamp)
         values.append(float(flat[0]))
     if len(times) < 2:
