@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
-from os.path import commonprefix
 
 import numpy as np
 
@@ -11,10 +10,8 @@ import engines
 from engines import Diverged, Unsupported
 from harness.errors import InputError
 from harness.experiment import Experiment, simulate
-from harness.gap import JOINT_SIGNALS, Difference, differences, mean_trace
-from harness.recording import Recording
-from harness.recording.align import average, repetitions
-from harness.recording.floor import noise_floor
+from harness.gap import Difference, differences, mean_trace
+from harness.recording.align import Repetitions, group_repetitions, noise_floor
 from harness.results import EXCLUDED, Cell, Row, failed, row
 from harness.rollout import Rollout
 from harness.scenario_file import ScenarioFile
@@ -29,7 +26,7 @@ class Motion:
         name: of the recording, or what the repetitions' names have in common.
         experiments: the repetitions; one where the motion was recorded once or not at all.
         measured: their mean, in the window, on the first repetition's clock; None where nothing was measured.
-        shifts: what to add to each repetition's clock to agree with the first's [s].
+        shifts: what to add to the first repetition's clock to get each one's [s].
         noise: (joint, signal) -> noise floor in SI.
     """
 
@@ -61,37 +58,36 @@ def motions(experiments: Sequence[Experiment]) -> list[Motion]:
         InputError: for a window that holds no samples.
     """
     out = [Motion(e.name, (e,), None, (0.0,), {}) for e in experiments if e.recording is None]
-    recorded = [(e, e.recording) for e in experiments if e.recording is not None]
-    conditions = [{"with": e.overrides, "window": e.window, "use": e.use} for e, _ in recorded]
-    for group in repetitions([r for _, r in recorded], conditions):
-        out.append(
-            _motion([recorded[i][0] for i, _ in group], [recorded[i][1] for i, _ in group], [d for _, d in group])
-        )
+    recorded = [e for e in experiments if e.recording is not None]
+    for group in group_repetitions(recorded):
+        out.append(_motion([recorded[i] for i in group.indices], group))
     return out
 
 
-def _motion(group: list[Experiment], recordings: list[Recording], shifts: list[float]) -> Motion:
-    first = group[0]
-    traces = [r.trace for r in recordings]
-    measured = average(traces, shifts).between(*first.window)
-    if len(measured.time) < 2:
-        whole = traces[0].time
+def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
+    traces = on_first_clock(group, repetitions.shifts)
+    if len(traces[0].time) < 2:
+        first = group[0]
+        assert first.recording is not None
+        whole = first.recording.trace.time
         raise InputError(
-            f"{recordings[0].path}: window {list(first.window)} holds {len(measured.time)} samples; "
+            f"{first.recording.path}: window {list(first.window)} holds {len(traces[0].time)} samples; "
             f"the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
         )
-    floors = noise_floor(traces, shifts, first.window)
-    noise: dict[tuple[str, str], float] = {}
-    for signal, values in floors.items():
-        names = measured.joints if signal in JOINT_SIGNALS else ("base",)
-        noise |= {(joint, signal): float(v) for joint, v in zip(names, values, strict=True)}
-    name = first.name if len(group) == 1 else f"{_common([e.name for e in group])} ×{len(group)}"
-    return Motion(name, tuple(group), measured, tuple(shifts), noise)
+    name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"
+    return Motion(name, tuple(group), mean_trace(traces), repetitions.shifts, noise_floor(traces))
 
 
-def _common(names: list[str]) -> str:
-    """What the names of repetitions have in common, without a dangling `_rep`."""
-    return commonprefix(names).rstrip("_-.# ").removesuffix("rep").rstrip("_-.# ") or names[0]
+def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list[Trace]:
+    """What was measured in each repetition, in the window, at the first one's stamps where all have data."""
+    whole = [e.recording.trace for e in group if e.recording is not None]
+    first = whole[0].between(*group[0].window)
+    if len(whole) == 1:
+        return [first]
+    clock = first.time
+    for trace, shift in zip(whole, shifts, strict=True):
+        clock = clock[(clock + shift >= trace.time[0]) & (clock + shift <= trace.time[-1])]
+    return [replace(t.at(clock + shift), time=clock) for t, shift in zip(whole, shifts, strict=True)]
 
 
 def cell_of(file: ScenarioFile, motion: Motion, engine: str, revision: str = "") -> Cell:
@@ -159,7 +155,7 @@ def _simulated(motion: Motion, engine: str, finer: float) -> tuple[Rollout, Trac
     if motion.measured is None or len(rollouts) == 1:
         return rollouts[0], rollouts[0].trace
     clock = motion.measured.time
-    parts = [replace(r.trace.at(clock - s), time=clock) for r, s in zip(rollouts, motion.shifts, strict=True)]
+    parts = [replace(r.trace.at(clock + s), time=clock) for r, s in zip(rollouts, motion.shifts, strict=True)]
     return rollouts[0], mean_trace(parts)
 
 

@@ -1,0 +1,209 @@
+"""Fitting suspects in simulation: bounded least squares with a robust loss, and how sure the result is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from harness.diagnose.problem import Change, Problem, Suspect
+from harness.diagnose.suspects import fitted, neutral, sizes
+from harness.drive import Array
+from harness.effects import EFFECTS
+
+STEP = 0.02
+"""Step of a numerical derivative, as a part of the parameter's size."""
+PRIOR = 1e-3
+"""Pull towards the first guess per size, so that a parameter without influence stays where it is."""
+
+
+@dataclass
+class Fit:
+    """Fitted changes and how well they explain the motions.
+
+    Attributes:
+        changes: the suspects with their values.
+        cost: mean squared residual per case; 1 is the floor.
+        names: (suspect number, parameter) of every fitted value.
+        value, deviation: fitted values and their standard deviations. Shape (p,).
+        step_per_case: Shape (cases, p): how far each motion alone would move the values (Gauss-Newton).
+        weight_per_case: Shape (cases, p): curvature of each motion: how much it says about each value.
+    """
+
+    changes: list[Change]
+    cost: dict[int, float] = field(default_factory=dict)
+    names: list[tuple[int, str]] = field(default_factory=list)
+    value: Array = field(default_factory=lambda: np.zeros(0))
+    deviation: Array = field(default_factory=lambda: np.zeros(0))
+    step_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    weight_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    evaluations: int = 0
+
+    def mean_cost(self, cases: Sequence[int]) -> float:
+        """Mean squared residual over some cases, each counting alike."""
+        return float(np.mean([self.cost[c] for c in cases]))
+
+
+def start(problem: Problem, suspect: Suspect) -> Change:
+    """A suspect at a first guess: its neutral value plus a sensible size."""
+    effect = EFFECTS[suspect.effect]
+    first = effect.first_size(problem.plant, suspect.indices[0])
+    zero = neutral(problem.plant, suspect)
+    free = tuple(p.name for p in fitted(effect))
+    values = {}
+    for p in effect.parameters:
+        value = first[p.name]
+        if p.name in free and value == zero[p.name]:
+            value = zero[p.name] + sizes(problem.plant, suspect)[p.name]
+        values[p.name] = float(np.clip(value, p.low, p.high))
+        if p.name not in free and p.default is not None:
+            values[p.name] = p.default
+    return Change(suspect, tuple(values.items()), free)
+
+
+class _Space:
+    """The fitted values of several changes as one vector, scaled by their sizes."""
+
+    def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
+        self.changes = list(changes)
+        self.names: list[tuple[int, str]] = []
+        scale, low, high, first = [], [], [], []
+        for i, change in enumerate(self.changes):
+            effect = EFFECTS[change.suspect.effect]
+            size = sizes(problem.plant, change.suspect)
+            for name in change.free:
+                p = effect.parameter(name)
+                self.names.append((i, name))
+                value = change.parameters[p.name]
+                scale.append(max(size[name], 1e-12))
+                low.append(p.low)
+                high.append(p.high)
+                first.append(min(max(value, p.low), p.high))
+        self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
+        self.first = np.array(first) / self.scale
+
+    def bounds(self) -> tuple[Array, Array]:
+        return self.low / self.scale, self.high / self.scale
+
+    def at(self, x: Array) -> list[Change]:
+        values = [change.parameters for change in self.changes]
+        for (i, name), v, low, high in zip(self.names, x * self.scale, self.low, self.high, strict=True):
+            values[i][name] = float(min(max(v, low), high))
+        return [replace(c, values=tuple(v.items())) for c, v in zip(self.changes, values, strict=True)]
+
+
+def fit(
+    problem: Problem, changes: Sequence[Change], train: Sequence[int], judge: Sequence[int], budget: int = 12
+) -> Fit:
+    """Fit changes jointly to the training motions and judge them on others.
+
+    Args:
+        changes: with first guesses.
+        train, judge: indices of cases.
+        budget: iterations of the solver at most.
+    """
+    if not changes:
+        return Fit([], {c: _cost(problem.residuals([], c)) for c in [*train, *judge]})
+    space = _Space(problem, changes)
+    count = 0
+    memo: dict[bytes, Array] = {}
+
+    def residual(x: Array) -> Array:
+        nonlocal count
+        key = x.tobytes()
+        if key not in memo:
+            count += 1
+            memo[key] = np.concatenate([_weighted(problem.residuals(space.at(x), c)) for c in train])
+        return np.concatenate([memo[key], PRIOR * (x - space.first)])
+
+    def jacobian(x: Array) -> Array:
+        return _differences(residual, x, *space.bounds())
+
+    before = residual(space.first)
+    scale = max(1.0, 1.5 * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
+    solution = least_squares(
+        residual,
+        space.first,
+        jac=jacobian,
+        bounds=space.bounds(),
+        loss="soft_l1",
+        f_scale=scale / np.sqrt(_mean_length(problem, train)),
+        max_nfev=budget,
+        xtol=2e-4,
+        ftol=1e-4,
+        gtol=1e-10,
+    )
+    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count)
+    _judge(problem, space, solution.x, train, judge, out)
+    return out
+
+
+def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
+    return float(np.mean([problem.length(c) for c in cases]))
+
+
+def _weighted(residual: Array) -> Array:
+    """A motion's residual so that its squares sum to their mean: every motion counts alike, however long."""
+    return residual / np.sqrt(len(residual))
+
+
+def _cost(residual: Array) -> float:
+    return float(np.mean(residual**2))
+
+
+def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
+    base = function(x)  # type: ignore[operator]
+    out = np.empty((len(base), len(x)))
+    for k in range(len(x)):
+        step = STEP * max(abs(x[k]), 0.3)
+        if x[k] + step > high[k]:
+            step = -step
+        moved = x.copy()
+        moved[k] += step
+        out[:, k] = (function(moved) - base) / step  # type: ignore[operator]
+    return out
+
+
+def _judge(problem: Problem, space: _Space, x: Array, train: Sequence[int], judge: Sequence[int], out: Fit) -> None:
+    """Cost, standard deviation and what each motion alone would say, at the solution."""
+    cases = sorted({*train, *judge})
+    p = len(x)
+    normal = np.zeros((p, p))
+    spread = 0.0
+    out.step_per_case, out.weight_per_case = np.zeros((len(cases), p)), np.zeros((len(cases), p))
+    for row, c in enumerate(cases):
+
+        def residual(y: Array, c: int = c) -> Array:
+            return problem.residuals(space.at(y), c)
+
+        base = residual(x)
+        out.cost[c] = _cost(base)
+        slope = _differences(residual, x, *space.bounds())
+        robust = 1.0 / np.sqrt(1.0 + (base / (3 * max(1.0, np.sqrt(out.cost[c])))) ** 2)
+        gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
+        out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale
+        out.weight_per_case[row] = np.diag(curvature) / space.scale**2
+        if c in train:
+            inflation = max(out.cost[c], 1.0) * _correlation_time(base, len(problem.cases[c].measured.time))
+            normal += curvature / inflation
+            spread += 1.0
+    covariance = np.linalg.pinv(normal + 1e-12 * np.eye(p) * max(float(np.trace(normal)), 1e-30))
+    out.deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * space.scale
+
+
+def _correlation_time(residual: Array, samples: int) -> float:
+    """How many samples of a residual count as one: the integrated autocorrelation, at least 1."""
+    r = residual - residual.mean()
+    power = float(r @ r)
+    if power <= 0:
+        return 1.0
+    reach = min(samples // 4, 200)
+    total = 1.0
+    for lag in range(1, reach):
+        rho = float(r[:-lag] @ r[lag:]) / power
+        if rho < 0.05:
+            break
+        total += 2.0 * rho
+    return total

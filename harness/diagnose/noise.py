@@ -1,0 +1,37 @@
+"""How large the noise of a measured signal is: from repetitions, or from the signal itself."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.drive import Array
+from harness.recording.align import quantum
+
+
+def repetition_noise(values: Sequence[Array]) -> Array:
+    """The standard deviation between repetitions on one clock, pooled over time. Shapes (t, n) -> (n,)."""
+    return np.asarray(np.sqrt(np.nanmean(np.nanvar(np.array(values), axis=0, ddof=1), axis=0)))
+
+
+def own_noise(value: Array) -> Array:
+    """The noise of one recording of a smooth signal. Shape (t, n) -> (n,).
+
+    The larger of the rounding of its quantum (q/√12) and the spread of its third differences, in which a motion that
+    is smooth against the sampling is gone (σ = spread/√20). The spread is taken from the median, because jerks of the
+    real motion stand out in a few samples only.
+    """
+    rounding = quantum(value) / np.sqrt(12)
+    if len(value) < 8:
+        return np.asarray(rounding)
+    third = np.diff(value, n=3, axis=0)
+    spread = 1.4826 * np.nanmedian(np.abs(third - np.nanmedian(third, axis=0)), axis=0) / np.sqrt(20)
+    return np.asarray(np.maximum(rounding, spread))
+
+
+def local_maximum(value: Array, reach: int) -> Array:
+    """The largest of the neighbours up to `reach` samples away. Shape (t, n) -> (t, n)."""
+    out = value.copy()
+    for k in range(1, reach + 1):
+        out[k:] = np.maximum(out[k:], value[:-k])
+        out[:-k] = np.maximum(out[:-k], value[k:])
+    return out

@@ -1,0 +1,276 @@
+"""What a diagnosis works on: motions with their noise, and how a changed plant fits them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from engines import Diverged, Unsupported
+from harness.comparison import Motion, motions, on_first_clock
+from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
+from harness.drive import Array
+from harness.effects import EFFECTS
+from harness.errors import InputError
+from harness.experiment import Experiment, experiments, simulate
+from harness.plant import Plant
+from harness.scenario_file import ScenarioFile
+from harness.trace import Trace
+
+SIGNALS = ("position", "velocity", "effort", "base_position", "base_quaternion")
+NEIGHBOURS = 3
+"""Samples around a step transient that share its numerical floor."""
+TINY = {"position": 1e-6, "velocity": 1e-5, "effort": 1e-5, "base_position": 1e-5, "base_quaternion": 1e-5}
+"""The noise that is assumed at least, in SI: noise-free data would weigh rounding."""
+WORST = 1e6
+"""The residual of every sample of a simulation that failed."""
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means."""
+
+    effect: str
+    target: str | tuple[str, ...]
+    indices: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A suspect with the values of all its parameters; `free` names those that are fitted."""
+
+    suspect: Suspect
+    values: tuple[tuple[str, float], ...]
+    free: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values by parameter name."""
+        return dict(self.values)
+
+
+@dataclass
+class Case:
+    """One motion with its noise: what was measured in the mean, and how far every sample can be trusted.
+
+    `noise` has the standard deviation per joint, `floor` the numerical floor per sample; by signal.
+    """
+
+    name: str
+    experiment: Experiment
+    measured: Trace
+    use: str
+    noise: dict[str, Array]
+    repetitions: int
+    floor: dict[str, Array] = field(default_factory=dict)
+
+    def sigma(self, signal: str) -> Array:
+        """Standard deviation of each sample: noise and numerical floor together. Shape (t, n)."""
+        noise = self.noise[signal][None, :]
+        floor = self.floor.get(signal)
+        return np.broadcast_to(noise, self.value(signal).shape) if floor is None else np.hypot(noise, floor)
+
+    def value(self, signal: str) -> Array:
+        """The measured signal. Shape (t, n)."""
+        value = getattr(self.measured, signal)
+        assert value is not None
+        return np.asarray(value)
+
+
+@dataclass
+class Problem:
+    """A scenario's motions, split into those that are fitted and those that are judged on.
+
+    Attributes:
+        file: the scenario.
+        cases: every motion.
+        engine: where the search simulates.
+        judged: Shape (n,): which joints count.
+        split: how the held-out part was chosen, in words; empty where the scenario says it.
+    """
+
+    file: ScenarioFile
+    cases: list[Case]
+    engine: str
+    judged: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    split: str
+
+    @property
+    def plant(self) -> Plant:
+        """The plant of the first motion, as the scenario has it."""
+        return self.cases[0].experiment.plant
+
+    def of(self, use: str) -> list[int]:
+        """Indices of the cases for `train` or `held_out`."""
+        return [i for i, c in enumerate(self.cases) if c.use == use]
+
+    def signals(self, case: int) -> list[str]:
+        """The signals that are compared."""
+        return [s for s in SIGNALS if s in self.cases[case].noise]
+
+    def simulated(
+        self, changes: Sequence[Change], case: int, *, engine: str | None = None, finer: float = 1.0
+    ) -> dict[str, Array]:
+        """The signals of one motion with a changed plant, at the measured stamps.
+
+        Raises:
+            Unsupported, Diverged: as the engine says.
+        """
+        c = self.cases[case]
+        e = c.experiment
+        plant = changed(e.plant, changes, self.plant)
+        rate = e.scenario.physics.step_rate * finer
+        trace = simulate(e.with_plant(plant), engine or self.engine, step_rate=rate).trace.at(c.measured.time)
+        return {s: np.asarray(getattr(trace, s)) for s in self.signals(case)}
+
+    def residual(self, case: int, simulated: Mapping[str, Array]) -> Array:
+        """Simulated minus measured in standard deviations, all signals in one vector; 0 where nothing was measured."""
+        c = self.cases[case]
+        parts = []
+        for signal in self.signals(case):
+            delta = simulated[signal] - c.value(signal)
+            if signal == "base_quaternion":
+                flipped = simulated[signal] + c.value(signal)
+                delta = np.where(np.sum(delta**2, axis=1) > np.sum(flipped**2, axis=1), flipped.T, delta.T).T
+            scaled = delta / c.sigma(signal)
+            if signal in ("position", "velocity", "effort"):
+                scaled = scaled[:, self.judged]
+            parts.append(np.nan_to_num(scaled.T, nan=0.0, posinf=WORST, neginf=-WORST).ravel())
+        return np.clip(np.concatenate(parts), -WORST, WORST)
+
+    def residuals(self, changes: Sequence[Change], case: int, *, engine: str | None = None) -> Array:
+        """The residual of one motion with a changed plant; a failed simulation is very wrong everywhere."""
+        try:
+            return self.residual(case, self.simulated(changes, case, engine=engine))
+        except (Diverged, Unsupported):
+            return np.full(self.length(case), WORST)
+
+    def length(self, case: int) -> int:
+        """Number of residuals of a motion."""
+        joints = int(self.judged.sum())
+        t = len(self.cases[case].measured.time)
+        wide = {"base_position": 3, "base_quaternion": 4}
+        return sum(t * wide.get(s, joints) for s in self.signals(case))
+
+    def numerical_floor(self, changes: Sequence[Change], case: int) -> dict[str, Array]:
+        """How far half the step moves each sample: the largest among neighbours, doubled. By signal, shape (t, n)."""
+        coarse = self.simulated(changes, case)
+        fine = self.simulated(changes, case, finer=2.0)
+        out = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in coarse}
+        if "effort" in out:
+            out["effort"] = np.hypot(out["effort"], self._jumps(changes, case))
+        return out
+
+    def _jumps(self, changes: Sequence[Change], case: int) -> Array:
+        """How much the effort jumps within a step of each sample: a command moves it at once, and which side of the
+        jump a sample saw is not known. Shape (t, n)."""
+        c = self.cases[case]
+        plant = changed(c.experiment.plant, changes, self.plant)
+        trace = simulate(c.experiment.with_plant(plant), self.engine).trace
+        h = c.experiment.scenario.timestep
+        before, after = (np.asarray(trace.at(c.measured.time + d).effort) for d in (-h, h))
+        return np.abs(after - before)
+
+
+def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:
+    """A plant with effects changed.
+
+    Where a run's own value differs from that of the reference (another gain, another load), a change keeps its ratio
+    to the reference: a gain that is 10 % low is 10 % low in every run.
+    """
+    out = plant.copy()
+    for change in changes:
+        effect = EFFECTS[change.suspect.effect]
+        indices = list(change.suspect.indices)
+        for i in indices:
+            here, there = effect.own(plant, i), effect.own(reference, i)
+            values = {}
+            for name, value in change.values:
+                own, first = here.get(name), there.get(name)
+                if effect.parameter(name).absent is None and own is not None and first and own != first:
+                    value = value * own / first
+                values[name] = value
+            if len(indices) > 1 and values == change.parameters:
+                effect.apply(out, indices, values)
+                break
+            effect.apply(out, [i], values)
+    return out
+
+
+def build_problem(file: ScenarioFile, engine: str) -> Problem:
+    """The problem that a scenario states.
+
+    Raises:
+        InputError: for a scenario without recordings.
+    """
+    found = [m for m in motions(experiments(file)) if m.measured is not None]
+    if not found:
+        raise InputError(f"{file.path}: recordings.runs: found none; a diagnosis needs recordings")
+    cases = [_case(m) for m in found]
+    split = _split(cases)
+    pooled = _pool_noise(cases)
+    for case in cases:
+        case.noise = {s: _noise(case, s, pooled) for s in case.noise}
+    model = cases[0].experiment.plant.model
+    recordings = file.scenario.recordings
+    excluded = recordings.exclude if recordings else []
+    judged = np.array([not any(fnmatchcase(n, p) for p in excluded) for n in model.joint_names], dtype=bool)
+    return Problem(file, cases, engine, judged, split)
+
+
+def _case(motion: Motion) -> Case:
+    assert motion.measured is not None
+    noise: dict[str, Array] = {}
+    for signal in SIGNALS:
+        value = getattr(motion.measured, signal)
+        if value is None or not np.isfinite(value).any():
+            continue
+        noise[signal] = own_noise(value)
+    first = motion.experiments[0]
+    if len(motion.experiments) > 1:
+        on_clock = on_first_clock(motion.experiments, motion.shifts)
+        for signal in noise:
+            noise[signal] = repetition_noise([np.asarray(getattr(t, signal)) for t in on_clock])
+    return Case(motion.name, first, motion.measured, first.use or "", noise, len(motion.experiments))
+
+
+def _pool_noise(cases: Sequence[Case]) -> dict[str, Array]:
+    """The noise of a single repetition by signal, over all motions that were repeated."""
+    out: dict[str, Array] = {}
+    repeated = [c for c in cases if c.repetitions > 1]
+    for signal in {s for c in repeated for s in c.noise}:
+        values = [c.noise[signal] ** 2 for c in repeated if signal in c.noise]
+        out[signal] = np.sqrt(np.mean(values, axis=0))
+    return out
+
+
+def _noise(case: Case, signal: str, pooled: Mapping[str, Array]) -> Array:
+    """Standard deviation of the mean of a motion's repetitions."""
+    single = case.noise[signal]
+    if signal in pooled:
+        single = np.maximum(pooled[signal], single) if case.repetitions > 1 else np.maximum(pooled[signal], 0.0)
+    return np.asarray(np.maximum(single / np.sqrt(case.repetitions), TINY[signal]))
+
+
+def _split(cases: list[Case]) -> str:
+    """Mark every case as train or held_out; says how where the scenario does not."""
+    uses = {c.use for c in cases}
+    if "held_out" in uses and (uses & {"train", ""}):
+        for c in cases:
+            c.use = c.use or "train"
+        return ""
+    if len(cases) > 1:
+        for i, c in enumerate(cases):
+            c.use = "held_out" if i % 3 == 2 or (len(cases) == 2 and i == 1) else "train"
+        kept = ", ".join(c.name for c in cases if c.use == "held_out")
+        return f"no run was marked held_out: every third motion was kept back ({kept})"
+    only = cases[0]
+    time = only.measured.time
+    middle = float(time[0] + 0.6 * (time[-1] - time[0]))
+    later = replace(only, measured=only.measured.between(middle, np.inf), use="held_out", name=f"{only.name} (rest)")
+    only.measured = only.measured.between(-np.inf, middle)
+    only.use = "train"
+    cases.append(later)
+    return f"there is one run: it was fitted up to {middle:.2f} s and judged on the rest"

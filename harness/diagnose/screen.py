@@ -1,0 +1,280 @@
+"""Screening: every suspect gets a fair first try, by the change of the traces that a sensible size of it makes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from harness.diagnose.fit import start
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import WORST, Change, Problem, Suspect
+from harness.diagnose.suspects import neutral, sizes, whole
+from harness.drive import Array
+from harness.effects import EFFECTS, Effect
+
+FURTHEST = 12.0
+"""How many first sizes a straight line is followed at most."""
+MANY_JOINTS = 6
+"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
+
+
+@dataclass(frozen=True)
+class Screened:
+    """A suspect with a first guess and the share of the squared residual that it explains there, simulated."""
+
+    change: Change
+    explained: float
+
+
+def screen(
+    pool: Pool, suspects: Sequence[Suspect], accepted: Sequence[Change], train: Sequence[int], deep: int = 24
+) -> list[Screened]:
+    """The suspects that explain most of what is left, best first.
+
+    A straight line through the change of the traces at a first size gives a guess of the size and of what it would
+    explain, beside what a change of the accepted parameters would; the `deep` best are simulated at their guess.
+    """
+    problem = pool.problem
+    residual = [problem.residuals(accepted, c) for c in train]
+    tangent = _tangent(pool, accepted, train)
+    many = int(problem.judged.sum()) > MANY_JOINTS
+    alone = [s for s in suspects if not (many and _single(problem, s))]
+    shared = [s for s in suspects if many and _single(problem, s)]
+    tries = {s: probes(problem, s, residual) for s in alone}
+    questions = [((*accepted, p), tuple(train)) for s in alone for group in tries[s] for p in group]
+    combined = _combined(problem, shared)
+    questions += [((*accepted, *(p for _, p in column)), tuple(train)) for column in combined]
+    answers = iter(pool.map(_signature, questions))
+    base = np.concatenate([r / np.sqrt(len(r)) for r in residual])
+    robust = 1.0 / np.sqrt(1.0 + (base / (3 * np.sqrt(np.mean(base**2)) + 1e-12)) ** 2)
+    found: dict[Suspect, list[list[tuple[Change, Array]]]] = {
+        s: [[(p, next(answers) - base) for p in group] for group in tries[s]] for s in alone
+    }
+    masks = {s.indices[0]: _joint_mask(problem, train, s.indices[0]) for s in shared}
+    for column in combined:
+        answer = next(answers) - base
+        for suspect, probe in column:
+            own = np.where(masks[suspect.indices[0]], answer, 0.0)
+            found.setdefault(suspect, [[]])[0].append((probe, own))
+    guesses = [_guess(problem, s, group, base, tangent, robust) for s, groups in found.items() for group in groups]
+    ranked = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)[:deep]
+    checked = pool.map(_explained, [(tuple(accepted), g.change, tuple(train)) for g in ranked])
+    total = float(np.sum((robust * base) ** 2))
+    out = []
+    for guess, answer in zip(ranked, checked, strict=True):
+        left = min(float(np.sum((robust * a) ** 2)) for a in answer)
+        truly = 1.0 - left / total
+        out.append(Screened(guess.change, max(truly, 0.3 * guess.explained)))
+    return sorted(out, key=lambda s: -s.explained)
+
+
+def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None = None) -> list[list[Change]]:
+    """First tries of a suspect: per start a list of changes, each of one parameter."""
+    effect = EFFECTS[suspect.effect]
+    zero = neutral(problem.plant, suspect)
+    size = sizes(problem.plant, suspect)
+    first = start(problem, suspect)
+    if whole(effect):
+        factors = (1.0, 0.6, 0.35)
+        main = first.free[0]
+        return [[_with(first, {main: first.parameters[main] * f})] for f in factors]
+    if effect.name == "torque_ripple":
+        return [
+            [_with(first, {"amplitude": size["amplitude"], "periods": p, "phase": phase}) for phase in (0.0, np.pi / 2)]
+            for p in _periods(problem, suspect, residual)
+        ]
+    out = []
+    for name in first.free:
+        p = effect.parameter(name)
+        if name in SHAPES:
+            continue
+        values = {q: zero[q] for q in first.free if q not in SHAPES and np.isfinite(zero[q])}
+        if np.isfinite(zero[name]):
+            values[name] = zero[name] + size[name]
+            if values[name] > p.high:
+                values[name] = zero[name] - size[name]
+        else:
+            values[name] = first.parameters[name]
+        out.append(_with(first, values))
+    return [out]
+
+
+SHAPES = ("periods", "phase", "velocity", "exponent")
+"""Parameters that only shape what others do: they are not tried on their own."""
+
+
+def _with(change: Change, values: dict[str, float]) -> Change:
+    return replace(change, values=tuple((change.parameters | values).items()))
+
+
+def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None) -> list[float]:
+    """The ripple frequencies that the residual of the target shows as a function of the joint angle.
+
+    A ripple moves the joint, and the effort, by nearly the same sine of the angle: sine and cosine are fitted to the
+    residual without simulating, and the best few peaks are tried.
+    """
+    joint = suspect.indices[0]
+    train = problem.of("train")
+    grid = np.arange(1.0, 61.0, 0.25)
+    score = np.zeros(len(grid))
+    for c, r in zip(train, residual or [], strict=False):
+        angle = problem.cases[c].value("position")[:, joint]
+        mask = _joint_mask(problem, [c], joint)
+        for part in np.split(r[mask], max(int(mask.sum()) // len(angle), 1)):
+            smooth = part - part.mean()
+            for k, p in enumerate(grid):
+                basis = np.column_stack([np.sin(p * angle), np.cos(p * angle), np.ones(len(angle)), angle])
+                rest = smooth - basis @ np.linalg.lstsq(basis, smooth, rcond=None)[0]
+                plain = basis[:, 2:]
+                left = smooth - plain @ np.linalg.lstsq(plain, smooth, rcond=None)[0]
+                score[k] += float(left @ left - rest @ rest)
+    if not score.any():
+        return [2.0, 5.0, 12.0, 20.0]
+    peaks = [k for k in range(1, len(grid) - 1) if score[k] >= score[k - 1] and score[k] >= score[k + 1]]
+    best = sorted(peaks, key=lambda k: -score[k])[:4]
+    return [float(grid[k]) for k in best] or [5.0]
+
+
+def _single(problem: Problem, suspect: Suspect) -> bool:
+    return EFFECTS[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
+
+
+def _combined(problem: Problem, shared: Sequence[Suspect]) -> list[list[tuple[Suspect, Change]]]:
+    """The same probe of one effect on all joints at once."""
+    by_effect: dict[str, list[Suspect]] = {}
+    for s in shared:
+        by_effect.setdefault(s.effect, []).append(s)
+    out = []
+    for members in by_effect.values():
+        lists = [[p for group in probes(problem, s) for p in group] for s in members]
+        for k in range(len(lists[0])):
+            out.append([(s, ps[k]) for s, ps in zip(members, lists, strict=True)])
+    return out
+
+
+def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...]) -> Array:
+    parts = [problem.residuals(changes, c) for c in train]
+    return np.concatenate([r / np.sqrt(len(r)) for r in parts])
+
+
+def _explained(problem: Problem, accepted: tuple[Change, ...], change: Change, train: tuple[int, ...]) -> list[Array]:
+    """Residuals at the guess and at half of it: a straight line may lead too far."""
+    zero = neutral(problem.plant, change.suspect)
+    tries = [change]
+    if not whole(EFFECTS[change.suspect.effect]):
+        half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
+        tries.append(_with(change, {n: v for n, v in half.items() if np.isfinite(v)}))
+    return [_signature(problem, (*accepted, t), train) for t in tries]
+
+
+def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Array:
+    """How the residual changes with each accepted parameter. Shape (samples, p)."""
+    questions: list[tuple[tuple[Change, ...], tuple[int, ...]]] = [(tuple(accepted), tuple(train))]
+    steps = []
+    for i, change in enumerate(accepted):
+        size = sizes(pool.problem.plant, change.suspect)
+        for name in change.free:
+            step = 0.05 * size[name]
+            if change.parameters[name] + step > EFFECTS[change.suspect.effect].parameter(name).high:
+                step = -step
+            moved = _with(change, {name: change.parameters[name] + step})
+            questions.append(((*accepted[:i], moved, *accepted[i + 1 :]), tuple(train)))
+            steps.append(step / size[name])
+    answers = pool.map(_signature, questions)
+    if not steps:
+        return np.zeros((len(answers[0]), 0))
+    return np.column_stack([(a - answers[0]) / s for a, s in zip(answers[1:], steps, strict=True)])
+
+
+def _joint_mask(problem: Problem, train: Sequence[int], joint: int) -> Array:
+    """Which residuals are those of one joint: they are ordered by case, signal, joint, time."""
+    column = int(np.sum(problem.judged[:joint]))
+    count = int(problem.judged.sum())
+    parts = []
+    for c in train:
+        t = len(problem.cases[c].measured.time)
+        for signal in problem.signals(c):
+            wide = {"base_position": 3, "base_quaternion": 4}.get(signal)
+            mask = np.zeros((wide or count, t), dtype=bool)
+            if wide is None and problem.judged[joint]:
+                mask[column] = True
+            parts.append(mask.ravel())
+    return np.concatenate(parts)
+
+
+def _guess(
+    problem: Problem, suspect: Suspect, found: list[tuple[Change, Array]], base: Array, tangent: Array, robust: Array
+) -> Screened | None:
+    """The best straight-line combination of a suspect's probes with the accepted parameters' tangents."""
+    effect = EFFECTS[suspect.effect]
+    zero = neutral(problem.plant, suspect)
+    good = [(p, s) for p, s in found if np.abs(s).max() < WORST / 1e3 and np.any(s)]
+    if not good:
+        return None
+    target = -robust * base
+    left = robust[:, None] * tangent
+    alone = _left(left, target)
+    if whole(effect):
+        probe, signature = good[0]
+        rest = _left(left, target - robust * signature)
+        return Screened(probe, 1.0 - rest / max(alone, 1e-30))
+    matrix = np.column_stack([left, *(robust * s for _, s in good)])
+    low, high = np.full(matrix.shape[1], -np.inf), np.full(matrix.shape[1], np.inf)
+    for i, (probe, _) in enumerate(good):
+        low[left.shape[1] + i], high[left.shape[1] + i] = _reach(effect, probe, zero)
+    solution = lsq_linear(matrix, target, bounds=(low, high), method="bvls", max_iter=60)
+    amount = solution.x[left.shape[1] :]
+    explained = 1.0 - float(np.sum((matrix @ solution.x - target) ** 2)) / max(alone, 1e-30)
+    if effect.name == "torque_ripple" and len(amount) == 2:
+        size = good[0][0].parameters["amplitude"]
+        return Screened(
+            _with(
+                good[0][0],
+                {
+                    "amplitude": max(size * float(np.hypot(*amount)), 0.05 * size),
+                    "phase": float(np.arctan2(amount[1], amount[0])),
+                },
+            ),
+            explained,
+        )
+    values: dict[str, float] = {}
+    for (probe, _), x in zip(good, amount, strict=True):
+        for name in _moved(probe, zero):
+            p = effect.parameter(name)
+            if np.isfinite(zero[name]):
+                values[name] = float(np.clip(zero[name] + x * (probe.parameters[name] - zero[name]), p.low, p.high))
+            else:  # a stiffness: half the stiffness gives twice as much
+                values[name] = float(np.clip(probe.parameters[name] / max(x, 1e-3), p.low, p.high))
+    return Screened(_with(good[0][0], values), explained)
+
+
+def _left(matrix: Array, target: Array) -> float:
+    if not matrix.shape[1]:
+        return float(target @ target)
+    solution = np.linalg.lstsq(matrix, target, rcond=None)[0]
+    rest = matrix @ solution - target
+    return float(rest @ rest)
+
+
+def _moved(change: Change, zero: dict[str, float]) -> list[str]:
+    """The parameters that a probe moved away from neutral."""
+    return [n for n in change.free if n not in SHAPES and change.parameters[n] != zero[n]]
+
+
+def _reach(effect: Effect, probe: Change, zero: dict[str, float]) -> tuple[float, float]:
+    """How far a probe may be followed, in its own size, within the bounds of its parameters."""
+    if effect.name == "torque_ripple":
+        return -FURTHEST, FURTHEST
+    low, high = -FURTHEST, FURTHEST
+    for name in _moved(probe, zero):
+        p = effect.parameter(name)
+        if not np.isfinite(zero[name]):
+            low = max(low, 0.0)
+            continue
+        change = probe.parameters[name] - zero[name]
+        a, b = sorted(((p.low - zero[name]) / change, (p.high - zero[name]) / change))
+        low, high = max(low, a), min(high, b)
+    return min(low, 0.0) - 1e-9, max(high, 0.0) + 1e-9

@@ -1,0 +1,107 @@
+"""Every effect at every target that could act: what a diagnosis suspects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.diagnose.problem import Problem, Suspect
+from harness.effects import EFFECTS, Effect, Parameter
+from harness.plant import Plant, match_joints
+
+
+def suspects(problem: Problem) -> list[Suspect]:
+    """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
+    plant = problem.plant
+    out = []
+    for effect in EFFECTS.values():
+        for target, indices in _targets(problem, effect):
+            if all(effect.possible(plant, i) is None for i in indices):
+                out.append(Suspect(effect.name, target, tuple(indices)))
+    return out
+
+
+def _targets(problem: Problem, effect: Effect) -> list[tuple[str | tuple[str, ...], list[int]]]:
+    plant = problem.plant
+    if effect.sits_at in ("ground", "base"):
+        return [(effect.sits_at, [0])]
+    if effect.sits_at == "link":
+        first = 0 if plant.model.floating else 1
+        return [(link.name, [i]) for i, link in enumerate(plant.model.links) if i >= first]
+    joints = [j for j in range(len(plant.model.joints)) if problem.judged[j]]
+    names = plant.model.joint_names
+    out: list[tuple[str | tuple[str, ...], list[int]]] = [(names[j], [j]) for j in joints]
+    if len(joints) > 1:
+        groups = [g for g in _servo_groups(problem) if 1 < len(g) < len(joints)]
+        out += [(tuple(names[j] for j in g), g) for g in groups]
+        out.append(("*", list(range(len(names)))))
+    return out
+
+
+def _servo_groups(problem: Problem) -> list[list[int]]:
+    """The joints of each servo of the scenario: first match wins."""
+    taken: set[int] = set()
+    out = []
+    for servo in problem.file.scenario.servos:
+        matched = [j for j in match_joints(problem.plant.model, servo.joints) if j not in taken]
+        taken |= set(matched)
+        out.append(matched)
+    return out
+
+
+ALWAYS_FREE = {"torque_ripple": ("amplitude", "periods", "phase"), "stribeck_friction": ("static", "coulomb", "velocity")}
+"""Effects that say nothing without fitting their shape too."""
+LATER = {
+    "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
+    "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
+}
+"""What is freed when an effect was found, if that helps."""
+
+
+def fitted(effect: Effect) -> list[Parameter]:
+    """The parameters that are fitted: those that act on their own."""
+    free = ALWAYS_FREE.get(effect.name)
+    if effect.name in LATER and free is None:
+        return [p for p in effect.parameters if not p.shape and p.default is None]
+    return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
+
+
+def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
+    """The values that change nothing: the plant's own, or those of an absent effect."""
+    effect = EFFECTS[suspect.effect]
+    own = effect.own(plant, suspect.indices[0])
+    out = {}
+    for p in effect.parameters:
+        value = p.absent if p.absent is not None else own.get(p.name)
+        if value is None:
+            value = p.default if p.default is not None else p.first
+        out[p.name] = value
+    return out
+
+
+def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
+    """A sensible first change of each parameter at this target, above zero."""
+    effect = EFFECTS[suspect.effect]
+    first = effect.first_size(plant, suspect.indices[0])
+    zero = neutral(plant, suspect)
+    common = max((abs(first[p.name] - zero[p.name]) for p in effect.parameters if np.isfinite(zero[p.name])), default=0.0)
+    out = {}
+    for p in effect.parameters:
+        change = abs(first[p.name] - zero[p.name])
+        if not np.isfinite(change) or change == 0.0:
+            change = 0.3 * abs(first[p.name]) or common or 0.01
+        out[p.name] = change
+    return out
+
+
+def whole(effect: Effect) -> bool:
+    """Whether an effect is absent at zero but cannot be small: its parameters only mean something together."""
+    return any(p.logarithmic and p.absent == 0.0 for p in effect.parameters) or effect.name == "soft_ground"
+
+
+def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds of the named parameters."""
+    effect = EFFECTS[suspect.effect]
+    chosen = [effect.parameter(n) for n in names]
+    return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])
