@@ -11,7 +11,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from harness.bench import servo
-from harness.bench.drive_fit import fit_current, fit_duty, fit_rotor
+from harness.bench.drive_fit import fit_current, fit_duty, fit_rotor, solve_drive
 from harness.bench.estimate import jackknife, mean
 from harness.bench.load_sweep import drive_constants, lines, new_against_used
 from harness.bench.motion import Motion, Pendulum
@@ -208,16 +208,28 @@ LOADED = [Pendulum(0.01 + 0.0075 * i, 0.58 + 0.44 * i) for i in range(5)]
 
 def test_torque_per_ampere_and_load_dependent_friction_come_back() -> None:
     motions = [planted_motion(p, fast=False, armature=0.0, coulomb=0.0, coefficient=0.3) for p in LOADED]
-    found = fit_current(motions)
+    found = fit_current(motions, 0.0)
     assert found.torque_constant.value == pytest.approx(2.0, rel=1e-3)
     assert found.load_dependent.value == pytest.approx(0.3, abs=3e-3)
     assert found.coulomb.value == pytest.approx(0.0, abs=3e-3)
     assert found.residual < 0.1 * found.residual_without
 
 
+def test_slow_and_fast_motion_together_tell_torque_per_ampere_from_rotor_inertia() -> None:
+    """A slow sine's acceleration has the shape of the load: alone it takes rotor inertia for torque per ampere."""
+    planted = {"armature": 0.027, "coulomb": 0.05, "coefficient": 0.2}
+    sines = [planted_motion(p, fast=False, **planted) for p in LOADED]
+    chirps = [planted_motion(p, fast=True, **planted) for p in (LOADED[0], LOADED[2])]
+    constant, _, armature = solve_drive(sines, chirps)
+    assert constant == pytest.approx(2.0, rel=5e-3)
+    assert armature == pytest.approx(0.027, rel=0.01)
+    alone, _, _ = solve_drive(sines, [])
+    assert alone > 2.05
+
+
 def test_coulomb_friction_alone_is_no_load_dependence() -> None:
     motions = [planted_motion(p, fast=False, armature=0.0, coulomb=0.2, coefficient=0.0) for p in LOADED]
-    found = fit_current(motions)
+    found = fit_current(motions, 0.0)
     assert found.coulomb.value == pytest.approx(0.2, abs=1e-3)
     assert found.load_dependent.value == pytest.approx(0.0, abs=1e-3)
 
@@ -368,15 +380,20 @@ def test_a_file_that_is_no_bag_is_one_sentence(tmp_path: Path) -> None:
 
 @pytest.mark.skipif("REALITYGAP_DATA" not in os.environ, reason="REALITYGAP_DATA (the recordings) is not set")
 def test_the_recorded_mx106(tmp_path: Path) -> None:
-    """Against the published identification of this motor type: 2.19 N·m/A, armature 0.0266 kg·m² (Rhoban/bam)."""
+    """Near the published identification of another unit (Rhoban/bam: 2.19 N·m/A, armature 0.0266 kg·m²), not at it.
+
+    The torque constant here is per reported ampere. The bounds are a tenth and, for the armature, the spread that the
+    smoothing makes; a rotor inertia left out of the slow motion would still pass them, which the planted test sees.
+    """
     bench = BENCH.parent.parent / "bench_mx106_recordings" / "bench.yaml"
     text = "\n".join(servo.run(bench, tmp_path).lines)
     constant = float(text.split("torque per ampere")[1].split()[0])
     armature = float(text.split("\narmature: ")[1].split()[0])
-    assert constant == pytest.approx(2.19, rel=0.05)
-    assert armature == pytest.approx(0.0266, rel=0.1)
+    assert constant == pytest.approx(2.19, rel=0.1)
+    assert 0.017 < armature < 0.033
     assert "The hysteresis grows with the load: load-dependent friction is there." in text
-    assert "Coulomb friction cannot be read from this current" in text
+    assert "cannot be read from this current" in text
+    assert "by the choice of smoothing" in text
 
 
 def test_sines_under_two_loads_are_too_few(tmp_path: Path) -> None:

@@ -37,39 +37,48 @@ class CurrentFit:
     by_load: dict[str, tuple[float, float]]
 
 
-def fit_current(motions: Sequence[Motion]) -> CurrentFit:
+def moving(motion: Motion, share: float = MOVING) -> Motion:
+    """The samples faster than a share of the largest speed."""
+    return motion.rows(np.abs(motion.velocity) > share * np.abs(motion.velocity).max())
+
+
+def solve_current(parts: Sequence[Motion], armature: float, free: Sequence[bool] = (True,) * 5) -> Array:
+    """Torque constant, coulomb, coefficient, tilt and offset of moving samples; those not free stay at zero."""
+    chosen = np.array(free)
+    start = np.array([_scale(parts), 0.0, 0.1, 0.0, 0.0])
+
+    def full(x: Array) -> Array:
+        out = np.where(chosen, start, 0.0)
+        out[chosen] = x
+        return out
+
+    def misfit(x: Array) -> Array:
+        return np.concatenate([_misfit(m, full(x), armature) for m in parts])
+
+    return full(least_squares(misfit, start[chosen]).x)
+
+
+def fit_current(motions: Sequence[Motion], armature: float) -> CurrentFit:
     """Fit the current of slow sines; the interval comes from leaving out one load at a time.
 
-    motor torque = L + (coulomb + coefficient·τ_t)·sign ω, with L the torque that the arm takes and the transmitted
-    torque τ_t = ½·abs(τ_m − τ_l), here of load and load-dependent friction, so that τ_t = abs(L)/(1 ∓ coefficient/2),
-    minus where the motor drives the load.
+    motor torque = L + armature·acceleration + (coulomb + coefficient·τ_t)·sign ω, with L the torque that the arm takes
+    and the transmitted torque τ_t = ½·abs(τ_m − τ_l), here of load and load-dependent friction, so that
+    τ_t = abs(L)/(1 ∓ coefficient/2), minus where the motor drives the load. Without the rotor inertia [kg·m²] the
+    torque per ampere comes out too large: a sine's acceleration has the shape of the load.
     """
-    kept = [m.rows(np.abs(m.velocity) > MOVING * np.abs(m.velocity).max()) for m in motions]
-
-    def fit(parts: Sequence[Motion], free: Sequence[bool] = (True,) * 5) -> Array:
-        chosen = np.array(free)
-        start = np.array([1.0, 0.0, 0.1, 0.0, 0.0])
-
-        def full(x: Array) -> Array:
-            out = np.where(chosen, start, [1.0, 0.0, 0.0, 0.0, 0.0])
-            out[chosen] = x
-            return out
-
-        start[0] = _scale(parts)
-
-        def misfit(x: Array) -> Array:
-            return np.concatenate([_misfit(m, full(x)) for m in parts])
-
-        return full(least_squares(misfit, start[chosen]).x)
-
-    whole = fit(kept)
-    plain = fit(kept, (True, True, False, True, True))
-    constant, coulomb, coefficient, tilt, offset = jackknife(kept, fit)
-    alone = {m.name: fit([m], (True, True, False, False, True)) for m in kept}
+    kept = [moving(m) for m in motions]
+    whole = solve_current(kept, armature)
+    plain = solve_current(kept, armature, (True, True, False, True, True))
+    alone = {m.name: solve_current([m], armature, (True, True, False, False, True)) for m in kept}
+    constant, coulomb, coefficient, tilt, offset = jackknife(kept, lambda parts: solve_current(parts, armature))
     return CurrentFit(
-        *(constant, coulomb, coefficient, tilt, offset),
-        residual=_rms(np.concatenate([_misfit(m, whole) for m in kept])),
-        residual_without=_rms(np.concatenate([_misfit(m, plain) for m in kept])),
+        torque_constant=constant,
+        coulomb=coulomb,
+        load_dependent=coefficient,
+        tilt=tilt,
+        offset=offset,
+        residual=_rms(np.concatenate([_misfit(m, whole, armature) for m in kept])),
+        residual_without=_rms(np.concatenate([_misfit(m, plain, armature) for m in kept])),
         by_load={name: (float(x[0]), float(x[1])) for name, x in alone.items()},
     )
 
@@ -85,11 +94,11 @@ def _load(motion: Motion, tilt: float) -> Array:
     return motion.pendulum.torque(motion.position + tilt, motion.acceleration)
 
 
-def _misfit(motion: Motion, x: Array) -> Array:
+def _misfit(motion: Motion, x: Array, armature: float) -> Array:
     constant, coulomb, coefficient, tilt, offset = x
     load, way = _load(motion, tilt), np.sign(motion.velocity)
     transmitted = np.abs(load) / (1 - coefficient / 2 * np.sign(load) * way)
-    torque = load + way * (coulomb + coefficient * transmitted)
+    torque = load + armature * motion.acceleration + way * (coulomb + coefficient * transmitted)
     return np.asarray(torque / constant + offset - motion.current)
 
 
@@ -103,7 +112,7 @@ def fit_rotor(motion: Motion, torque_constant: float) -> tuple[Estimate, float]:
     torque_constant·current − L = armature·acceleration + (coulomb + coefficient·τ_t)·sign ω, linear; the friction terms
     are fitted along, so that they do not pass for inertia. The interval comes from leaving out a tenth at a time.
     """
-    kept = motion.rows(np.abs(motion.velocity) > MOVING * np.abs(motion.velocity).max())
+    kept = moving(motion)
 
     def system(m: Motion) -> tuple[Array, Array]:
         load, motor, way = _load(m, 0.0), torque_constant * m.current, np.sign(m.velocity)
@@ -117,6 +126,21 @@ def fit_rotor(motion: Motion, torque_constant: float) -> tuple[Estimate, float]:
     armature = jackknife(kept.blocks(10), fit)[0]
     A, y = system(kept)
     return armature, _rms(y - A @ fit([kept])) / _rms(torque_constant * kept.current)
+
+
+def solve_drive(sines: Sequence[Motion], chirps: Sequence[Motion], share: float = MOVING) -> tuple[float, float, float]:
+    """Torque constant, load-dependent coefficient and armature (0 without chirps) that fit sines and chirps together.
+
+    Each needs the other's result: the sines the rotor inertia, the chirps the torque per ampere. Every round of the
+    exchange shrinks an error more than tenfold.
+    """
+    kept = [moving(m, share) for m in sines]
+    armature = 0.0
+    for _ in range(4 if chirps else 1):
+        constant, _, coefficient, _, _ = solve_current(kept, armature)
+        if chirps:
+            armature = float(np.mean([fit_rotor(m, constant)[0].value for m in chirps]))
+    return float(constant), float(coefficient), armature
 
 
 @dataclass(frozen=True)

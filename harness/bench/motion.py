@@ -58,10 +58,10 @@ class Motion:
         return [self.rows(part) for part in np.array_split(np.arange(len(self.time)), count)]
 
 
-def read_motion(
-    file: Path, spec: Recordings, pendulum: Pendulum | None, *, window: float, duty: bool = False
-) -> Motion:
-    """A recording, smoothed by local cubics over a window [s] (Savitzky and Golay 1964).
+def read_motions(
+    file: Path, spec: Recordings, pendulum: Pendulum | None, windows: Sequence[float], *, duty: bool = False
+) -> list[Motion]:
+    """A recording, smoothed by local cubics (Savitzky and Golay 1964) over each of some windows [s].
 
     The current is smoothed like the position, so that both sides of the equation of motion lose the same. The reported
     velocity is not used: servos delay it.
@@ -72,24 +72,21 @@ def read_motion(
     (stamps, angle), (current_time, amperes), *rest = read_signals(file, signals)
     step = float(np.median(np.diff(stamps)))
     time = np.arange(stamps[0], stamps[-1], step)
-    width = max(round(window / step) | 1, 5)
-    if len(time) <= width:
-        raise InputError(f"{file}: lasts {time[-1] - time[0]:.2f} s, expected more than {window:g} s")
+    if len(time) <= max(windows) / step + 5:
+        raise InputError(f"{file}: lasts {time[-1] - time[0]:.2f} s, expected more than {max(windows):g} s")
     raw = np.interp(time, stamps, angle * spec.position.unit)
+    current = np.interp(time, current_time, amperes * spec.current.unit)
     volts = None
     if rest and spec.duty:
         last = np.clip(np.searchsorted(rest[0][0], time, side="right") - 1, 0, None)
         volts = rest[0][1][last] * spec.duty.unit
-    return Motion(
-        name=file.stem,
-        time=time,
-        position=savgol_filter(raw, width, 3),
-        velocity=savgol_filter(raw, width, 3, deriv=1, delta=step),
-        acceleration=savgol_filter(raw, width, 3, deriv=2, delta=step),
-        current=savgol_filter(np.interp(time, current_time, amperes * spec.current.unit), width, 3),
-        duty=volts,
-        pendulum=pendulum,
-    )
+    out = []
+    for window in windows:
+        width = max(round(window / step) | 1, 5)
+        angle, speed, growth = (savgol_filter(raw, width, 3, deriv=k, delta=step) for k in range(3))
+        amperes = savgol_filter(current, width, 3)
+        out.append(Motion(file.stem, time, angle, speed, growth, amperes, volts, pendulum))
+    return out
 
 
 def read_arms(path: Path, arms: Sequence[Arm]) -> dict[str, Pendulum]:

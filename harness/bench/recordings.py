@@ -5,15 +5,22 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from harness.bench.drive_fit import CurrentFit, fit_current, fit_duty, fit_rotor, stall_current
-from harness.bench.estimate import Estimate
-from harness.bench.motion import Motion, Pendulum, read_arms, read_motion
+from harness.bench.drive_fit import CurrentFit, fit_current, fit_duty, fit_rotor, solve_drive, stall_current
+from harness.bench.estimate import Array, Estimate
+from harness.bench.motion import Motion, Pendulum, read_arms, read_motions
 from harness.bench.servo_file import ArmBag, Recordings
 from harness.bench.summary import Summary
 from harness.errors import InputError
 from harness.scenario_file import resolve_path
 
 FEWEST_LOADS = 3
+
+
+SINE_WINDOWS = (0.15, 0.08, 0.25)
+CHIRP_WINDOWS = (0.06, 0.03, 0.10)
+"""Smoothing windows [s]: the first is used, the others show how much the choice matters."""
+SLOWEST = (0.1, 0.4)
+"""The same for the share of the largest speed below which samples are left out."""
 
 
 def identify(path: Path, spec: Recordings, summary: Summary, out: Path) -> None:
@@ -24,35 +31,43 @@ def identify(path: Path, spec: Recordings, summary: Summary, out: Path) -> None:
     """
     arms = read_arms(path, spec.arms)
     current: CurrentFit | None = None
+    if spec.chirps and not spec.sines:
+        raise InputError(f"{path}: recordings.chirps: need sines as well, for the torque per ampere")
     if spec.sines:
-        if len({bag.arm for bag in spec.sines}) < FEWEST_LOADS:
-            raise InputError(
-                f"{path}: recordings.sines: found {len({b.arm for b in spec.sines})} arms, expected at least "
-                f"{FEWEST_LOADS} loads"
-            )
-        motions = [_motion(path, spec, arms, bag, f"sines[{i}]", 0.15) for i, bag in enumerate(spec.sines)]
-        # the smoothing window holds dozens of samples: every fifth says the same as all of them
-        current = fit_current([_without_start(m).rows(slice(None, None, 5)) for m in motions])
-        _say_current(current, summary)
-        summary.files.append(_hysteresis(motions, current, out))
-    if spec.chirps:
-        if current is None:
-            raise InputError(f"{path}: recordings.chirps: need sines as well, for the torque per ampere")
-        chirps = [_motion(path, spec, arms, bag, f"chirps[{i}]", 0.06) for i, bag in enumerate(spec.chirps)]
-        _say_rotor(chirps, current.torque_constant.value, summary)
+        loads = len({bag.arm for bag in spec.sines})
+        if loads < FEWEST_LOADS:
+            raise InputError(f"{path}: recordings.sines: found {loads} arms, expected at least {FEWEST_LOADS} loads")
+        sines = [_motions(path, spec, arms, b, f"sines[{i}]", SINE_WINDOWS) for i, b in enumerate(spec.sines)]
+        chirps = [_motions(path, spec, arms, b, f"chirps[{i}]", CHIRP_WINDOWS) for i, b in enumerate(spec.chirps)]
+        # a smoothing window holds dozens of samples: every fifth says the same as all of them
+        thin = [[_without_start(m).rows(slice(None, None, 5)) for m in one] for one in sines]
+        choices = np.array(
+            [
+                solve_drive([one[k] for one in thin], [one[k] for one in chirps], share)
+                for k in range(len(SINE_WINDOWS))
+                for share in SLOWEST
+            ]
+        )
+        current = fit_current([one[0] for one in thin], float(choices[0, 2]))
+        _say_current(current, choices, bool(chirps), summary)
+        summary.files.append(_hysteresis([one[0] for one in sines], current, out))
+        if chirps:
+            _say_rotor([one[0] for one in chirps], current.torque_constant, choices[:, 2], summary)
     if spec.horizontal:
         flat = []
         for i, text in enumerate(spec.horizontal):
             file = resolve_path(path, text, f"recordings.horizontal[{i}]")
-            flat.append(read_motion(file, spec, None, window=0.1, duty=True))
+            flat += read_motions(file, spec, None, (0.1,), duty=True)
         _say_duty(flat, current, summary)
 
 
-def _motion(path: Path, spec: Recordings, arms: dict[str, Pendulum], bag: ArmBag, key: str, window: float) -> Motion:
+def _motions(
+    path: Path, spec: Recordings, arms: dict[str, Pendulum], bag: ArmBag, key: str, windows: tuple[float, ...]
+) -> list[Motion]:
     if bag.arm not in arms:
         raise InputError(f"{path}: recordings.{key}.arm: {bag.arm} is not an arm; found {', '.join(arms) or 'none'}")
     file = resolve_path(path, bag.path, f"recordings.{key}.path")
-    return read_motion(file, spec, arms[bag.arm], window=window)
+    return read_motions(file, spec, arms[bag.arm], windows)
 
 
 def _without_start(motion: Motion) -> Motion:
@@ -60,12 +75,16 @@ def _without_start(motion: Motion) -> Motion:
     return motion.rows((motion.time > motion.time[0] + 1.0) & (motion.time < motion.time[-1] - 0.1))
 
 
-def _say_current(fit: CurrentFit, summary: Summary) -> None:
+def _span(values: Array, digits: int) -> str:
+    return f"{values.min():.{digits}f} to {values.max():.{digits}f} by the choice of smoothing and of the slowest speed"
+
+
+def _say_current(fit: CurrentFit, choices: Array, rotor: bool, summary: Summary) -> None:
     constant = fit.torque_constant
     summary.section("Slow motion under several loads (95 % intervals from leaving out one load)")
     summary.lines += [
-        f"torque per ampere          {constant.text(3)} N·m/A (reported current)",
-        f"load-dependent friction    {fit.load_dependent.text(3)} of the transmitted torque",
+        f"torque per ampere          {constant.text(3)} N·m/A (reported current); {_span(choices[:, 0], 2)}",
+        f"load-dependent friction    {fit.load_dependent.text(3)} of the transmitted torque; {_span(choices[:, 1], 2)}",
         f"hysteresis at no load      {fit.coulomb.text(3)} N·m to each side",
         f"tilt of the bench          {fit.tilt.scaled(180 / np.pi).text(1)}°; current offset {fit.offset.text(3)} A",
         f"residual                   {fit.residual:.3f} A; with Coulomb friction alone {fit.residual_without:.3f} A",
@@ -74,6 +93,10 @@ def _say_current(fit: CurrentFit, summary: Summary) -> None:
         ["each on its own", "N·m/A", "half hysteresis [N·m]"],
         [[name, f"{c:.3f}", f"{h:+.3f}"] for name, (c, h) in fit.by_load.items()],
     )
+    if not rotor:
+        summary.lines.append(
+            "WARNING: without chirps the rotor inertia is unknown; the torque per ampere is too large."
+        )
     if fit.load_dependent.low > 0:
         summary.lines.append("The hysteresis grows with the load: load-dependent friction is there.")
     if fit.coulomb.high < 0:
@@ -88,17 +111,18 @@ def _say_current(fit: CurrentFit, summary: Summary) -> None:
     ]
 
 
-def _say_rotor(chirps: list[Motion], constant: float, summary: Summary) -> None:
-    summary.section("Fast motion: rotor inertia at the output shaft")
-    found = [(m.name, *fit_rotor(m, constant)) for m in chirps]
+def _say_rotor(chirps: list[Motion], constant: Estimate, choices: Array, summary: Summary) -> None:
+    summary.section("Fast motion: rotor inertia at the output shaft, fitted together with the slow motion")
+    found = [(m.name, *fit_rotor(m, constant.value)) for m in chirps]
     summary.table(
         ["recording", "armature [kg·m²]", "unexplained torque"],
         [[name, armature.text(4), f"{rest:.0%}"] for name, armature, rest in found],
     )
-    values = np.array([a.value for _, a, _ in found])
-    half = max(float(np.ptp(values)) / 2, max(a.half_width for _, a, _ in found) / np.sqrt(len(found)))
-    both = Estimate(float(values.mean()), float(values.mean() - half), float(values.mean() + half))
-    summary.lines.append(f"armature: {both.text(4)} kg·m² for {constant:.3f} N·m/A, to which it is proportional")
+    mean = float(np.mean([a.value for _, a, _ in found]))
+    low, high = min(a.low for _, a, _ in found), max(a.high for _, a, _ in found)
+    summary.lines.append(
+        f"armature: {Estimate(mean, low, high).text(4)} kg·m² (all of the recordings' intervals); {_span(choices, 3)}"
+    )
     for name, _, rest in found:
         if rest > 0.25:
             summary.lines.append(
@@ -118,7 +142,11 @@ def _say_duty(motions: list[Motion], current: CurrentFit | None, summary: Summar
     )
     speeds = [f.no_load_speed for n, f in fits.items() if n != "together"]
     if max(s.low for s in speeds) > min(s.high for s in speeds):
-        summary.lines.append("The recordings differ by more than their intervals: each had its own, unrecorded supply.")
+        summary.lines.append(
+            f"WARNING: the recordings differ by more than their intervals, {min(s.value for s in speeds):.2f} to "
+            f"{max(s.value for s in speeds):.2f}: more than noise is at work, perhaps the unrecorded supply. "
+            "The interval of all together is too narrow."
+        )
     if both.restoring.low > 0:
         summary.lines.append("Something pulls the lever back to 0: a cable, or a bench that is not level.")
     for m in motions:
