@@ -95,7 +95,7 @@ def neutral_drive(n: int) -> NDArray[np.void]:
     drive = np.zeros(n, DRIVE)
     for name in ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"):
         drive[name] = np.inf
-    for name in ("duty_limit", "resistance", "stribeck_velocity", "load_velocity"):
+    for name in ("duty_limit", "resistance", "stribeck_velocity", "load_velocity", "ripple_periods"):
         drive[name] = 1.0
     for name in ("stribeck_exponent", "load_exponent"):
         drive[name] = 2.0

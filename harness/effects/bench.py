@@ -1,4 +1,4 @@
-"""The benches on which an effect shows: one servo that swings an arm, and a block that slides on the ground."""
+"""The benches on which an effect shows: one servo that swings an arm, and a block on the ground."""
 
 import numpy as np
 
@@ -51,8 +51,10 @@ def command(time: Array) -> Array:
     return np.asarray(np.where(time < 1.5, swing, 0.5)[:, None])
 
 
-def simulate(plant: Plant, engine: str = "mujoco", *, duration: float = DURATION, timestep: float = 1e-3) -> Trace:
-    """The bench's motion in one engine: the arm follows `command`, the block is thrown along x at 1 m/s.
+def simulate(
+    plant: Plant, engine: str = "mujoco", *, push: float = 1.0, duration: float = DURATION, timestep: float = 1e-3
+) -> Trace:
+    """The bench's motion in one engine: the arm follows `command`, the block starts along x with `push` [m/s].
 
     Raises:
         Unsupported: where the engine cannot express the plant.
@@ -61,9 +63,14 @@ def simulate(plant: Plant, engine: str = "mujoco", *, duration: float = DURATION
     value = command(time) if plant.model.joints else np.zeros((len(time), 0))
     start: State = start_state(plant, np.zeros(len(plant.model.joints)))
     if plant.model.floating:
-        start.base_linear = np.array([1.0, 0.0, 0.0])
+        start.base_linear = np.array([push, 0.0, 0.0])
     with engines.load(engine).open(plant.machine(), Physics(timestep, ground=plant.ground)) as simulation:
         return rollout(simulation, plant, Commands(time, value, held=False), start, duration).trace
+
+
+def push(effect: Effect) -> float:
+    """How fast the block starts [m/s]: it slides to show friction, and sinks where it stands to show softness."""
+    return 1.0 if effect.name == "ground_friction" else 0.0
 
 
 def planted(effect: Effect, values: dict[str, float] | None = None) -> Plant:
@@ -78,8 +85,8 @@ def signal(effect: Effect, trace: Trace) -> tuple[str, str, Array]:
     """What of a trace shows the effect best: its name, unit and values. Shape (t,)."""
     if effect.sits_at == "ground":
         assert trace.base_position is not None
-        column = 2 if effect.name == "soft_ground" else 0
-        return ("height", "base travel")[column == 0], "mm", trace.base_position[:, column] * 1e3
+        what, column = ("travel", 0) if push(effect) else ("height", 2)
+        return what, "mm", trace.base_position[:, column] * 1e3
     if "position" in effect.signals:
         assert trace.position is not None
         return "position", "°", np.degrees(trace.position[:, 0])

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.effects import EFFECTS, Effect, Parameter
-from harness.effects.bench import bench, planted, signal, simulate
+from harness.effects.bench import bench, planted, push, signal, simulate
 from harness.errors import InputError
 from harness.trace import Array
 
@@ -64,9 +64,9 @@ def known(name: str) -> Effect:
 def signature(effect: Effect) -> tuple[str, str, Array, Array, Array]:
     """The bench without and with the effect: signal, unit, times [s] and both curves. Shape (t,)."""
     plant, _ = bench(effect)
-    before = simulate(plant)
+    before = simulate(plant, push=push(effect))
     what, unit, without = signal(effect, before)
-    return what, unit, before.time, without, signal(effect, simulate(planted(effect)))[2]
+    return what, unit, before.time, without, signal(effect, simulate(planted(effect), push=push(effect)))[2]
 
 
 def save_figure(name: str, path: Path) -> None:
@@ -104,7 +104,7 @@ def _wrapped(text: str) -> str:
 
 def _plot(effect: Effect) -> str:
     what, unit, time, without, with_effect = signature(effect)
-    place = "a sliding block" if effect.sits_at == "ground" else "a servo that swings an arm"
+    place = "a block on the ground" if effect.sits_at == "ground" else "a servo that swings an arm"
     title = f"{what} with minus without, on {place} [{unit}]:"
     return title + "\n" + braille(time, with_effect - without)
 
