@@ -3,7 +3,7 @@
     python tests/blind/cases.py --out DIR [--only single] [--robot pendulum] [--first 20] [--seed 1]
 
 writes DIR/cases/NAME/{scenario.yaml, robot.urdf, recordings} and DIR/truth/NAME.json, which only the judge reads.
-Whole-body cases are in `humanoid.py`.
+Whole-body cases (`--only humanoid`) are in `humanoid.py` and need the humanoid's URDF in REALITYGAP_DATA.
 """
 
 import argparse
@@ -11,7 +11,9 @@ import json
 import shutil
 import sys
 import zlib
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +42,8 @@ FAMILIES = (
 )
 """Effects of one family do much the same; several at once are taken from several families."""
 COUNTS = {"single": 78, "half": 44, "pair": 30, "triple": 12, "nothing": 24, "outside": 20}
+KINDS = [*COUNTS, "humanoid"]
+Make = Callable[[Path], dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Case:
     robot: str
     effects: tuple[tuple[str, float], ...] = ()
     outside: str = ""
-    sensing: Sensing = Sensing()
+    sensing: Sensing = field(default_factory=Sensing)
 
 
 @dataclass
@@ -199,8 +203,7 @@ def visibility(robot: Robot, plant: Foreign, motion: Motion, clean: Motion, sens
     parts.append(speed / (1.04 * sensing.velocity_noise * robot.speed))
     if sensing.effort:
         parts.append((motion.effort - clean.effort) / (sensing.effort_noise * robot.torque))
-    worst = max(float(np.sqrt(np.mean(np.square(x), axis=0)).max()) for x in parts)
-    return worst
+    return max(float(np.sqrt(np.mean(np.square(x), axis=0)).max()) for x in parts)
 
 
 def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
@@ -335,20 +338,29 @@ def _scenario(case: Case, robot: Robot, sensing: Sensing, entries: list[dict[str
     }
 
 
+def makers(kind: str, seed: int = 1, robots: list[str] | None = None) -> list[tuple[str, Make]]:
+    """Names of the cases of one kind, and what writes each into a folder and returns its truth."""
+    if kind == "humanoid":
+        import humanoid  # needs MuJoCo and the humanoid's URDF
+
+        return [(p.name, partial(humanoid.generate, p, seed=seed)) for p in humanoid.catalogue()]
+    chosen = [c for c in catalogue(kind, seed) if not robots or c.robot in robots]
+    return [(c.name, partial(generate, c, seed=seed)) for c in chosen]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--only", choices=list(COUNTS), action="append")
+    parser.add_argument("--only", choices=KINDS, action="append")
     parser.add_argument("--robot", choices=list(BUILDERS), action="append")
     parser.add_argument("--first", type=int, help="this many of each kind")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    for kind in args.only or COUNTS:
-        cases = [c for c in catalogue(kind, args.seed) if not args.robot or c.robot in args.robot]
-        for case in cases[: args.first]:
-            truth = generate(case, args.out, args.seed)
+    for kind in args.only or KINDS:
+        for name, make in makers(kind, args.seed, args.robot)[: args.first]:
+            truth = make(args.out)
             told = "; ".join(f"{t['effect']} at {t['target']} ({t['visibility']})" for t in truth["truth"])
-            sys.stdout.write(f"{case.name}: {told or truth['outside'] or 'nothing'}\n")
+            sys.stdout.write(f"{name}: {told or truth['outside'] or 'nothing'}\n")
             sys.stdout.flush()
 
 

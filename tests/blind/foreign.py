@@ -248,6 +248,91 @@ def _motor(d, command, reading, w, bus, t, integral, feed):
 
 
 @numba.njit(cache=True)
+def joint_efforts(
+    drive, sag, bus, held, feed, live, noise, t, h,
+    q, w, rotor, rotor_w, z, integral, through, link_torque, motor, applied,
+):  # fmt: skip
+    """The effort that each link gets from its joint over one step of length h at time t; returns the supply.
+
+    Joints with two masses move their rotor here. `motor` and `applied` are written, the rest is remembered.
+    """
+    n = drive.size
+    if sag > 0.0:  # all servos on one supply: fixed point, from the last step's voltage
+        for _ in range(3):
+            drawn = 0.0
+            for j in range(n):
+                d = drive[j]
+                if d.kind != DC or not live[j]:
+                    continue
+                two = d.backlash > 0.0 or d.stiffness > 0.0
+                shown = (rotor[j] if d.stiffness > 0.0 else q[j]) - d.offset
+                torque, duty, _e = _motor(d, held[j], shown, rotor_w[j] if two else w[j], bus, t, 0.0, 0.0)
+                kt = d.torque_constant * max(0.0, 1.0 - d.heating * max(t, 0.0))
+                drawn += max(0.0, duty * bus * (torque / kt) / d.supply)
+            bus = 0.5 * (bus + max(0.0, drive[0].supply - sag * drawn))
+    for j in range(n):
+        d = drive[j]
+        loose, soft = d.backlash > 0.0, d.stiffness > 0.0
+        speed = rotor_w[j] if loose or soft else w[j]
+        shaft = rotor[j] if soft else q[j]
+        motor[j] = 0.0
+        if live[j]:
+            volts = bus if sag > 0.0 else d.supply
+            motor[j], _duty, error = _motor(d, held[j], shaft - d.offset, speed, volts, t, integral[j], feed[j])
+            if d.kind == PID and abs(motor[j]) < d.effort_limit:
+                integral[j] += d.ki * error * h
+        else:
+            integral[j] = 0.0
+        extra = d.constant - d.ripple * np.sin(d.ripple_periods * shaft + d.ripple_phase)
+        if shaft > d.stop:
+            extra -= d.stop_stiffness * (shaft - d.stop) + 0.002 * d.stop_stiffness * w[j]
+        through[j] += h / 2e-4 * (0.5 * abs(motor[j] + link_torque[j]) - through[j])
+        friction, z[j] = _bristle(d, z[j], speed, through[j], h)
+        drag = d.viscous * speed
+        if loose:
+            gap = rotor[j] - q[j]
+            over = gap - min(max(gap, -0.5 * d.backlash), 0.5 * d.backlash)
+            touch = 0.0
+            if over != 0.0:
+                stiff = 4e5 * d.armature  # ω ≈ 630 rad/s at the rotor
+                touch = stiff * over + 2.0 * 0.3 * np.sqrt(stiff * d.armature) * (rotor_w[j] - w[j])
+                touch = max(touch, 0.0) if over > 0.0 else min(touch, 0.0)
+            # a share of the friction sits at the output's bearing, where a smooth law will do
+            bound = max(d.static, d.coulomb) + (d.load + d.load_static) * through[j]
+            share = d.output_share * bound * np.tanh(w[j] / 2e-3)
+            applied[j] = touch + extra + noise[j] - share
+            rotor_w[j] += h * (motor[j] - (1.0 - d.output_share) * friction - drag - touch) / d.armature
+            rotor[j] += h * rotor_w[j]
+            link_torque[j] = touch
+        elif soft:
+            spring = d.stiffness * (rotor[j] - q[j])
+            spring += 0.02 * np.sqrt(d.stiffness * d.armature) * (rotor_w[j] - w[j])
+            applied[j] = spring + noise[j]
+            rotor_w[j] += h * (motor[j] + extra - friction - drag - spring) / d.armature
+            rotor[j] += h * rotor_w[j]
+            link_torque[j] = spring
+        else:
+            applied[j] = motor[j] + extra + noise[j] - friction - drag
+    return bus
+
+
+@numba.njit(cache=True)
+def hold_commands(drive, times, command, enabled, t, pointer, held, fresh, feed, live):
+    """The command in force at time t for each joint, with its own delay; `feed` is its rate over a firmware period."""
+    for j in range(drive.size):
+        while pointer[j] + 1 < times.size and times[pointer[j] + 1] <= t - drive[j].delay:
+            pointer[j] += 1
+        now = command[pointer[j], j]
+        live[j] = enabled[pointer[j]] > 0
+        if now != held[j]:
+            feed[j] = (now - held[j]) / FIRMWARE
+            fresh[j] = t
+            held[j] = now
+        elif t - fresh[j] >= FIRMWARE:
+            feed[j] = 0.0
+
+
+@numba.njit(cache=True)
 def _run(
     prismatic, axis, origin, turn, mass, com, inertia, gravity,
     drive, sag, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
@@ -258,108 +343,45 @@ def _run(
     rotor, rotor_w = q.copy(), np.zeros(n)  # of joints with two masses
     z, integral, through = np.zeros(n), np.zeros(n), np.zeros(n)
     link_torque = np.zeros(n)  # what the transmission gives to the link
-    pointer = np.zeros(n, np.int64)
+    pointer, live = np.zeros(n, np.int64), np.ones(n, np.bool_)
     held, fresh, feed = command[0].copy(), np.full(n, -1.0), np.zeros(n)
-    motor, friction, applied = np.zeros(n), np.zeros(n), np.zeros(n)
+    motor, applied, noise = np.zeros(n), np.zeros(n), np.zeros(n)
     R, wrench = np.zeros((n, 3, 3)), np.zeros((n, 6))
     M, bias, column, unit, still = np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     calm = np.zeros(3)
     bus = drive[0].supply
     for step in range(steps + 1):
         t = step * h
-        # commands, each joint with its own delay
+        hold_commands(drive, times, command, enabled, t, pointer, held, fresh, feed, live)
+        if out_joint >= 0 and out_off <= t < out_on:
+            live[out_joint] = False
+        place = min(t / 1e-3, disturbance.shape[0] - 1.001)
+        cell = int(place)
         for j in range(n):
-            while pointer[j] + 1 < times.size and times[pointer[j] + 1] <= t - drive[j].delay:
-                pointer[j] += 1
-            now = command[pointer[j], j]
-            if now != held[j]:
-                feed[j] = (now - held[j]) / FIRMWARE
-                fresh[j] = t
-                held[j] = now
-            elif t - fresh[j] >= FIRMWARE:
-                feed[j] = 0.0
-        if sag > 0.0:  # all servos on one supply: fixed point, from the last step's voltage
-            for _ in range(3):
-                drawn = 0.0
-                for j in range(n):
-                    d = drive[j]
-                    if d.kind == DC and enabled[pointer[j]] > 0:
-                        two = d.backlash > 0.0 or d.stiffness > 0.0
-                        speed = rotor_w[j] if two else w[j]
-                        shown = (rotor[j] if d.stiffness > 0.0 else q[j]) - d.offset
-                        torque, duty, _e = _motor(d, held[j], shown, speed, bus, t - settle, 0.0, 0.0)
-                        volts = duty * bus
-                        kt = d.torque_constant * max(0.0, 1.0 - d.heating * max(t - settle, 0.0))
-                        drawn += max(0.0, volts * (torque / kt) / d.supply)
-                bus = 0.5 * (bus + max(0.0, drive[0].supply - sag * drawn))
-        # motors, friction, transmission
-        for j in range(n):
-            d = drive[j]
-            loose, soft = d.backlash > 0.0, d.stiffness > 0.0
-            speed = rotor_w[j] if loose or soft else w[j]
-            shaft = rotor[j] if soft else q[j]
-            shown = shaft - d.offset
-            live = enabled[pointer[j]] > 0 and not (j == out_joint and out_off <= t < out_on)
-            motor[j] = 0.0
-            if live:
-                volts = bus if sag > 0.0 else d.supply
-                motor[j], _d, error = _motor(d, held[j], shown, speed, volts, t - settle, integral[j], feed[j])
-                if d.kind == PID and abs(motor[j]) < d.effort_limit:
-                    integral[j] += d.ki * error * h
-            else:
-                integral[j] = 0.0
-            if step % EVERY == 0:
-                k = step // EVERY
-                out[0, k, j] = shown
-                out[1, k, j] = rotor_w[j] if soft else w[j]
-                out[2, k, j] = motor[j]
-                out[3, k, j] = q[j]
-            extra = d.constant - d.ripple * np.sin(d.ripple_periods * shaft + d.ripple_phase)
-            if shaft > d.stop:
-                extra -= d.stop_stiffness * (shaft - d.stop) + 0.002 * d.stop_stiffness * w[j]
-            place = min(t / 1e-3, disturbance.shape[0] - 1.001)
-            cell = int(place)
-            noise = disturbance[cell, j] + (place - cell) * (disturbance[cell + 1, j] - disturbance[cell, j])
+            noise[j] = disturbance[cell, j] + (place - cell) * (disturbance[cell + 1, j] - disturbance[cell, j])
             if push[j, 1] > 0.0 and t > settle and (t - settle) % push[j, 1] < push[j, 2]:
-                noise += push[j, 0]
-            through[j] += h / 2e-4 * (0.5 * abs(motor[j] + link_torque[j]) - through[j])
-            friction[j], z[j] = _bristle(d, z[j], speed, through[j], h)
-            drag = d.viscous * speed
-            if loose:
-                gap = rotor[j] - q[j]
-                over = gap - min(max(gap, -0.5 * d.backlash), 0.5 * d.backlash)
-                touch = 0.0
-                if over != 0.0:
-                    stiff = 4e5 * d.armature  # ω ≈ 630 rad/s at the rotor
-                    touch = stiff * over + 2.0 * 0.3 * np.sqrt(stiff * d.armature) * (rotor_w[j] - w[j])
-                    touch = max(touch, 0.0) if over > 0.0 else min(touch, 0.0)
-                # a share of the friction sits at the output's bearing; a smooth law will do there
-                share = d.output_share * friction_bound(d, through[j]) * np.tanh(w[j] / 2e-3)
-                applied[j] = touch + extra + noise - share
-                rotor_torque = motor[j] - (1.0 - d.output_share) * friction[j] - drag - touch
-                link_torque[j] = touch
-                rotor_w[j] += h * rotor_torque / d.armature
-                rotor[j] += h * rotor_w[j]
-            elif soft:
-                twist = rotor[j] - q[j]
-                spring = d.stiffness * twist + 0.02 * np.sqrt(d.stiffness * d.armature) * (rotor_w[j] - w[j])
-                applied[j] = spring + noise
-                link_torque[j] = spring
-                rotor_w[j] += h * (motor[j] + extra - friction[j] - drag - spring) / d.armature
-                rotor[j] += h * rotor_w[j]
-            else:
-                applied[j] = motor[j] + extra + noise - friction[j] - drag
-        inverse_dynamics(
-            prismatic, axis, origin, turn, mass, com, inertia, gravity, q, w, still, R, wrench, bias
-        )
+                noise[j] += push[j, 0]
+        if step % EVERY == 0:
+            k = step // EVERY
+            for j in range(n):
+                soft = drive[j].stiffness > 0.0
+                out[0, k, j] = (rotor[j] if soft else q[j]) - drive[j].offset
+                out[1, k, j] = rotor_w[j] if soft else w[j]
+                out[3, k, j] = q[j]
+        bus = joint_efforts(
+            drive, sag, bus, held, feed, live, noise, t - settle, h,
+            q, w, rotor, rotor_w, z, integral, through, link_torque, motor, applied,
+        )  # fmt: skip
+        if step % EVERY == 0:
+            out[2, step // EVERY] = motor
+        inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, gravity, q, w, still, R, wrench, bias)
         for j in range(n):
             unit[j] = 1.0
             inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, calm, q, still, unit, R, wrench, column)
             unit[j] = 0.0
             for i in range(n):
                 M[i, j] = column[i]
-            two = drive[j].backlash > 0.0 or drive[j].stiffness > 0.0
-            if not two:
+            if not (drive[j].backlash > 0.0 or drive[j].stiffness > 0.0):
                 M[j, j] += drive[j].armature
             bias[j] = applied[j] - bias[j]
         _solve(M, bias, n)
@@ -369,9 +391,3 @@ def _run(
                 link_torque[j] = applied[j] - d.armature * bias[j]
             w[j] += h * bias[j]
             q[j] += h * w[j]
-
-
-@numba.njit(cache=True)
-def friction_bound(d, through):
-    """Bound at rest."""
-    return max(d.static, d.coulomb) + (d.load + d.load_static) * through
