@@ -121,11 +121,7 @@ def compare(file: ScenarioFile, motion: Motion, engine: str, *, floors: bool = T
         rollout, mean = _simulated(motion, engine, 1.0)
         fine = _simulated(motion, engine, 2.0)[1] if floors and motion.measured is not None else None
     except (Unsupported, Diverged) as error:
-        outcome = "diverged" if isinstance(error, Diverged) else "unsupported"
-        rows = []
-        for d in _expected(motion):
-            rows.append(failed(cell, d, _noise(motion, d), outcome, str(error)))
-        return Comparison(cell, rows, outcome, str(error), measured=motion.measured)
+        return failure(cell, motion, "diverged" if isinstance(error, Diverged) else "unsupported", str(error))
     done = Comparison(cell, [], "ok", "", mean, motion.measured, rollout, rollout.settings)
     if motion.measured is None:
         return done
@@ -139,6 +135,12 @@ def compare(file: ScenarioFile, motion: Motion, engine: str, *, floors: bool = T
         if d.values.size:
             done.rows.append(row(cell, d, _noise(motion, d), numerical.get((d.joint, d.signal), float("nan")), note))
     return done
+
+
+def failure(cell: Cell, motion: Motion, outcome: str, note: str) -> Comparison:
+    """A cell that could not be simulated: rows that say what happened, with infinite gaps."""
+    rows = [failed(cell, d, _noise(motion, d), outcome, note) for d in _expected(motion)]
+    return Comparison(cell, rows, outcome, note, measured=motion.measured)
 
 
 def scenario_excluded(motion: Motion) -> list[str]:

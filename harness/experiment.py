@@ -1,7 +1,9 @@
 """One recording ready to be simulated: the plant, the commands, the start, and what was measured."""
 
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,8 @@ from harness.scenario_file import ScenarioFile
 from harness.start import start_state
 from harness.trace import Trace
 
+Read = Callable[..., Recording]
+"""A reader with the arguments of `read_recording`."""
 SETTLE = 1.0
 """How long an animation goes on after its last keyframe [s]."""
 
@@ -61,8 +65,13 @@ class Experiment:
         return _start(self)
 
 
-def experiments(file: ScenarioFile) -> list[Experiment]:
+def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequence[str] = ("*",)) -> list[Experiment]:
     """Every motion of a scenario: one per recording, or the one animation where nothing was recorded.
+
+    Args:
+        file: the scenario.
+        read: what reads a recording; one that remembers saves time where many variants of a scenario are prepared.
+        only: patterns over the recordings' names; the others are not read.
 
     Raises:
         InputError: for whatever is wrong with the scenario's files.
@@ -71,11 +80,14 @@ def experiments(file: ScenarioFile) -> list[Experiment]:
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
-        return [_prepare(file, file.scenario, file.scenario.name, None, None)]
-    return [_prepare(file, case.scenario, case.name, case.path, case.run) for case in cases]
+        return [_prepare(file, file.scenario, file.scenario.name, None, None, read)]
+    chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
+    return [_prepare(file, case.scenario, case.name, case.path, case.run, read) for case in chosen]
 
 
-def _prepare(file: ScenarioFile, scenario: Scenario, name: str, path: Path | None, run: Run | None) -> Experiment:
+def _prepare(
+    file: ScenarioFile, scenario: Scenario, name: str, path: Path | None, run: Run | None, read: Read
+) -> Experiment:
     plant = build_plant(file, scenario)
     try:
         plant = place(plant, scenario.effects)
@@ -83,7 +95,7 @@ def _prepare(file: ScenarioFile, scenario: Scenario, name: str, path: Path | Non
         raise InputError(f"{file.path}: {error}") from None
     recording = None
     if path is not None:
-        recording = read_recording(path, scenario, plant.model.joint_names, file=file.path)
+        recording = read(path, scenario, plant.model.joint_names, file=file.path)
         _check_supply(file, scenario, recording)
     commands, begin, duration = _commands(file, scenario, plant, recording)
     return Experiment(
