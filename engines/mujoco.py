@@ -12,7 +12,7 @@ from importlib.metadata import version
 import mujoco
 import numpy as np
 
-from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from engines.engine import Capability, Diverged, Engine, Ground, Physics, Simulation, State
 from engines.model import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 
 FRICTION_SOLREF = (0.002, 1.0)
@@ -20,6 +20,7 @@ FRICTION_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
 RIGID_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
 LIMIT_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 IMPRATIO = 100.0
+SOFT_IMPRATIO = 1e4
 
 
 class MujocoSimulation(Simulation):
@@ -33,7 +34,7 @@ class MujocoSimulation(Simulation):
         self._d = d = mujoco.MjData(m)
         self._offset = o = 6 if model.floating else 0
         if physics.ground is not None and physics.ground.stiffness is not None:
-            _soften(m, physics)
+            _soften(m, physics.ground)
         self._applied = d.qfrc_applied[o:]
         self._damping = m.dof_damping[o:]
         self._friction = m.dof_frictionloss[o:]
@@ -144,18 +145,13 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
     option.tolerance = 1e-12
     if physics.solver_iterations is not None:
         option.iterations = physics.solver_iterations
-    if physics.ground is not None:
+    ground = physics.ground
+    soft = ground is not None and ground.stiffness is not None
+    if soft:
+        option.impratio = SOFT_IMPRATIO
+    if ground is not None:
         spec.worldbody.add_geom(
-            name="ground",
-            type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[0, 0, 1],
-            contype=1,
-            conaffinity=1,
-            priority=1,  # the ground's friction and compliance win over the robot's
-            condim=3,
-            friction=[physics.ground.friction, 0, 0],
-            solref=[2 * physics.timestep, 1.0],
-            solimp=RIGID_SOLIMP,
+            name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=0 if soft else 1, conaffinity=0
         )
     bodies = []
     for i, link in enumerate(model.links):
@@ -188,33 +184,45 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
         body.ipos = link.com
         t = link.inertia
         body.fullinertia = [t[0, 0], t[1, 1], t[2, 2], t[0, 1], t[0, 2], t[1, 2]]
-        for sphere in link.spheres if physics.ground is not None else ():
+        for k, sphere in enumerate(link.spheres if ground is not None and (i or model.floating) else ()):
             body.add_geom(
+                name=f"{link.name} {k}",
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
                 size=[sphere.radius, 0, 0],
                 pos=sphere.center,
                 contype=0,  # the robot touches the ground only, not itself
-                conaffinity=1,
+                conaffinity=0 if soft else 1,
                 mass=0,
+                priority=1,  # its friction and compliance win over the plane's
+                condim=3,
+                friction=[ground.friction, 0, 0],
+                solref=[2 * physics.timestep, 1.0],
+                solimp=RIGID_SOLIMP,
             )
+            if soft:  # an explicit pair, because only that holds friction otherwise than it presses
+                spec.add_pair(
+                    geomname1="ground",
+                    geomname2=f"{link.name} {k}",
+                    condim=3,
+                    friction=[ground.friction, ground.friction, 0, 0, 0],
+                    solreffriction=[2 * physics.timestep, 1.0],
+                )
         bodies.append(body)
     return spec
 
 
-def _soften(m: "mujoco.MjModel", physics: Physics) -> None:
-    """Physical stiffness k and damping b of a contact point.
+def _soften(m: "mujoco.MjModel", ground: Ground) -> None:
+    """The stiffness k and damping b of a contact point, as implicit Euler of `max(0, -k·z - b·z')`.
 
-    A contact row obeys a + d·(B·v + K·r) = (1 - d)·a0 with the row's inverse inertia A; with constant impedance d the
-    force is then (1 - d)-independent for K = -k(1 - d)A, B = -b(1 - d)A in `solref`. A is taken at the zero pose.
+    A contact row of impedance d presses with (-K·z - B·z' - z'')/R, R = A·(1 - d)/d, where solref holds -K·d and -B·d
+    and A is the inverse inertia that MuJoCo ascribes to it: `body_invweight0` of the sphere's body alone, since the
+    ground has none. So K = k·R and B = b·R, and the least d there is leaves next to nothing of the last term.
     """
-    assert physics.ground is not None and physics.ground.stiffness is not None
-    d = 0.5
-    plane = mujoco.mj_name2id(m, mujoco.mjtObj.mjOBJ_GEOM, "ground")
-    touching = sorted({int(m.geom_bodyid[g]) for g in range(m.ngeom) if g != plane})
-    inverse = float(np.mean([m.body_invweight0[b, 0] for b in touching]))
-    scale = (1 - d) * inverse
-    m.geom_solimp[plane] = (d, d, 0.001, 0.5, 2.0)
-    m.geom_solref[plane] = (-physics.ground.stiffness * scale, -(physics.ground.damping or 0.0) * scale)
+    d = mujoco.mjMINIMP
+    for i, sphere in enumerate(m.pair_geom2):
+        scale = (1 - d) * float(m.body_invweight0[m.geom_bodyid[sphere], 0])
+        m.pair_solref[i] = (-(ground.stiffness or 0.0) * scale, -(ground.damping or 0.0) * scale)
+        m.pair_solimp[i] = (d, d, 0.001, 0.5, 2.0)
 
 
 class MujocoEngine(Engine):
