@@ -17,7 +17,9 @@ from harness.trace import Trace
 
 def model(joints: Sequence[str]) -> Model:
     links = tuple(Link(f"link_{i}", 1.0, np.zeros(3), np.eye(3)) for i in range(len(joints) + 1))
-    return Model("synthetic", links, tuple(Joint(n, False, i, np.eye(4), np.eye(3)[2]) for i, n in enumerate(joints)), False)
+    return Model(
+        "synthetic", links, tuple(Joint(n, False, i, np.eye(4), np.eye(3)[2]) for i, n in enumerate(joints)), False
+    )
 
 
 def trace(joints: Sequence[str], error: float, seed: int, *, command: bool = False) -> Trace:
@@ -81,7 +83,9 @@ def planted(gaps: dict[tuple[object, ...], float], *, noise: float = 0.01, numer
     return table(rows)
 
 
-def write_planted(folder: Path, frame: pd.DataFrame, manifest: dict[str, object] | None = None, timings: str = "") -> Path:
+def write_planted(
+    folder: Path, frame: pd.DataFrame, manifest: dict[str, object] | None = None, timings: str = ""
+) -> Path:
     write_whole(folder / "gaps.csv", to_csv(frame))
     write_whole(folder / "manifest.json", json.dumps(manifest or {}))
     if timings:

@@ -13,7 +13,7 @@ from harness.drive import Array
 from harness.report.style import SIGNALS, unit_label
 from harness.results import write_whole
 
-STYLE = {
+STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -46,6 +46,7 @@ class Curve:
 
     label: str
     color: str
+    dashes: int
     time: Array
     joints: dict[str, Array]
 
@@ -111,8 +112,8 @@ def draw_curves(
             top = grid[0, column]
             if joint in measured:
                 top.plot(curves[0].time, measured[joint], color=INK, linewidth=1.8, label="measured")
-            for curve, dashes in zip(curves, DASHES * len(curves), strict=False):
-                style: dict[str, Any] = {"color": curve.color, "linestyle": dashes, "linewidth": 1.2}
+            for curve in curves:
+                style: dict[str, Any] = {"color": curve.color, "linestyle": DASHES[curve.dashes], "linewidth": 1.2}
                 top.plot(curve.time, curve.joints[joint], label=curve.label, **style)
                 if joint in measured:
                     grid[1, column].plot(curve.time, curve.joints[joint] - measured[joint], **style)

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from harness.report.draw import BoxSet, Curve, draw_boxes, draw_curves
 from harness.report.curves import read_curves, unpack
+from harness.report.draw import BoxSet, Curve, draw_boxes, draw_curves
 from harness.report.folder import Results, cell_key, read_folder
-from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_label
+from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label
 
 MOST = 12
 """Conditions that get figures of their own; a larger matrix has its page."""
@@ -95,7 +95,9 @@ def _curve_files(folder: Path, name: str, contents: dict[str, dict[str, Any]], r
             measured = read_curves(folder / "curves" / f"{content['measured']}.js").get(signal, {})
         color = engine_color(engine, results.engines)
         series = {j: unpack(content["simulated"][signal][j]) for j in joints[:CHOSEN]}
-        curves.append(Curve(engine_label(engine), color, unpack(content["time"]), series))
+        curves.append(
+            Curve(engine_label(engine), color, engine_dashes(engine, results.engines), unpack(content["time"]), series)
+        )
     theirs = {j: unpack(measured[j]) for j in joints[:CHOSEN] if j in measured}
     units = {j: simulated[signal][j]["unit"] for j in joints[:CHOSEN]}
     return [draw_curves(_path(folder, f"curves {signal} {name}"), curves, theirs, units, signal, name)]

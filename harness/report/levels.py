@@ -55,7 +55,7 @@ def levels(frame: pd.DataFrame, axis: str, axes: Sequence[str]) -> list[Level]:
         return []
     others = [a for a in axes if a != axis]
     frame = frame.assign(**{a: frame[a].astype(object).where(frame[a].notna(), "") for a in axes})
-    context = frame[others].astype(str).agg("\x1f".join, axis=1) if others else pd.Series("", index=frame.index)
+    context = joined(frame, others)
     gaps = _pivot(frame, context, axis, "mean_abs")
     gaps = gaps.where(np.isfinite(gaps)).dropna(axis=1, how="all")
     while gaps.shape[1] and gaps.dropna().empty:
@@ -66,6 +66,13 @@ def levels(frame: pd.DataFrame, axis: str, axes: Sequence[str]) -> list[Level]:
     return [
         Level(v, float(gaps[v].mean()), float(noise[v].mean()), float(numerical[v].mean()), len(gaps)) for v in values
     ]
+
+
+def joined(frame: pd.DataFrame, columns: Sequence[str]) -> "pd.Series[str]":
+    """Some columns of every row as one text, equal where all of them are."""
+    text = [["" if pd.isna(v) else str(v) for v in frame[c]] for c in columns]
+    joint = ["\x1f".join(row) for row in zip(*text, strict=True)] if text else ""
+    return pd.Series(joint, index=frame.index, dtype=object)
 
 
 def _pivot(frame: pd.DataFrame, context: "pd.Series[str]", axis: str, column: str) -> pd.DataFrame:

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from harness.report.folder import GROUPS, Results, cell_key
-from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_label
+from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label
 from harness.results import EXCLUDED
 
 DIGITS = 4
@@ -32,7 +32,12 @@ def payload(results: Results) -> dict[str, Any]:
     return {
         "axes": [_axis(a, values) for a, values in results.axes.items()],
         "engines": [
-            {"label": engine_label(e), "color": engine_color(e, results.engines)} for e in results.engines
+            {
+                "label": engine_label(e),
+                "color": engine_color(e, results.engines),
+                "dashes": engine_dashes(e, results.engines),
+            }
+            for e in results.engines
         ],
         "signals": [{"key": s, "label": SIGNALS[s]} for s in signals],
         "joints": joints,

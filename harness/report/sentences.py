@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from harness.report.folder import GROUPS, Results
-from harness.report.levels import Level, differ, levels
+from harness.report.levels import Level, differ, joined, levels
 from harness.report.style import AXES, SIGNALS, axis_value, engine_label, number, quantity
 
 SAME = "no difference seen"
@@ -39,7 +39,7 @@ def sentences(results: Results) -> list[Sentence]:
         found += [s for axis in changing for s in changes(part, axis, results)]
         if group != "unmoving":
             found += [s for axis in ("step_rate", "solver_iterations") for s in enough(part, axis, results)]
-            found += speed(part, results)
+            found += [] if any(s.about == "speed" for s in out) else speed(part, results)
         (rest if group == "unmoving" else out).extend(found)
     return [*out, *worst_joint(results), *rest]
 
@@ -67,23 +67,26 @@ def closest(part: pd.DataFrame, results: Results, axis: str = "engine") -> Sente
     found = levels(part, axis, list(results.axes))
     if not found:
         return None
-    unit, where = str(part["unit"].iloc[0]), f"{_signal(part)} of {OF[str(part['group'].iloc[0])]}"
+    unit, where = str(part["unit"].iloc[0]), _what(part)
     best, *others = sorted(found, key=lambda level: level.gap)
     name = axis_value(axis, best.value)
     over = "" if best.contexts == 1 else f", mean of {best.contexts} comparisons"
     text = f"{quantity(best.gap, unit)} ({floors(best, unit)}{over})"
-    if not best.seen:
-        text += f", {SAME} from the recording"
     alike = [o for o in others if not differ(best, o)]
     apart = [o for o in others if differ(best, o)]
+    hit = "" if best.seen else f"; {SAME} from the recording"
     if not others:
-        return Sentence("closest", f"{name} is this far from the recording in {where}: {text}.")
+        return Sentence("closest", f"{name} is this far from the recording in {where}: {text}{hit}.")
     if not apart:
         rest = _list(f"{axis_value(axis, o.value)} {quantity(o.gap, unit)}" for o in others)
-        return Sentence("closest", f"In {where}, {SAME} between {name} at {text} and {rest}.")
-    more = [f"{SAME} to {_list(f'{axis_value(axis, o.value)} ({quantity(o.gap, unit)})' for o in alike)}"] if alike else []
-    more += [f"{axis_value(axis, o.value)} is {_times(o.gap, best.gap)} as far ({quantity(o.gap, unit)})" for o in apart]
-    return Sentence("closest", f"{name} comes closest in {where}: {text}; {'; '.join(more)}.")
+        return Sentence("closest", f"In {where}, {SAME} between {name}, {text}, and {rest}{hit}.")
+    more = (
+        [f"{SAME} to {_list(f'{axis_value(axis, o.value)} ({quantity(o.gap, unit)})' for o in alike)}"] if alike else []
+    )
+    more += [
+        f"{axis_value(axis, o.value)} is {_times(o.gap, best.gap)} as far ({quantity(o.gap, unit)})" for o in apart
+    ]
+    return Sentence("closest", f"{name} comes closest in {where}: {text}; {'; '.join(more)}{hit}.")
 
 
 def changes(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
@@ -105,7 +108,9 @@ def changes(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
                 continue
             new, old = pair[best.value], pair[other.value]
             verdict = SAME if not differ(new, old) else "improves" if new.gap < old.gap else "worsens"
-            step = f"{signal} by {quantity(abs(old.gap - new.gap), unit)} ({number(old.gap)} → {quantity(new.gap, unit)}"
+            step = (
+                f"{signal} by {quantity(abs(old.gap - new.gap), unit)} ({number(old.gap)} → {quantity(new.gap, unit)}"
+            )
             words[verdict].append(signal if verdict == SAME else f"{step}; {floors(new, unit)})")
         name = f"{AXES.get(axis, axis)} {axis_value(axis, best.value)} instead of {axis_value(axis, other.value)}"
         out.append(Sentence("change", f"On {group}, {name} {_verdicts(words)}."))
@@ -130,7 +135,7 @@ def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
     signal = next(iter(_by_signal(part)), None)
     if signal is None or axis not in results.varying:
         return []
-    unit, what = str(signal["unit"].iloc[0]), f"{_signal(signal)} of {OF[str(part['group'].iloc[0])]}"
+    unit, what = str(signal["unit"].iloc[0]), _what(signal)
     for engine, rows in signal.groupby("engine", sort=True):
         found = [v for v in levels(rows, axis, list(results.axes)) if v.value != ""]
         if len(found) < 2:
@@ -145,7 +150,7 @@ def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
         else:
             low = found[k - 1]
             how = f"at {axis_value(axis, low.value)} the gap is {_times(low.gap, here.gap)} as large"
-            gain = f"above {axis_value(axis, here.value)} nothing is gained" if here is not top else "the highest tried"
+            gain = "above it nothing is gained" if here is not top else "it is the highest tried, and may not be enough"
             text = f"{name}, {what}: {how} ({quantity(low.gap, unit)}) as at {at}; {gain}."
         out.append(Sentence("enough", text))
     return out
@@ -157,14 +162,13 @@ def speed(part: pd.DataFrame, results: Results) -> list[Sentence]:
     if signal is None or "real_time_factor" not in results.cells:
         return []
     tuning = ["engine", "step_rate", "solver_iterations"]
-    text = results.cells[tuning].astype(object).where(results.cells[tuning].notna(), "").astype(str)
-    factor = results.cells.assign(choice=text.agg("\x1f".join, axis=1)).groupby("choice")["real_time_factor"].mean()
-    chosen = signal[tuning].astype(object).where(signal[tuning].notna(), "").astype(str).agg("\x1f".join, axis=1)
+    factor = results.cells.assign(choice=joined(results.cells, tuning)).groupby("choice")["real_time_factor"].mean()
     others = [a for a in results.axes if a not in tuning]
-    found = [v for v in levels(signal.assign(choice=chosen), "choice", ["choice", *others]) if factor[v.value] > 0]
+    choices = levels(signal.assign(choice=joined(signal, tuning)), "choice", ["choice", *others])
+    found = [v for v in choices if factor[v.value] > 0]
     if len(found) < 2:
         return []
-    unit, what = str(signal["unit"].iloc[0]), f"{_signal(signal)} of {OF[str(part['group'].iloc[0])]}"
+    unit, what = str(signal["unit"].iloc[0]), _what(signal)
     best = min(found, key=lambda v: v.gap)
     fastest = max((v for v in found if not differ(v, best)), key=lambda v: float(factor[v.value]))
 
@@ -201,7 +205,9 @@ def worst_joint(results: Results) -> list[Sentence]:
         text += f": from {quantity(low.gap, unit)} in {engine_label(low.value)} to {quantity(high.gap, unit)} in "
         text += f"{engine_label(high.value)} ({floors(high, unit)}): the engine matters there."
     else:
-        text += f", {quantity(low.gap, unit)} at least in every engine ({floors(low, unit)}); the engines' gaps lie within "
+        text += (
+            f", {quantity(low.gap, unit)} at least in every engine ({floors(low, unit)}); the engines' gaps lie within "
+        )
         text += f"{quantity(high.gap - low.gap, unit)}, so another engine does not close it."
     return [Sentence("joint", text)]
 
@@ -212,7 +218,7 @@ def floors(level: Level, unit: str) -> str:
 
 
 def _floor(value: float, unit: str) -> str:
-    return quantity(value, unit) if value == value else "unknown"
+    return quantity(value, unit, 2) if value == value else "unknown"
 
 
 def _by_signal(part: pd.DataFrame) -> list[pd.DataFrame]:
@@ -226,6 +232,12 @@ def _by_signal(part: pd.DataFrame) -> list[pd.DataFrame]:
 
 def _signal(part: pd.DataFrame) -> str:
     return SIGNALS[str(part["signal"].iloc[0])]
+
+
+def _what(part: pd.DataFrame) -> str:
+    """The signal and whose it is: velocity of moving joints, base orientation."""
+    group = str(part["group"].iloc[0])
+    return _signal(part) if group == "base" else f"{_signal(part)} of {OF[group]}"
 
 
 def _times(a: float, b: float) -> str:

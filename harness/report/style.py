@@ -48,13 +48,18 @@ def engine_color(name: str, among: list[str]) -> str:
     return OTHERS[unknown.index(name) % len(OTHERS)]
 
 
+def engine_dashes(name: str, among: list[str]) -> int:
+    """Which of five dash patterns is the engine's: the second sign, beside the colour, that tells curves apart."""
+    return list(ENGINES).index(name) if name in ENGINES else (len(ENGINES) - 1 + among.index(name)) % len(ENGINES)
+
+
 def unit_label(unit: str) -> str:
     """The unit as it is printed behind a number."""
     return UNITS.get(unit, unit)
 
 
-def number(value: float) -> str:
-    """Three significant digits, without an exponent where a person would not write one."""
+def number(value: float, digits: int = 3) -> str:
+    """A few significant digits, without an exponent where a person would not write one."""
     if math.isnan(value):
         return "unknown"
     if math.isinf(value):
@@ -62,15 +67,15 @@ def number(value: float) -> str:
     if value == 0:
         return "0"
     if not 1e-4 <= abs(value) < 1e6:
-        return f"{value:.2e}"
-    digits = max(2 - math.floor(math.log10(abs(value))), 0)
-    return f"{value:.{digits}f}".replace("-", "−")
+        return f"{value:.{digits - 1}e}".replace("-", "−")
+    places = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+    return f"{value:.{places}f}".replace("-", "−")
 
 
-def quantity(value: float, unit: str) -> str:
+def quantity(value: float, unit: str, digits: int = 3) -> str:
     """A number with its unit: 0.520°, 1.68 °/s, 0.280 N·m."""
     label = unit_label(unit)
-    return number(value) + ("" if label == "°" else " ") + label
+    return number(value, digits) + ("" if label == "°" else " ") + label
 
 
 def axis_value(axis: str, value: object) -> str:

@@ -13,7 +13,7 @@ async function drawDetail() {
   try {
     const shown = data.axes[engineAxis].values.map((_, e) => e)
       .map((engine) => ({ engine, cell: sameContext(cell, engine) })).filter((s) => s.cell !== undefined && data.cells[s.cell].curves);
-    const curves = await Promise.all(shown.map(async (s) => ({ ...s, ...(await cellCurves(s.cell)) })));
+    const curves = await Promise.all(shown.map(async (s) => ({ ...(await cellCurves(s.cell)), ...s })));
     if (run !== detailRun) return; // another choice was made while these loaded
     place.replaceChildren(...head, ...detailPlots(cell, curves, place.clientWidth - 36));
   } catch (error) {
@@ -34,8 +34,8 @@ function detailHead(cells) {
   for (const c of failed.slice(0, 3)) out.push(element("p", { class: "verdict worse" }, `${data.cells[c].outcome}: ${data.cells[c].note}`));
   if (failed.length > 3) out.push(element("p", { class: "verdict worse" }, `and ${failed.length - 3} more that did not finish`));
   if (!s || !Number.isFinite(s.mean)) return out;
-  const fact = (label, value) => element("div", null, element("dt", null, label), element("dd", null, value === null || value === undefined ? "unknown" : quantity(value, s.unit)));
-  const facts = [fact(`mean ${data.signals[state.signal].label} gap`, s.mean), fact("noise floor", s.noise), fact("numerical floor", s.numerical)];
+  const fact = (label, value, digits) => element("div", null, element("dt", null, label), element("dd", null, value === null || value === undefined ? "unknown" : quantity(value, s.unit, digits)));
+  const facts = [fact(`mean ${data.signals[state.signal].label} gap`, s.mean), fact("noise floor", s.noise, 2), fact("numerical floor", s.numerical, 2)];
   if (s.median !== undefined) facts.push(fact("median", s.median), fact("95 %", s.p95), fact("largest", s.max));
   out.push(element("dl", { class: "facts" }, facts));
   if (s.mean <= floorOf(s)) out.push(element("p", { class: "verdict same" }, `${SAME} from the recording: the gap is not above its floors.`));

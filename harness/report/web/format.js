@@ -3,20 +3,20 @@ const realitygap = {};
 const SAME = "no difference seen";
 const UNITS = { deg: "°", "deg/s": "°/s" };
 
-function number(value) {
+function number(value, digits = 3) {
   if (value === null || Number.isNaN(value)) return "unknown";
   if (value === Infinity) return "∞";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size < 1e-4 || size >= 1e6) return value.toExponential(2).replace("-", "−");
-  return value.toFixed(Math.max(2 - Math.floor(Math.log10(size)), 0)).replace("-", "−");
+  if (size < 1e-4 || size >= 1e6) return value.toExponential(digits - 1).replace("-", "−");
+  return value.toFixed(Math.max(digits - 1 - Math.floor(Math.log10(size)), 0)).replace("-", "−");
 }
 
 function unitLabel(unit) { return UNITS[unit] || unit; }
 
-function quantity(value, unit) {
+function quantity(value, unit, digits = 3) {
   const label = unitLabel(unit);
-  return number(value) + (label === "°" ? "" : " ") + label;
+  return number(value, digits) + (label === "°" ? "" : " ") + label;
 }
 
 function floorOf(stat) { return Math.max(stat.noise || 0, stat.numerical || 0); }
@@ -24,7 +24,7 @@ function floorOf(stat) { return Math.max(stat.noise || 0, stat.numerical || 0); 
 function differ(a, b) { return Math.abs(a.mean - b.mean) > Math.max(floorOf(a), floorOf(b)); }
 
 function floorWords(stat) {
-  const word = (value) => (value === null ? "unknown" : quantity(value, stat.unit));
+  const word = (value) => (value === null ? "unknown" : quantity(value, stat.unit, 2));
   return `noise floor ${word(stat.noise)}, numerical floor ${word(stat.numerical)}`;
 }
 
@@ -45,6 +45,11 @@ function element(tag, attributes, ...children) {
   }
   node.append(...children.flat().filter((c) => c !== null && c !== undefined && c !== false));
   return node;
+}
+
+// A long name may wrap behind an underscore.
+function breakable(name) {
+  return name.split(/(?<=_)/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
 }
 
 function tooltip(text, event) {

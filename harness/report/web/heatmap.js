@@ -21,7 +21,7 @@ function drawHeatmap() {
     }
     const cells = stats.get(target).map((s, c) => heatCell(s, engines[c], target, r, c, top));
     const excluded = stats.get(target).some((s) => s && s.excluded);
-    const name = targetText(target) + (excluded ? " (not in the means)" : "");
+    const name = [...breakable(targetText(target)), excluded ? element("small", null, " not in the means") : null];
     body.push(element("tr", { class: target.group ? "mean" : null }, element("th", { scope: "row" }, name), cells));
   });
   const head = element("tr", null, element("td", { style: "all:unset" }),
@@ -67,12 +67,18 @@ function heatCell(s, engine, target, r, c, top) {
       onmousemove: (e) => tooltip(`${name}\n${outcome}: ${note}`, e) }, outcome);
   }
   const same = s.mean <= floorOf(s);
-  const heat = top > 0 ? Math.sqrt(s.mean / top) : 0;
+  const heat = top > 0 ? s.mean / top : 0;
   const words = `${quantity(s.mean, s.unit)}${same ? `, ${SAME}` : ""}; ${floorWords(s)}${failed ? `; ${failed}` : ""}`;
-  const kind = same ? "same" : heat > 0.62 ? "hot" : null;
-  return element("td", { ...common, class: kind, style: same ? null : `--heat:${(heat * 100).toFixed(1)}%`,
+  const kind = same ? "same" : heat > 0.72 ? "hot" : null;
+  return element("td", { ...common, class: kind, style: same ? null : heatStyle(heat),
     "aria-label": `${name}: ${words}`, onmousemove: (e) => tooltip(`${name}\n${words.replaceAll("; ", "\n")}`, e) },
     number(s.mean), same ? element("small", null, SAME) : failed ? element("small", null, failed) : null);
+}
+
+// Two halves of a ramp of three colours.
+function heatStyle(heat) {
+  const percent = (v) => `${(Math.min(Math.max(v, 0), 1) * 100).toFixed(1)}%`;
+  return `--lower:${percent(heat * 2)};--upper:${percent(heat * 2 - 1)}`;
 }
 
 function heatLegend(top, unit) {

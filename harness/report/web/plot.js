@@ -1,7 +1,7 @@
 // Small plots in SVG: lines over time, points with lines, boxes. Drawn at the width there is, so that text stays legible.
 const DASHES = ["", "7 3", "2 2.5", "9 3 2 3", "4 4"];
 
-function engineStyle(engine) { return { stroke: data.engines[engine].color, "stroke-dasharray": DASHES[engine % DASHES.length] }; }
+function engineStyle(engine) { return { stroke: data.engines[engine].color, "stroke-dasharray": DASHES[data.engines[engine].dashes] }; }
 
 function ticks(low, high, count) {
   if (!(high > low)) return [low];
@@ -39,7 +39,8 @@ function frame({ width, height, xRange, yRange, xTicks, xTickText, yLabel, xLabe
   const x = scale(...xRange, inner.left, inner.right, logX), y = scale(...yRange, inner.bottom, inner.top);
   const yt = ticks(...yRange, Math.max(Math.round((inner.bottom - inner.top) / 38), 2));
   const xt = xTicks || ticks(...xRange, Math.max(Math.round((inner.right - inner.left) / 80), 2));
-  const svg = element("svg", { class: "plot", viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label });
+  const svg = element("svg", { class: "plot", viewBox: `0 0 ${width} ${height}`, height, role: "img", "aria-label": label,
+    style: `max-width:${width}px` });
   for (const t of yt) svg.append(
     element("line", { class: "grid", x1: inner.left, x2: inner.right, y1: y(t), y2: y(t) }),
     element("text", { x: inner.left - 6, y: y(t) + 4, "text-anchor": "end" }, tickText(t, yt)));

@@ -8,13 +8,13 @@ function changed() { listeners.forEach((draw) => draw()); }
 const switchable = data.axes.map((_, i) => i).filter((i) => i !== engineAxis && data.axes[i].values.length > 1);
 
 function startState() {
-  const first = data.cells.findIndex((c) => c.outcome === "ok");
-  const cell = data.cells[Math.max(first, 0)];
-  for (const axis of switchable) state.choice[axis] = cell ? cell.at[axis] : 0;
   const groups = new Set(data.rows.group.map((g) => data.groups[g]));
   state.target = { group: ["moving", "base", "unmoving"].find((g) => groups.has(g)) || "moving" };
   const signals = new Set(data.rows.signal);
   state.signal = signals.size ? Math.min(...signals) : 0;
+  const gap = data.cells.map((_, c) => cellStat(c, state.signal, state.target)?.mean ?? Infinity);
+  const best = gap.reduce((least, g, c) => (g < gap[least] ? c : least), 0);
+  for (const axis of switchable) state.choice[axis] = data.cells.length ? data.cells[best].at[axis] : 0;
   settle(null);
   state.engine = bestEngine();
 }
@@ -68,8 +68,8 @@ function targetText(target) {
   return { moving: "mean of moving joints", unmoving: "mean of unmoving joints", base: "base" }[target.group];
 }
 
-function contextText(without) {
-  const parts = switchable.filter((a) => a !== without).map((a) => {
+function contextText(...without) {
+  const parts = switchable.filter((a) => !without.includes(a)).map((a) => {
     const value = state.choice[a];
     return value < 0 ? `all ${data.axes[a].label}s` : data.axes[a].values[value].text;
   });

@@ -1,5 +1,5 @@
 // Sortable tables: means by group and signal, improvements, and the list of all cells.
-function sortable({ columns, rows, caption, page = 100 }) {
+function sortable({ columns, rows, caption, page = 50 }) {
   let order = null, rising = true, shown = page;
   const body = element("tbody"), more = element("button", { class: "more", type: "button", onclick: () => { shown += page; fill(); } });
   const heads = columns.map((column, i) =>
@@ -81,7 +81,7 @@ function meanCell(s) {
   if (!Number.isFinite(s.mean)) return { text: data.cells[s.failed[0]].outcome, sort: Infinity, class: "worse" };
   const same = s.mean <= floorOf(s);
   return { text: number(s.mean), sort: s.mean, class: same ? "same" : null,
-    small: `${same ? `${SAME}; ` : ""}noise ${number(s.noise)} · num. ${number(s.numerical)}${s.failed.length ? ` · ${s.failed.length} failed` : ""}` };
+    small: `${same ? `${SAME}; ` : ""}noise ${number(s.noise, 2)} · num. ${number(s.numerical, 2)}${s.failed.length ? ` · ${s.failed.length} failed` : ""}` };
 }
 
 function drawImprovement() {
@@ -112,7 +112,7 @@ function improvementCell(a, b) {
   if (!a || !b) return { text: "–", sort: -Infinity };
   if (!Number.isFinite(a.mean) || !Number.isFinite(b.mean)) return { text: `${Number.isFinite(a.mean) ? "new" : "old"} did not finish`, sort: -Infinity, class: "worse" };
   const gain = a.mean - b.mean, unit = a.unit;
-  const small = `${number(a.mean)} → ${quantity(b.mean, unit)}; floors ${number(Math.max(floorOf(a), floorOf(b)))}`;
+  const small = `${number(a.mean)} → ${quantity(b.mean, unit)}; larger floor ${number(Math.max(floorOf(a), floorOf(b)), 2)}`;
   if (!differ(a, b)) return { text: SAME, sort: 0, class: "same", small };
   return { text: `${gain > 0 ? "▲ +" : "▼ "}${quantity(gain, unit)}`, sort: gain, class: gain > 0 ? "better" : "worse", small };
 }
@@ -125,17 +125,17 @@ function drawCellTable() {
     ...signals.map((s) => ({ label: data.signals[s].label, num: true })), ...(timed ? [{ label: "× real time", num: true }] : []), { label: "" }];
   const group = state.target.group || "moving";
   const build = (text) => data.cells.map((cell, c) => ({ cell, c })).filter(({ cell, c }) =>
-    !text || `${axes.map((a) => valueText(a, c)).join(" ")} ${cell.outcome} ${cell.note}`.toLowerCase().includes(text)).map(({ cell, c }) => [
+    text.split(/\s+/).every((word) => `${axes.map((a) => valueText(a, c)).join(" ")} ${cell.outcome} ${cell.note}`.toLowerCase().includes(word))).map(({ cell, c }) => [
     ...axes.map((a) => ({ text: valueText(a, c), sort: cell.at[a] })), { text: cell.outcome, small: cell.note, class: cell.outcome === "ok" ? null : "worse" },
-    ...signals.map((s) => { const value = cellStat(c, s, { group }); return value ? meanCell({ ...value, failed: [c] }, true) : { text: "–", sort: Infinity }; }),
+    ...signals.map((s) => { const value = cellStat(c, s, { group }); return value ? meanCell({ ...value, failed: data.cells[c].outcome === "ok" ? [] : [c] }) : { text: "–", sort: Infinity }; }),
     ...(timed ? [{ text: cell.speed === null ? "–" : number(cell.speed), sort: cell.speed ?? -1 }] : []),
     { node: element("span", null, element("button", { class: "open", type: "button", onclick: () => showCell(c) }, "show"),
       cell.trace ? [" ", element("a", { href: cell.trace }, "trace")] : null), text: "" }]);
   const place = document.getElementById("celltable"), list = element("div");
   const fill = (text) => list.replaceChildren(sortable({ columns, rows: build(text), caption: "All cells" }));
   const search = element("input", { type: "search", id: "filter", oninput: (e) => fill(e.target.value.trim().toLowerCase()) });
+  const filter = element("div", { class: "choose" }, element("label", { for: "filter" }, "filter"), search);
   place.replaceChildren(element("p", { class: "hint" }, `Means of ${group === "base" ? "the base" : `${group} joints`}.`),
-    data.cells.length > 10 ? element("div", { class: "choose" }, element("label", { for: "filter" }, "filter"), search) : null, list);
-  if (!place.firstChild) return;
+    ...(data.cells.length > 10 ? [filter] : []), list);
   fill("");
 }

@@ -14,8 +14,8 @@ function drawTradeoffs() {
   if (timed) place.append(speedFigure(width));
 }
 
-function plotCaption(text, without) {
-  return element("figcaption", null, element("b", null, text), ` – ${data.signals[state.signal].label}, ${targetText(state.target)}${contextText(without) ? ` · ${contextText(without)}` : ""}`);
+function plotCaption(text, ...without) {
+  return element("figcaption", null, element("b", null, text), ` – ${data.signals[state.signal].label}, ${targetText(state.target)}${contextText(...without) ? ` · ${contextText(...without)}` : ""}`);
 }
 
 function axisFigure(axis, width) {
@@ -64,7 +64,7 @@ function speedFigure(width) {
   }
   const points = [...groups.values()].map((cells) => ({ cells, engine: data.cells[cells[0]].at[engineAxis], s: stat(cells, state.signal, state.target),
     speed: mean(cells.map((c) => data.cells[c].speed)) })).filter((p) => p.s && Number.isFinite(p.s.mean) && p.speed);
-  const figure = element("figure", null, plotCaption("Gap against speed", null));
+  const figure = element("figure", null, plotCaption("Gap against speed", ...tuning));
   if (!points.length) { figure.append(element("p", { class: "hint" }, "No timings here.")); return figure; }
   const front = points.filter((p) => !points.some((q) => q.s.mean <= p.s.mean && q.speed >= p.speed && (q.s.mean < p.s.mean || q.speed > p.speed)));
   front.sort((a, b) => a.speed - b.speed);
