@@ -92,7 +92,7 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
         while len(cases) < count:
             for i, effect in enumerate(rng.permutation(list(planted.EFFECTS))):
                 robot = kinds[(i + turn) % len(kinds)]
-                while not _sits(effect, robot, rng):
+                while not _sits(effect, robot):
                     robot = kinds[int(rng.integers(len(kinds)))]
                 size = (1.0, 1.5, 0.7)[turn % 3] * (0.5 if kind == "half" else 1.0)
                 sensing = Sensing(rate=100.0, effort=False) if kind == "half" else Sensing()
@@ -104,7 +104,7 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
             while True:
                 families = rng.permutation(len(FAMILIES))[: 2 if kind == "pair" else 3]
                 chosen = [str(rng.choice(FAMILIES[f])) for f in families]
-                if all(_sits(e, robot, rng) for e in chosen):
+                if all(_sits(e, robot) for e in chosen):
                     break
             cases.append(_named(k, kind, robot, tuple((e, float(rng.choice([1.0, 1.5]))) for e in chosen), Sensing()))
     elif kind == "nothing":
@@ -133,8 +133,8 @@ def _named(k: int, kind: str, robot: str, effects: tuple[tuple[str, float], ...]
     return Case(f"{kind}_{k:03d}_{robot}", kind, robot, effects, "", sensing)
 
 
-def _sits(effect: str, robot: str, rng: np.random.Generator) -> bool:
-    return planted.fits(effect, BUILDERS[robot](np.random.default_rng(0)), True)
+def _sits(effect: str, robot: str) -> bool:
+    return planted.fits(effect, BUILDERS[robot](np.random.default_rng(0)))
 
 
 def plan(robot: Robot, effects: list[str], rng: np.random.Generator) -> list[Run]:

@@ -253,19 +253,24 @@ SUPPLY = ("supply_voltage", "voltage_sag")
 MOTOR = ("torque_constant", "motor_heating", *SUPPLY)
 
 
-def fits(effect: str, robot: Robot, effort: bool) -> bool:
+UNSEEN_BEHIND_A_VELOCITY_LOOP = (
+    "controller_gain",
+    "load_dependent_friction",
+    "joint_offset",
+    "center_of_mass",
+    "link_inertia",
+    "joint_compliance",
+    "torque_speed_limit",
+)
+"""On a horizontal linear drive: it has no gravity and no duty, and its loop hides the rest."""
+
+
+def fits(effect: str, robot: Robot) -> bool:
     """Whether an effect can sit on a robot and be seen there."""
     kind = robot.servo["kind"]
-    if kind != "dc" and effect in MOTOR:
-        return False
-    if kind == "cascade" and effect in (
-        "controller_gain", "load_dependent_friction", "joint_offset", "center_of_mass", "link_inertia",
-        "joint_compliance", "torque_speed_limit",
-    ):  # fmt: skip
-        return False  # no gravity, no duty; behind a stiff velocity loop little of them is seen
-    if effect == "load_dependent_friction" and kind == "pid":
-        return True
-    return True
+    if kind == "cascade":
+        return effect not in (*MOTOR, *UNSEEN_BEHIND_A_VELOCITY_LOOP)
+    return kind == "dc" or effect not in MOTOR
 
 
 def target_of(effect: str, robot: Robot, j: int) -> str:
