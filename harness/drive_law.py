@@ -27,15 +27,15 @@ BAND = 0.05
 
 @numba.njit(cache=True)
 def drive_effort(  # type: ignore[no-untyped-def]
-    drive, state, command, q, w, dry, inertia, recorded, t, h, effort, damping, friction, log
+    drive, state, command, upcoming, q, w, dry, inertia, recorded, t, h, effort, damping, friction, log
 ):
     """Efforts of all joints for the step that starts at time t.
 
     `drive`, `state` and `log` are Shape (n,) of `DRIVE`, `STATE` and `LOG`; the other arrays Shape (n,) too. `command`
-    is NaN where there is none: the servo then gives no torque. `q` and `w` are the joints' positions and velocities
-    now, `dry` their dry friction effort in the previous step, `inertia` about what each joint moves, with its rotor
-    [kg·m² or kg], and `recorded` the recorded supply voltage now [V]. Written are `log` and the three terms of the
-    joint law in `engines.engine`: `effort`, `damping` and `friction`.
+    is NaN where there is none: the servo then gives no torque; `upcoming` is the next step's. `q` and `w` are the
+    joints' positions and velocities now, `dry` their dry friction effort in the previous step, `inertia` about what
+    each joint moves, with its rotor [kg·m² or kg], and `recorded` the recorded supply voltage now [V]. Written are
+    `log` and the three terms of the joint law in `engines.engine`: `effort`, `damping` and `friction`.
     """
     arrive(drive, state, q, w, dry, h, log)
     _sag(drive, state, command, recorded, t, log)
@@ -43,7 +43,7 @@ def drive_effort(  # type: ignore[no-untyped-def]
         d, s = drive[j], state[j]
         speed = log[j].rotor
         rate = w[j] if d.stiffness == 0.0 else speed  # of the encoder
-        torque, back = _motor(d, s, command[j], log[j].encoder - d.offset, rate, speed, t, h)
+        torque, back = _motor(d, s, command[j], upcoming[j], log[j].encoder - d.offset, rate, speed, t, h)
         log[j].motor = torque
         log[j].emf = back
         bound = _friction(d, abs(speed), torque - back * speed, s.transmitted)
@@ -123,7 +123,7 @@ def _weight(x):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _motor(d, s, command, reading, rate, speed, t, h):  # type: ignore[no-untyped-def]
+def _motor(d, s, command, upcoming, reading, rate, speed, t, h):  # type: ignore[no-untyped-def]
     """The motor's torque as torque - back·speed. `rate` is the encoder's speed, `speed` the rotor's."""
     if d.kind == NONE or np.isnan(command):
         s.started = 0
@@ -139,8 +139,9 @@ def _motor(d, s, command, reading, rate, speed, t, h):  # type: ignore[no-untype
         back = kt * kt / d.resistance
     else:
         if d.kind == PID:
-            changed = (command - s.goal) / h if s.started == 1 else 0.0
-            torque, back = d.kp * error + s.integral + d.kd * changed, d.kd
+            before = s.goal if s.started == 1 else command
+            after = command if np.isnan(upcoming) else upcoming
+            torque, back = (d.kp + 0.5 * h * d.ki) * error + s.integral + d.kd * (after - before) / (2.0 * h), d.kd
         else:
             torque, back = d.gain * d.kv * d.kp * error, d.gain * d.kv
         inside = abs(torque - back * rate) < d.effort_limit

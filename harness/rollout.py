@@ -71,12 +71,24 @@ def rollout(
     simulation.read(q[0], w[0], base[0])
     state["velocity"] = w[0]
     began = clock.perf_counter()
-    rows = zip(command, q, w, volts.tolist(), log, dry, q[1:], w[1:], base[1:], strict=False)
+    rows = zip(
+        command,
+        np.vstack([command[1:], command[-1:]]),
+        q,
+        w,
+        volts.tolist(),
+        log,
+        dry,
+        q[1:],
+        w[1:],
+        base[1:],
+        strict=False,
+    )
     step, read, efforts = simulation.step, simulation.read, plant.efforts
     try:
-        for k, (c, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
+        for k, (c, c1, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
             t = k * h
-            drive_effort(drive, state, c, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
+            drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
             for law in efforts:
                 effort += law(t, qk, wk)
             step(effort, damping, friction)
@@ -112,7 +124,7 @@ def _trace(
     plant: Plant, h: float, w: Array, base: Array, log: NDArray[np.void], dry: Array | None, command: Array
 ) -> Trace:
     """Signals at the times of the positions: velocities sit half a step before, so neighbours are averaged."""
-    drive, steps = plant.drive, len(command)
+    drive, steps = plant.drive, command.shape[0]
     rotor = 0.5 * (log["rotor"][:-1] + log["rotor"][1:])
     middle = np.where(drive["stiffness"] > 0, rotor, 0.5 * (w[:-1] + w[1:]))  # of the encoder
     effort = log["motor"][:-1] - log["emf"][:-1] * rotor
@@ -123,7 +135,7 @@ def _trace(
     floating = plant.model.floating
     b = base[:steps]
     return Trace(
-        time=np.arange(steps) * h,
+        time=np.arange(steps, dtype=np.float64) * h,
         joints=tuple(plant.model.joint_names),
         position=log["encoder"][:steps] - drive["offset"],
         velocity=velocity,

@@ -42,13 +42,13 @@ def page(name: str) -> str:
         effect.name,
         f"changes the {effect.changes}, sits at {where}; shows in {', '.join(effect.signals)}",
         _wrapped(p.physics),
-        f"    {p.equation}",
+        textwrap.fill(p.equation, WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False),
         "\n".join(_parameter(x) for x in effect.parameters),
         _wrapped("In a recording: " + p.signature),
         _wrapped("Easily confused with: " + p.confused_with),
         *([f"Excludes on the same target: {', '.join(effect.excludes)}"] if effect.excludes else []),
         _wrapped("Source: " + p.source),
-        f"In a scenario: {_example(effect, size)}",
+        _wrapped(f"In a scenario: {_example(effect, size)}", "    "),
         _plot(effect),
     ]
     return "\n\n".join(blocks)
@@ -98,8 +98,8 @@ def _example(effect: Effect, size: dict[str, float]) -> str:
     return f"{{effect: {effect.name}, target: {target}, {given}}}"
 
 
-def _wrapped(text: str) -> str:
-    return textwrap.fill(text, WIDTH)
+def _wrapped(text: str, indent: str = "") -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent=indent, break_on_hyphens=False)
 
 
 def _plot(effect: Effect) -> str:
