@@ -17,6 +17,10 @@ app = typer.Typer(
 
 Engines = Annotated[list[str] | None, typer.Option("--engine", "-e", help="engine; may be repeated (default: all)")]
 Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder")]
+MaxGap = Annotated[
+    list[str] | None,
+    typer.Option("--max-gap", help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger"),
+]
 
 
 @app.command()
@@ -44,10 +48,7 @@ def run(
     scenario: Annotated[Path, typer.Argument(help="the scenario file")],
     engine: Engines = None,
     out: Out = None,
-    max_gap: Annotated[
-        list[str] | None,
-        typer.Option("--max-gap", help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger"),
-    ] = None,
+    max_gap: MaxGap = None,
 ) -> None:
     """Run one scenario in the engines: traces (MCAP), gap table, figures, page."""
     from harness.budget import over_budget, parse_budget
@@ -66,6 +67,42 @@ def run(
     print(f"report: {result.page}")
     if excess:
         raise typer.Exit(1)
+
+
+@app.command()
+def matrix(
+    matrix: Annotated[Path, typer.Argument(help="the matrix file")],
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="processes on this machine")] = 1,
+    scheduler: Annotated[
+        str | None, typer.Option("--scheduler", help="address of a Dask scheduler that computes the cells")
+    ] = None,
+    out: Out = None,
+    cells: Annotated[
+        str | None,
+        typer.Option("--cells", help="where finished cells are kept: a folder or a URL (default: OUT/cells)"),
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="list the cells and estimate the time")] = False,
+    max_gap: MaxGap = None,
+    junit: Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: every cell is a test")] = None,
+    retry_crashed: Annotated[
+        bool, typer.Option("--retry-crashed", help="try cells again that crashed or took too long")
+    ] = False,
+) -> None:
+    """Run all cells of a matrix; what is there already is not computed again."""
+    from harness.budget import parse_budget
+    from harness.matrix.command import listed, matrix_command
+    from harness.matrix.matrix import Settings
+
+    budget = parse_budget(max_gap or [])
+    folder = out or Path("results/runs") / f"{matrix.resolve().parent.name}_{matrix.stem}"
+    settings = Settings(jobs, scheduler, cells, retry_crashed)
+    lines, status = (
+        listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
+    )
+    for line in lines:
+        print(line)
+    if status:
+        raise typer.Exit(status)
 
 
 @app.command()
@@ -90,6 +127,25 @@ def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> N
     from harness.report import write_page
 
     print(f"report: {write_page(folder)}")
+
+
+@app.command()
+def diagnose(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="worker processes (default: one per core)")] = None,
+) -> None:
+    """Find where simulation and measurement disagree, name the missing effect, add it, prove it on held-out runs."""
+    from harness.diagnose.workflow import run_diagnosis, summary
+    from harness.progress import Progress
+
+    folder = out or Path("results/runs") / f"{scenario.resolve().parent.name}_diagnosis"
+    result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs)
+    for line in summary(result):
+        print(line)
+    print(f"diagnosis: {folder / 'diagnosis.json'}")
+    print(f"report: {folder / 'report.html'}")
 
 
 @app.command()

@@ -55,7 +55,8 @@ class Change:
 class Case:
     """One motion with its noise: what was measured in the mean, and how far every sample can be trusted.
 
-    `noise` has the standard deviation per joint, `floor` the numerical floor per sample; by signal.
+    By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition, `spread` that between repetitions where there were any,
+    `floor` the numerical floor per sample, and `disturbed` how far disturbing torques move each sample.
     """
 
     name: str
@@ -64,13 +65,18 @@ class Case:
     use: str
     noise: dict[str, Array]
     repetitions: int
+    white: dict[str, Array] = field(default_factory=dict)
+    spread: dict[str, Array] = field(default_factory=dict)
     floor: dict[str, Array] = field(default_factory=dict)
+    disturbed: dict[str, Array] = field(default_factory=dict)
 
     def sigma(self, signal: str) -> Array:
         """Standard deviation of each sample: noise and numerical floor together. Shape (t, n)."""
-        noise = self.noise[signal][None, :]
-        floor = self.floor.get(signal)
-        return np.broadcast_to(noise, self.value(signal).shape) if floor is None else np.hypot(noise, floor)
+        variance = np.broadcast_to(self.noise[signal][None, :] ** 2, self.value(signal).shape)
+        for more in (self.floor.get(signal), self.disturbed.get(signal)):
+            if more is not None:
+                variance = variance + more**2
+        return np.asarray(np.sqrt(variance))
 
     def value(self, signal: str) -> Array:
         """The measured signal. Shape (t, n)."""
@@ -110,6 +116,14 @@ class Problem:
         """The signals that are compared."""
         return [s for s in SIGNALS if s in self.cases[case].noise]
 
+    def joint_signals(self, case: int) -> list[str]:
+        """The signals of joints among them."""
+        return [s for s in self.signals(case) if s in ("position", "velocity", "effort")]
+
+    def changed_plant(self, changes: Sequence[Change], case: int) -> Plant:
+        """The plant of one motion with changes."""
+        return changed(self.cases[case].experiment.plant, changes, self.plant)
+
     def simulated(
         self, changes: Sequence[Change], case: int, *, engine: str | None = None, finer: float = 1.0
     ) -> dict[str, Array]:
@@ -120,7 +134,7 @@ class Problem:
         """
         c = self.cases[case]
         e = c.experiment
-        plant = changed(e.plant, changes, self.plant)
+        plant = self.changed_plant(changes, case)
         rate = e.scenario.physics.step_rate * finer
         trace = simulate(e.with_plant(plant), engine or self.engine, step_rate=rate).trace.at(c.measured.time)
         return {s: np.asarray(getattr(trace, s)) for s in self.signals(case)}
@@ -167,7 +181,7 @@ class Problem:
         """How much the effort jumps within a step of each sample: a command moves it at once, and which side of the
         jump a sample saw is not known. Shape (t, n)."""
         c = self.cases[case]
-        plant = changed(c.experiment.plant, changes, self.plant)
+        plant = self.changed_plant(changes, case)
         trace = simulate(c.experiment.with_plant(plant), self.engine).trace
         h = c.experiment.scenario.timestep
         before, after = (np.asarray(trace.at(c.measured.time + d).effort) for d in (-h, h))
@@ -210,9 +224,9 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
         raise InputError(f"{file.path}: recordings.runs: found none; a diagnosis needs recordings")
     cases = [_case(m) for m in found]
     split = _split(cases)
-    pooled = _pool_noise(cases)
+    pooled = _pooled(cases)
     for case in cases:
-        case.noise = {s: _noise(case, s, pooled) for s in case.noise}
+        case.noise = {signal: _noise(case, signal, pooled) for signal in case.noise}
     model = cases[0].experiment.plant.model
     recordings = file.scenario.recordings
     excluded = recordings.exclude if recordings else []
@@ -222,35 +236,32 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
 
 def _case(motion: Motion) -> Case:
     assert motion.measured is not None
-    noise: dict[str, Array] = {}
-    for signal in SIGNALS:
-        value = getattr(motion.measured, signal)
-        if value is None or not np.isfinite(value).any():
-            continue
-        noise[signal] = own_noise(value)
     first = motion.experiments[0]
-    if len(motion.experiments) > 1:
-        on_clock = on_first_clock(motion.experiments, motion.shifts)
-        for signal in noise:
-            noise[signal] = repetition_noise([np.asarray(getattr(t, signal)) for t in on_clock])
-    return Case(motion.name, first, motion.measured, first.use or "", noise, len(motion.experiments))
+    noise: dict[str, Array] = {}
+    spread: dict[str, Array] = {}
+    traces = on_first_clock(motion.experiments, motion.shifts)
+    for signal in SIGNALS:
+        values = [v for t in traces if (v := getattr(t, signal)) is not None and np.isfinite(v).any()]
+        if len(values) == len(traces):
+            noise[signal] = np.mean([own_noise(v) for v in values], axis=0)
+            if len(values) > 1:
+                spread[signal] = repetition_noise(values)
+    return Case(motion.name, first, motion.measured, first.use or "", noise, len(motion.experiments), noise, spread)
 
 
-def _pool_noise(cases: Sequence[Case]) -> dict[str, Array]:
-    """The noise of a single repetition by signal, over all motions that were repeated."""
+def _pooled(cases: Sequence[Case]) -> dict[str, Array]:
+    """How much a single repetition differs from the next, by signal, over all motions that were repeated."""
     out: dict[str, Array] = {}
-    repeated = [c for c in cases if c.repetitions > 1]
-    for signal in {s for c in repeated for s in c.noise}:
-        values = [c.noise[signal] ** 2 for c in repeated if signal in c.noise]
-        out[signal] = np.sqrt(np.mean(values, axis=0))
+    for signal in SIGNALS:
+        values = [c.spread[signal] ** 2 for c in cases if signal in c.spread]
+        if values:
+            out[signal] = np.sqrt(np.mean(values, axis=0))
     return out
 
 
 def _noise(case: Case, signal: str, pooled: Mapping[str, Array]) -> Array:
     """Standard deviation of the mean of a motion's repetitions."""
-    single = case.noise[signal]
-    if signal in pooled:
-        single = np.maximum(pooled[signal], single) if case.repetitions > 1 else np.maximum(pooled[signal], 0.0)
+    single = pooled.get(signal, case.noise[signal])
     return np.asarray(np.maximum(single / np.sqrt(case.repetitions), TINY[signal]))
 
 

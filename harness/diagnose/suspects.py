@@ -50,7 +50,10 @@ def _servo_groups(problem: Problem) -> list[list[int]]:
     return out
 
 
-ALWAYS_FREE = {"torque_ripple": ("amplitude", "periods", "phase"), "stribeck_friction": ("static", "coulomb", "velocity")}
+ALWAYS_FREE = {
+    "torque_ripple": ("amplitude", "periods", "phase"),
+    "stribeck_friction": ("static", "coulomb", "velocity"),
+}
 """Effects that say nothing without fitting their shape too."""
 LATER = {
     "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
@@ -85,7 +88,9 @@ def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
     effect = EFFECTS[suspect.effect]
     first = effect.first_size(plant, suspect.indices[0])
     zero = neutral(plant, suspect)
-    common = max((abs(first[p.name] - zero[p.name]) for p in effect.parameters if np.isfinite(zero[p.name])), default=0.0)
+    common = max(
+        (abs(first[p.name] - zero[p.name]) for p in effect.parameters if np.isfinite(zero[p.name])), default=0.0
+    )
     out = {}
     for p in effect.parameters:
         change = abs(first[p.name] - zero[p.name])

@@ -1,0 +1,249 @@
+"""What a diagnosis says: the file that is promised, made from what the search found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+import engines
+from harness.diagnose.confirm import Confirmed, confirm
+from harness.diagnose.locate import Place, locate
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Change, Problem, Suspect
+from harness.diagnose.rivals import Rival, experiment, rivals
+from harness.diagnose.search import AT_FLOOR, Search, name, rms, search
+from harness.drive import Array
+from harness.effects import EFFECTS
+from harness.gap import unit_of
+from harness.recording.faults import faults
+
+CLEAR = 1.7
+"""A mean squared residual up to this leaves nothing that is worth a name."""
+Z95 = 1.96
+"""Standard deviations of a 95 % interval."""
+
+
+@dataclass
+class Worsened:
+    """A joint and signal that came out further from the measurement than before, on held-out motions."""
+
+    joint: str
+    signal: str
+    unit: str
+    before: float
+    after: float
+
+
+@dataclass
+class Diagnosis:
+    """All that a diagnosis found, for the file, the page and the revised model.
+
+    `before` and `after` are the simulated signals by case, of the scenario's model and of the mended one.
+    """
+
+    problem: Problem
+    engines: list[str]
+    found: Search
+    confirmed: dict[Suspect, Confirmed]
+    rivals: dict[Suspect, list[Rival]]
+    where: list[Place]
+    left: list[Place]
+    worsened: list[Worsened]
+    faults: list[str]
+    before: dict[int, dict[str, Array]]
+    after: dict[int, dict[str, Array]]
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def verdict(self) -> str:
+        """explained, partly explained, no gap or unexplained."""
+        train, judge = self.problem.of("train"), self.problem.of("held_out")
+        base = max(self.found.base.mean_cost(train), self.found.base.mean_cost(judge))
+        left = max(self.found.fit.mean_cost(train), self.found.fit.mean_cost(judge))
+        if not self.found.fit.changes:
+            return "no gap" if base <= CLEAR else "unexplained"
+        return "explained" if left <= CLEAR else "partly explained"
+
+    def experiment(self) -> str:
+        """What to record next."""
+        return experiment(self.found, self.rivals)
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of `diagnosis.json`."""
+        train, judge = self.problem.of("train"), self.problem.of("held_out")
+        base, fit = self.found.base, self.found.fit
+        return {
+            "schema": 1,
+            "scenario": self.problem.file.scenario.name,
+            "engines": self.engines,
+            "verdict": self.verdict,
+            "where": [_place(p) for p in self.where],
+            "findings": [self._finding(c) for c in fit.changes],
+            "gap": {
+                use: {"before": _round(rms(base.mean_cost(part))), "after": _round(rms(fit.mean_cost(part)))}
+                for use, part in (("train", train), ("held_out", judge))
+            }
+            | {"unit": "floor-weighted rms, 1 is the floor"},
+            "worsened": [
+                {
+                    "joint": w.joint,
+                    "signal": w.signal,
+                    "unit": w.unit,
+                    "before": _round(w.before),
+                    "after": _round(w.after),
+                }
+                for w in self.worsened
+            ],
+            "left": [_place(p) for p in self.left],
+            "experiment": self.experiment(),
+            "sensor_faults": self.faults,
+            "refused": self.found.refused,
+            "split": self.problem.split,
+            "notes": self.notes,
+        }
+
+    def _finding(self, change: Change) -> dict[str, Any]:
+        suspect = change.suspect
+        effect = EFFECTS[suspect.effect]
+        number = self.found.fit.changes.index(change)
+        parameters = {}
+        for k, (i, parameter) in enumerate(self.found.fit.names):
+            if i == number:
+                p = effect.parameter(parameter)
+                value, wide = self.found.fit.value[k], Z95 * self.found.fit.deviation[k]
+                parameters[parameter] = {
+                    "value": _round(value, 5),
+                    "low": _round(max(value - wide, p.low), 5),
+                    "high": _round(min(value + wide, p.high), 5),
+                    "unit": p.unit,
+                }
+        for parameter, value in change.values:
+            if parameter not in parameters:
+                parameters[parameter] = {
+                    "value": value,
+                    "low": value,
+                    "high": value,
+                    "unit": effect.parameter(parameter).unit,
+                }
+        done = self.confirmed[suspect]
+        return {
+            "effect": suspect.effect,
+            "target": suspect.target if isinstance(suspect.target, str) else list(suspect.target),
+            "parameters": parameters,
+            "cannot_tell_from": [
+                {
+                    "effect": r.suspect.effect,
+                    "target": r.suspect.target if isinstance(r.suspect.target, str) else list(r.suspect.target),
+                    "why": r.why,
+                }
+                for r in self.rivals.get(suspect, [])
+            ],
+            "held_out": {"before": _round(done.before), "after": _round(done.after)},
+            "engines": {
+                e: {"before": _round(before), "after": _round(after)} for e, (before, after) in done.engines.items()
+            },
+        }
+
+
+def _round(value: float, digits: int = 4) -> float:
+    return float(f"{value:.{digits}g}") if np.isfinite(value) else float(value)
+
+
+def _place(place: Place) -> dict[str, Any]:
+    return {
+        "joint": place.joint,
+        "signal": place.signal,
+        "unit": place.unit,
+        "gap": _round(place.gap),
+        "noise_floor": _round(place.noise_floor),
+        "numerical_floor": _round(place.numerical_floor),
+        "when": list(place.when),
+    }
+
+
+def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lambda text: None) -> Diagnosis:
+    """Find, name, add and prove.
+
+    Args:
+        pool: of the problem, which says in which engine to search.
+        names: engines in which findings are confirmed; the searching one may be among them.
+        say: told what is being done.
+    """
+    problem = pool.problem
+    told = sensor_faults(problem)
+    found = search(pool, say)
+    others = [e for e in names if e != problem.engine]
+    confirmed, artefacts = confirm(pool, found, others, say)
+    listed = rivals(pool, found) if found.fit.changes else {}
+    before = _simulated(problem, [])
+    after = _simulated(problem, found.fit.changes) if found.fit.changes else before
+    judge = problem.of("held_out")
+    where = locate(problem, [], before)
+    gap = max(found.fit.mean_cost(problem.of("train")), found.fit.mean_cost(judge)) > AT_FLOOR
+    left = locate(problem, found.fit.changes, after) if gap and found.fit.changes else []
+    return Diagnosis(
+        problem=problem,
+        engines=[problem.engine, *others],
+        found=found,
+        confirmed=confirmed,
+        rivals=listed,
+        where=where,
+        left=left,
+        worsened=_worsened(problem, judge, before, after) if found.fit.changes else [],
+        faults=told,
+        before=before,
+        after=after,
+        notes=artefacts,
+    )
+
+
+def sensor_faults(problem: Problem) -> list[str]:
+    """Sentences on faults of the sensors and the clock, once per kind."""
+    out = []
+    for case in problem.cases:
+        if case.experiment.recording is not None:
+            out += [f"{case.name}: {fault.sentence}" for fault in faults(case.experiment.recording)]
+    return list(dict.fromkeys(out))
+
+
+def _simulated(problem: Problem, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
+    out = {}
+    for i in range(len(problem.cases)):
+        try:
+            out[i] = problem.simulated(changes, i)
+        except (engines.Diverged, engines.Unsupported):
+            continue
+    return out
+
+
+def _worsened(
+    problem: Problem, judge: Sequence[int], before: dict[int, dict[str, Array]], after: dict[int, dict[str, Array]]
+) -> list[Worsened]:
+    """Joints and signals whose mean gap on held-out motions grew by more than the noise floor."""
+    out = []
+    cases = [i for i in judge if i in before and i in after]
+    model = problem.plant.model
+    for j, joint in enumerate(model.joints):
+        for signal in ("position", "velocity", "effort"):
+            with_signal = [i for i in cases if signal in problem.signals(i)]
+            if not with_signal or not problem.judged[j]:
+                continue
+            unit, scale = unit_of(signal, joint.prismatic)
+
+            def gap(
+                sim: dict[int, dict[str, Array]], j: int = j, signal: str = signal, of: list[int] = with_signal
+            ) -> float:
+                parts = [np.abs(sim[i][signal][:, j] - problem.cases[i].value(signal)[:, j]) for i in of]
+                return float(np.nanmean(np.concatenate(parts)))
+
+            noise = float(np.mean([problem.cases[i].noise[signal][j] for i in with_signal]))
+            was, now = gap(before), gap(after)
+            if now > was * 1.05 and now - was > 0.25 * noise:
+                out.append(Worsened(joint.name, signal, unit, was * scale, now * scale))
+    return out
+
+
+__all__ = ["Diagnosis", "Worsened", "diagnose", "name"]

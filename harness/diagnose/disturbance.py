@@ -1,0 +1,114 @@
+"""Disturbances: torques that differ from one repetition to the next, and how far they move each sample.
+
+What repetitions differ by is not the same everywhere: a servo that is off lets the smallest torque move the joint far.
+The spread seen in repeated motions is therefore turned into a torque, and that torque into a spread of every sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from engines import Diverged, Unsupported
+from harness.diagnose.noise import local_maximum
+from harness.diagnose.problem import Change, Problem
+from harness.drive import Array
+from harness.experiment import simulate
+
+MANY = 6
+"""With more joints than this, the spread of repetitions is taken as it is."""
+
+
+def sensitivity(problem: Problem, changes: Sequence[Change], case: int, joint: int) -> dict[str, Array]:
+    """How far each sample moves per N·m of a disturbing torque on one joint. By signal, shape (t, n).
+
+    The root mean square over a constant torque and some random ones: a free joint swings up under what comes and goes,
+    a stiff one leans under what stays.
+    """
+    plant = problem.changed_plant(changes, case)
+    push = 0.01 * _scale(plant.drive["effort_limit"][joint], plant.drive[joint])
+    c = problem.cases[case]
+    plants = [plant.copy() for _ in range(RANDOM + 2)]
+    plants[1].drive["constant"][joint] += push
+    h = c.experiment.scenario.timestep
+    steps = int(c.experiment.duration / h) + 3
+    for k, pushed in enumerate(plants[2:]):
+        pushed.efforts.append(_Push(_coloured(steps, h, k) * push, h, joint, len(plant.model.joints)))
+    try:
+        traces = [simulate(c.experiment.with_plant(p), problem.engine).trace.at(c.measured.time) for p in plants]
+    except (Diverged, Unsupported):
+        return {}
+    rate = (len(c.measured.time) - 1) / (c.measured.time[-1] - c.measured.time[0])
+    out = {}
+    for signal in problem.joint_signals(case):
+        still, *moved = (np.asarray(getattr(t, signal)) for t in traces)
+        square = np.mean([(m - still) ** 2 for m in moved], axis=0)
+        out[signal] = local_maximum(np.sqrt(square), max(int(ENVELOPE * rate), 1)) / push
+    return out
+
+
+RANDOM = 3
+"""Random torques that are tried."""
+CORRELATION = 0.15
+"""Their correlation time [s]."""
+ENVELOPE = 0.05
+"""A swing is as uncertain where it crosses its mean as at its ends: the largest within this time counts [s]."""
+
+
+@dataclass(frozen=True)
+class _Push:
+    """A torque on one joint over time, as a joint effort of a plant."""
+
+    torque: Array
+    h: float
+    joint: int
+    count: int
+
+    def __call__(self, t: float, q: Array, w: Array) -> Array:
+        out = np.zeros(self.count)
+        out[self.joint] = self.torque[min(round(t / self.h), len(self.torque) - 1)]
+        return out
+
+
+def _coloured(steps: int, h: float, seed: int) -> Array:
+    """Random numbers of unit variance and a correlation time, the same for the same seed. Shape (steps,)."""
+    keep = np.exp(-h / CORRELATION)
+    white = np.random.default_rng(seed).standard_normal(steps) * np.sqrt(1 - keep**2)
+    return np.asarray(lfilter([1.0], [1.0, -keep], white))
+
+
+def _scale(limit: float, drive: np.void) -> float:
+    """About what torque the servo can give [N·m or N]."""
+    stall = drive["torque_constant"] * max(drive["supply"], 1.0) / drive["resistance"]
+    candidates = [x for x in (limit, stall) if np.isfinite(x) and x > 0]
+    return float(min(candidates, default=1.0))
+
+
+def disturbances(problem: Problem, changes: Sequence[Change]) -> Array:
+    """The disturbing torque on each joint [N·m] that explains how repetitions differ. Shape (n,); 0 where none were."""
+    n = len(problem.plant.model.joints)
+    if n > MANY:
+        return np.zeros(n)
+    repeated = [i for i, c in enumerate(problem.cases) if c.repetitions > 1 and "position" in c.noise]
+    ratios = np.zeros((len(repeated), n))
+    for row, i in enumerate(repeated):
+        c = problem.cases[i]
+        excess = np.maximum(c.spread["position"] ** 2 - c.white["position"] ** 2, 0.0)
+        for j in range(n):
+            moved = sensitivity(problem, changes, i, j).get("position")
+            if moved is not None:
+                ratios[row, j] = np.sqrt(excess[j] / max(float(np.mean(moved[:, j] ** 2)), 1e-30))
+    return np.asarray(ratios.mean(axis=0)) if repeated else np.zeros(n)
+
+
+def spread(problem: Problem, changes: Sequence[Change], case: int, torque: Array) -> dict[str, Array]:
+    """The spread of every sample under disturbing torques (n,), of the mean of its repetitions. Shape (t, n)."""
+    out: dict[str, Array] = {}
+    for j in np.flatnonzero(torque > 0):
+        for signal, moved in sensitivity(problem, changes, case, int(j)).items():
+            out[signal] = np.hypot(out.get(signal, 0.0), torque[j] * moved)
+    scale = np.sqrt(problem.cases[case].repetitions)
+    return {signal: value / scale for signal, value in out.items()}

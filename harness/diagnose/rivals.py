@@ -1,0 +1,121 @@
+"""What the data cannot tell apart: other effects whose own fits give the same traces within the floors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.diagnose.fit import fit
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import WORST, Change, Problem, Suspect
+from harness.diagnose.search import Search, name
+from harness.effects import EFFECTS
+
+MOST = 3
+"""Rivals that are listed at most."""
+CLOSE = 0.5
+"""Share of the best suspect's explanation that a rival's first try must have reached."""
+FITTED = 6
+"""Rivals that are fitted per finding."""
+SAME_COST = 0.12
+"""How much the mean squared residual of a rival may be larger, on training and on held-out motions."""
+SAME_TRACE = 0.7
+"""Root mean square of the difference of two fits' traces, in floors, below which they are the same."""
+
+
+@dataclass(frozen=True)
+class Rival:
+    """An effect that explains as much as a finding, and why they cannot be told apart here."""
+
+    suspect: Suspect
+    why: str
+
+
+def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
+    """For each finding, the suspects that could stand in its place, the simplest first."""
+    problem = pool.problem
+    train, judge = problem.of("train"), problem.of("held_out")
+    questions, owners = [], []
+    for step in found.steps:
+        own = [c for c in found.fit.changes if c.suspect == step.suspect]
+        others = [c for c in found.fit.changes if c.suspect != step.suspect]
+        if not own or not step.ranked:
+            continue
+        top = step.ranked[0].explained
+        seen: set[Suspect] = {step.suspect}
+        for screened in step.ranked:
+            suspect = screened.change.suspect
+            if suspect in seen or screened.explained < CLOSE * top or len(seen) > FITTED:
+                continue
+            if any(c.suspect == suspect for c in others):
+                continue
+            seen.add(suspect)
+            questions.append(([*others, screened.change], train, judge))
+            owners.append(step.suspect)
+    fits = pool.map(fit, questions)
+    out: dict[Suspect, list[Rival]] = {}
+    order = list(EFFECTS)
+    for owner, other in zip(owners, fits, strict=True):
+        cases = [*train, *judge]
+        worse = max(other.mean_cost(part) - found.fit.mean_cost(part) for part in (train, judge))
+        apart = difference(problem, found.fit.changes, other.changes, cases) if worse <= SAME_COST else WORST
+        if apart <= SAME_TRACE:
+            rival = other.changes[-1].suspect
+            why = f"its own fit differs from this one by {apart:.2f} floors on all runs"
+            out.setdefault(owner, []).append(Rival(rival, why))
+    for listed in out.values():
+        listed.sort(key=lambda r: (len(EFFECTS[r.suspect.effect].parameters), order.index(r.suspect.effect)))
+        del listed[MOST:]
+    return out
+
+
+def difference(problem: Problem, a: Sequence[Change], b: Sequence[Change], cases: Sequence[int]) -> float:
+    """Root mean square difference of the traces of two models, in floors."""
+    squares = [np.mean((problem.residuals(a, c) - problem.residuals(b, c)) ** 2) for c in cases]
+    return float(np.sqrt(np.mean(squares)))
+
+
+SEPARATES = {
+    frozenset(
+        {"link_mass", "center_of_mass"}
+    ): "repeat a motion with a known second load: mass and centre of mass part there",
+    frozenset({"link_mass", "constant_effort"}): "hold the joint at several angles on both sides of the vertical",
+    frozenset({"joint_offset", "constant_effort"}): "repeat a motion at another controller gain: an offset stays, the "
+    "deflection by a torque shrinks",
+    frozenset({"joint_offset", "base_tilt"}): "measure the base with a level, or turn the robot by 180°",
+    frozenset(
+        {"base_tilt", "constant_effort"}
+    ): "swing the joint far to both sides: the pull of a tilt changes with the angle",
+    frozenset(
+        {"center_of_mass", "base_tilt"}
+    ): "turn the robot by 180°: a tilt changes its sign, a centre of mass does not",
+    frozenset({"rotor_inertia", "link_inertia"}): "repeat a fast motion with a known second load",
+    frozenset(
+        {"rotor_inertia", "command_delay"}
+    ): "let the joint swing freely with the servo off: there is no delay then",
+    frozenset({"viscous_friction", "command_delay"}): "let the joint swing freely with the servo off",
+    frozenset({"coulomb_friction", "stribeck_friction"}): "a slow triangle, well below the Stribeck velocity",
+    frozenset({"coulomb_friction", "load_dependent_friction"}): "repeat the motion with a second load",
+    frozenset({"coulomb_friction", "backlash"}): "record the motor's effort in a slow triangle",
+    frozenset(
+        {"supply_voltage", "torque_constant"}
+    ): "measure the supply, or record a fast motion near the speed limit",
+    frozenset({"supply_voltage", "controller_gain"}): "measure the supply, or drive the servo into saturation",
+    frozenset({"torque_constant", "controller_gain"}): "record the motor's current, or a motion near the speed limit",
+    frozenset({"supply_voltage", "voltage_sag"}): "record the supply voltage",
+    frozenset({"backlash", "joint_compliance"}): "hold the output and load it in steps to both sides",
+}
+"""The recording that separates two effects."""
+
+
+def experiment(found: Search, listed: dict[Suspect, list[Rival]]) -> str:
+    """What to record to settle what cannot be told apart; empty where nothing is open."""
+    advice = []
+    for owner, others in listed.items():
+        for rival in others:
+            pair = frozenset({owner.effect, rival.suspect.effect})
+            default = "a motion with another load, another gain and a phase with the servo off"
+            advice.append(f"{name(owner)} or {name(rival.suspect)}: {SEPARATES.get(pair, default)}")
+    return "; ".join(dict.fromkeys(advice))

@@ -1,0 +1,241 @@
+"""The search: what explains most is added, judged on held-out motions, and dropped again where it became needless."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from harness.diagnose.fit import Fit, fit
+from harness.diagnose.floors import set_floors
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Change, Problem, Suspect
+from harness.diagnose.screen import Screened, screen
+from harness.diagnose.suspects import LATER, neutral, suspects
+from harness.effects import EFFECTS
+
+AT_FLOOR = 1.25
+"""A mean squared residual up to this is what noise alone would give."""
+MOST = 6
+"""Findings at most."""
+TRIED = 7
+"""Suspects that are fitted per round."""
+SURELY = 2
+"""Suspects that are fitted at least ..."""
+NEAR = 0.3
+"""... and the share of the best one's explanation that the others must reach."""
+EQUAL = 0.03
+"""Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
+GAIN = 0.10
+"""A finding lowers the held-out cost above the floor by at least this share ..."""
+LEAST = 0.12
+"""... and by at least this much."""
+
+
+@dataclass
+class Step:
+    """One accepted finding, what the held-out motions cost before and after, and all suspects as screened then."""
+
+    suspect: Suspect
+    before: float
+    after: float
+    ranked: list[Screened] = field(default_factory=list)
+
+
+@dataclass
+class Search:
+    """What a search found.
+
+    Attributes:
+        base: the cost of the scenario's own model.
+        fit: the accepted changes, jointly fitted.
+        steps: in the order of acceptance.
+        refused: sentences on suspects that were close and why they were not named.
+    """
+
+    base: Fit
+    fit: Fit
+    steps: list[Step] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)
+
+
+def search(pool: Pool, say: Callable[[str], None] = lambda text: None) -> Search:
+    """Find the effects that explain the gap, by forward selection with exchange and removal."""
+    problem = pool.problem
+    train, judge = problem.of("train"), problem.of("held_out")
+    set_floors(pool, [])
+    base = fit(problem, [], train, judge)
+    found = Search(base, base)
+    everyone = suspects(problem)
+    while len(found.fit.changes) < MOST:
+        say(
+            f"gap {rms(found.fit.mean_cost(train)):.2f} on training runs, {rms(found.fit.mean_cost(judge)):.2f} held out"
+        )
+        if max(found.fit.mean_cost(train), found.fit.mean_cost(judge)) <= AT_FLOOR:
+            break
+        possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
+        say(f"screening {len(possible)} suspects")
+        ranked = screen(pool, possible, found.fit.changes, train)
+        best = _best(pool, found, ranked, train, judge, say)
+        if best is None:
+            break
+        step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked)
+        say(f"added {name(best.changes[-1].suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
+        found.steps.append(step)
+        found.fit = best
+        set_floors(pool, best.changes)
+        found.fit = _shaped(pool, found.fit, train, judge)
+        found.fit = _pruned(pool, found, train, judge, say)
+    found.base = fit(problem, [], train, judge)
+    return found
+
+
+def rms(cost: float) -> float:
+    """The gap of a cost: 1 is the floor."""
+    return float(np.sqrt(cost))
+
+
+def name(suspect: Suspect) -> str:
+    """An effect and its target, for people."""
+    target = suspect.target
+    return f"{suspect.effect} at {target if isinstance(target, str) else ', '.join(target)}"
+
+
+def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) -> bool:
+    """Whether an effect is already there, or excluded by one that is, at one of the targets."""
+    for change in accepted:
+        other = change.suspect
+        if set(indices) & set(other.indices) and (
+            effect == other.effect
+            or effect in EFFECTS[other.effect].excludes
+            or other.effect in EFFECTS[effect].excludes
+        ):
+            return True
+    return False
+
+
+def _best(
+    pool: Pool,
+    found: Search,
+    ranked: Sequence[Screened],
+    train: Sequence[int],
+    judge: Sequence[int],
+    say: Callable[[str], None],
+) -> Fit | None:
+    """The best fit with one more suspect; None where none is worth it."""
+    problem = pool.problem
+    tried = _varied(ranked)
+    say("fitting " + ", ".join(name(s.change.suspect) for s in tried))
+    fits = pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in tried])
+    now = found.fit
+    worthy = []
+    for candidate in fits:
+        reason = _refusal(problem, now, candidate, train, judge)
+        if reason is None:
+            worthy.append(candidate)
+        elif candidate.mean_cost(judge) < 0.8 * now.mean_cost(judge):
+            found.refused.append(f"{name(candidate.changes[-1].suspect)}: {reason}")
+    if not worthy:
+        return None
+    gains = [_gain(now, f, train, judge) for f in worthy]
+    top = max(gains)
+    equal = [f for f, g in zip(worthy, gains, strict=True) if g >= top - EQUAL * abs(top)]
+    order = list(EFFECTS)
+
+    def simplicity(candidate: Fit) -> tuple[int, int]:
+        last = candidate.changes[-1]
+        return len(last.free), order.index(last.suspect.effect)
+
+    return min(equal, key=simplicity)
+
+
+def _varied(ranked: Sequence[Screened]) -> list[Screened]:
+    """The best suspects, at most two starts of one and three targets of one effect, while they are near the best."""
+    out: list[Screened] = []
+    for s in ranked:
+        if len(out) >= SURELY and s.explained < NEAR * ranked[0].explained:
+            break
+        same = [o for o in out if o.change.suspect == s.change.suspect]
+        kin = [o for o in out if o.change.suspect.effect == s.change.suspect.effect]
+        if len(same) < 2 and len(kin) < 3 and s.explained > 0.01:
+            out.append(s)
+        if len(out) == TRIED:
+            break
+    return out
+
+
+def _gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
+    """How much of the cost is gone, on both kinds of motion, in log terms."""
+    a = np.log(before.mean_cost(judge) / after.mean_cost(judge))
+    b = np.log(before.mean_cost(train) / after.mean_cost(train))
+    return float(a + b)
+
+
+def _refusal(problem: Problem, before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
+    """Why a fitted suspect is not worth naming; None where it is."""
+    was, now = before.mean_cost(judge), after.mean_cost(judge)
+    if was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0):
+        return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
+    if after.mean_cost(train) > before.mean_cost(train) * (1 - 0.5 * GAIN):
+        return "does not help on the training runs"
+    worse = [c for c in judge if after.cost[c] > 1.2 * before.cost[c] + 0.3]
+    if len(worse) * 2 > len(judge):
+        return "makes most held-out runs worse"
+    last = [k for k, (i, _) in enumerate(after.names) if i == len(after.changes) - 1]
+    zero = neutral(problem.plant, after.changes[-1].suspect)
+    sure = [_certain(after, k, zero) for k in last]
+    if not any(sure):
+        return "its size cannot be told from none"
+    if now > 2.0 and not _consistent(after, last, zero):
+        return "no one value fits all runs"
+    return None
+
+
+def _certain(result: Fit, k: int, zero: dict[str, float]) -> bool:
+    name = result.names[k][1]
+    if not np.isfinite(zero[name]):
+        return True
+    return bool(abs(result.value[k] - zero[name]) > 2.5 * result.deviation[k])
+
+
+def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> bool:
+    """Whether the runs, each on its own, would keep the value: an effect that is there is the same in all of them."""
+    for k in last:
+        name = result.names[k][1]
+        reference = abs(result.value[k] - zero[name]) if np.isfinite(zero[name]) else abs(result.value[k])
+        weights = result.weight_per_case[:, k]
+        telling = weights > 0.02 * weights.max(initial=0.0)
+        if reference > 0 and telling.any():
+            steps = np.abs(result.step_per_case[telling, k]) / reference
+            if np.median(steps) < 0.5 and np.mean(steps < 1.0) >= 0.6:
+                return True
+    return False
+
+
+def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """The fit with the shape of the last finding freed, where that helps on held-out motions."""
+    last = current.changes[-1]
+    more = LATER.get(last.suspect.effect)
+    if more is None:
+        return fit(pool.problem, current.changes, train, judge)
+    freed = [*current.changes[:-1], replace(last, free=more)]
+    plain, rich = pool.map(fit, [(current.changes, train, judge), (freed, train, judge)])
+    return rich if rich.mean_cost(judge) < 0.97 * plain.mean_cost(judge) else plain
+
+
+def _pruned(pool: Pool, found: Search, train: Sequence[int], judge: Sequence[int], say: Callable[[str], None]) -> Fit:
+    """The fit without findings that later ones made needless."""
+    current = found.fit
+    while len(current.changes) > 1:
+        without = [[c for c in current.changes if c is not drop] for drop in current.changes[:-1]]
+        fits = pool.map(fit, [(rest, train, judge) for rest in without])
+        best = min(range(len(fits)), key=lambda i: fits[i].mean_cost(judge))
+        lost = fits[best].mean_cost(judge) - current.mean_cost(judge)
+        if lost >= 0.5 * LEAST and lost >= 0.5 * GAIN * max(fits[best].mean_cost(judge) - 1.0, 0.0):
+            return current
+        needless = current.changes[best].suspect
+        say(f"dropped {name(needless)}: needless now")
+        found.steps = [s for s in found.steps if s.suspect != needless]
+        current = fits[best]
+    return current

@@ -1,0 +1,87 @@
+"""`realitygap diagnose`: from a scenario to `diagnosis.json`, the page and the mended model."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from harness.diagnose.diagnosis import Diagnosis, diagnose
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import build_problem
+from harness.diagnose.revise import write_revised
+from harness.diagnose.story import write_story
+from harness.progress import Progress
+from harness.results import write_whole
+from harness.run import engine_names
+from harness.scenario_file import load_scenario
+
+SEARCH = "mujoco"
+"""The engine to search in where none is asked for: the fastest."""
+
+
+def run_diagnosis(
+    path: Path, names: Sequence[str], out: Path, progress: Progress, workers: int | None = None
+) -> Diagnosis:
+    """Diagnose a scenario and write what was found.
+
+    Args:
+        path: the scenario file.
+        names: engines: the first one searches, all confirm; empty: MuJoCo searches and all installed confirm.
+        out: the result folder.
+        progress: told what is being done.
+        workers: processes; None for one per core.
+
+    Raises:
+        InputError: for a scenario that cannot be diagnosed; nothing is written then.
+    """
+    file = load_scenario(path)
+    chosen = engine_names(names)
+    first = chosen[0] if names or SEARCH not in chosen else SEARCH
+    problem = build_problem(file, first)
+    with Pool(problem, workers) as pool:
+        result = diagnose(pool, chosen, progress.say)
+    write_diagnosis(result, out)
+    return result
+
+
+def write_diagnosis(result: Diagnosis, out: Path) -> None:
+    """Write `revised/`, the page with its figures and, last, `diagnosis.json`."""
+    if result.found.fit.changes:
+        write_revised(result.problem, result.found.fit.changes, out)
+    write_story(result, out)
+    text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
+    write_whole(out / "diagnosis.json", text + "\n")
+
+
+def summary(result: Diagnosis) -> list[str]:
+    """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
+    content = result.to_json()
+    gap = content["gap"]
+    lines = [
+        f"{content['verdict']}: held-out gap {gap['held_out']['before']:g} -> {gap['held_out']['after']:g} "
+        "(floor-weighted rms, 1 is the floor)"
+    ]
+    for finding in content["findings"]:
+        target = finding["target"] if isinstance(finding["target"], str) else ", ".join(finding["target"])
+        values = ", ".join(
+            f"{n} {p['value']:.4g} [{p['low']:.4g}, {p['high']:.4g}] {p['unit']}"
+            for n, p in finding["parameters"].items()
+        )
+        before, after = finding["held_out"]["before"], finding["held_out"]["after"]
+        lines.append(f"  {finding['effect']} at {target}: {values}; held out {before:g} -> {after:g}")
+        for engine, pair in finding["engines"].items():
+            lines.append(f"    {engine}: {pair['before']:g} -> {pair['after']:g}")
+        for other in finding["cannot_tell_from"]:
+            lines.append(f"    cannot be told from {other['effect']} at {other['target']}: {other['why']}")
+    lines += [
+        f"  worse: {w['signal']} of {w['joint']}: {w['before']:g} -> {w['after']:g} {w['unit']}"
+        for w in content["worsened"]
+    ]
+    lines += [f"  sensor: {sentence}" for sentence in content["sensor_faults"]]
+    lines += [f"  {note}" for note in content["notes"]]
+    if content["split"]:
+        lines.append(f"  {content['split']}")
+    if content["experiment"]:
+        lines.append(f"  to record next: {content['experiment']}")
+    return lines
