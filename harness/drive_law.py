@@ -25,7 +25,7 @@ BAND = 0.05
 """Over this last part of the velocity limit, the torque that accelerates a pid servo falls to zero."""
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def drive_effort(  # type: ignore[no-untyped-def]
     drive, state, command, upcoming, q, w, dry, inertia, recorded, t, h, effort, damping, friction, log
 ):
@@ -72,7 +72,7 @@ def drive_effort(  # type: ignore[no-untyped-def]
         s.velocity = w[j]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def arrive(drive, state, q, w, dry, h, log):  # type: ignore[no-untyped-def]
     """Finish the previous step, now that q, w and dry are known: what each joint transmitted and where rotors are.
 
@@ -102,19 +102,19 @@ def arrive(drive, state, q, w, dry, h, log):  # type: ignore[no-untyped-def]
         s.begun = 1
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _separate(d):  # type: ignore[no-untyped-def]
     """Whether the rotor moves on its own."""
     return d.armature > 0.0 and (d.backlash > 0.0 or d.stiffness > 0.0)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _slowed(momentum, impulse):  # type: ignore[no-untyped-def]
     """A momentum after dry friction of at most this impulse, which stops it if it can."""
     return max(momentum - impulse, 0.0) + min(momentum + impulse, 0.0)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _weight(x):  # type: ignore[no-untyped-def]
     """The weight of the velocity after the step, for damping x = h·b/inertia: it makes a free decay exact."""
     if x < 0.05:
@@ -122,7 +122,7 @@ def _weight(x):  # type: ignore[no-untyped-def]
     return 1.0 / (1.0 - np.exp(-x)) - 1.0 / x
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _motor(d, s, command, upcoming, reading, rate, speed, t, h):  # type: ignore[no-untyped-def]
     """The motor's torque as torque - back·speed. `rate` is the encoder's speed, `speed` the rotor's."""
     if d.kind == NONE or np.isnan(command):
@@ -169,13 +169,13 @@ def _motor(d, s, command, upcoming, reading, rate, speed, t, h):  # type: ignore
     return torque, back
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _duty(d, command, reading):  # type: ignore[no-untyped-def]
     duty = command if d.meaning == DUTY else d.gain * (command - reading)
     return min(max(duty, -d.duty_limit), d.duty_limit)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _clipped(torque, back, rate, limit):  # type: ignore[no-untyped-def]
     """torque - back·rate within ±limit. Where damping is what exceeds it, there is less damping, which never rings."""
     sign = 1.0 if torque - back * rate > 0.0 else -1.0
@@ -184,7 +184,7 @@ def _clipped(torque, back, rate, limit):  # type: ignore[no-untyped-def]
     return sign * limit, 0.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _sag(drive, state, command, recorded, t, log):  # type: ignore[no-untyped-def]
     """Every servo's voltage, after the drop that all on its supply cause together.
 
@@ -225,14 +225,14 @@ def _sag(drive, state, command, recorded, t, log):  # type: ignore[no-untyped-de
         state[j].bus = bus
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _shared(a, b):  # type: ignore[no-untyped-def]
     """Whether two servos share a supply."""
     same = a.sag_group == b.sag_group and a.sag_resistance == b.sag_resistance and a.kind == DC
     return same and a.supply == b.supply and a.recorded_supply == b.recorded_supply
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _friction(d, speed, motor, transmitted):  # type: ignore[no-untyped-def]
     """The bound of dry friction; the load on the rotor is what it transmitted in the previous step."""
     bound = d.coulomb
@@ -246,7 +246,7 @@ def _friction(d, speed, motor, transmitted):  # type: ignore[no-untyped-def]
     return bound
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _spring(d, s, q, w, h):  # type: ignore[no-untyped-def]
     """The spring's torque on the link as s.effort - s.damping·w', with the rotor's motion eliminated."""
     ratio = h * h * d.stiffness / d.armature
@@ -265,7 +265,7 @@ def _spring(d, s, q, w, h):  # type: ignore[no-untyped-def]
     return 0.0
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _backlash(d, s, q, w, change, h):  # type: ignore[no-untyped-def]
     """The torque on the link across the dead zone, and the friction that the engine has to hold there.
 
