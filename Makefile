@@ -1,6 +1,6 @@
 # Needs nothing but Python 3.11 or newer with venv and pip; every other tool is put into .venv from requirements.lock.
 
-SCENARIO ?= scenarios/wolfgang/scenario.yaml
+SCENARIO ?= scenarios/demo/scenario.yaml
 USABLE   := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c '$(USABLE)' 2>/dev/null && echo $$p && break; done)
 PYTEST   ?= -n 2 --dist worksteal --durations=15
