@@ -129,7 +129,7 @@ def write_folder(
         "versions": dict.fromkeys(engines, "1.0"),
         "settings": {e: {"timestep": 0.001, "solver": f"the solver of {e}"} for e in engines},
         "capabilities": {e: {"armature": {"level": "emulated", "how": "outside the engine"}} for e in engines},
-        "inputs": {"synthetic.urdf": "0" * 64},
+        "inputs": {f"{'a_long_folder/' * 8}synthetic.urdf": "0" * 64},
         "notes": {"model": ["Synthetic: invented numbers, no robot."]},
         "virtual": virtual,
     }

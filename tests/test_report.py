@@ -143,13 +143,25 @@ def test_gain_that_follows_from_the_recording_is_no_axis(tmp_path):
     assert read_folder(tmp_path / "b").axes["servos.*.gain"] == [2.5, 5.0]
 
 
-def test_figures_are_the_same_twice_and_name_what_they_show(folder):
-    files = write_figures(folder)
+def test_figures_are_the_same_twice_and_name_what_they_show(tmp_path):
+    cells = synthetic.grid(engine=["mujoco", "drake"], robot_revision=["old", "new"])
+    synthetic.write_folder(
+        tmp_path, joints=JOINTS[:2], cells=cells, error=lambda c: np.inf if c.engine == "drake" else 0.01
+    )
+    files = write_figures(tmp_path)
     first = {f: f.read_bytes() for f in files}
-    assert {f: f.read_bytes() for f in write_figures(folder)} == first
+    assert {f: f.read_bytes() for f in write_figures(tmp_path)} == first
     names = [f.name for f in files]
-    assert any(n.startswith("boxes-position-revisions") for n in names)
-    assert any(n.startswith("curves-position") for n in names)
-    boxes = next(f for f in files if f.name == "boxes-position-new-1000-Hz.svg").read_text()
-    for label in ("MuJoCo", "Drake", *JOINTS):
+    assert "boxes-position-revisions-MuJoCo.svg" in names
+    assert "curves-position-new.svg" in names
+    boxes = (tmp_path / "figures" / "boxes-position-new.svg").read_text()
+    for label in ("MuJoCo", "Drake", "diverged", *JOINTS[:2]):
         assert label in boxes
+
+
+@pytest.mark.parametrize("joints", [1, 20])
+def test_figures_for_one_joint_and_for_many(tmp_path, joints):
+    names = [f"joint_{i}" for i in range(joints)]
+    synthetic.write_folder(tmp_path, joints=names, cells=[synthetic.cell()], error=lambda _: 0.01)
+    boxes = next(f for f in write_figures(tmp_path) if f.name == "boxes-position-swing.svg").read_text()
+    assert all(n in boxes for n in names)

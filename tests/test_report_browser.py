@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.report import write_page
+from harness.report import write_curves, write_page
 
 
 def _beside(name):
@@ -206,6 +206,19 @@ def test_one_joint_one_engine(shared, tmp_path):
     shared.wait("document.querySelector('#detail svg.plot') !== null")
     assert shared.complaints == []
     assert texts(shared, ".segments span") == ["position", "velocity", "effort"]
+
+
+def test_traces_without_any_measurement_are_shown(shared, tmp_path):
+    joints = ["pendulum"]
+    for engine in ("mujoco", "dart"):
+        cell, trace = synthetic.cell(engine, recording=""), synthetic.trace(joints, 0.01, 1)
+        write_curves(tmp_path, cell, trace, None, synthetic.model(joints))
+    synthetic.write_planted(tmp_path, synthetic.planted({}))
+    shared.complaints.clear()
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert "Nothing was measured" in shared.run("document.body.textContent")
+    assert shared.complaints == []
 
 
 def test_curves_beside_the_page_are_loaded_from_disk(shared, page, tmp_path, monkeypatch):

@@ -32,12 +32,15 @@ INK = "#1d2126"
 
 @dataclass(frozen=True)
 class BoxSet:
-    """The box statistics of one engine or revision: signal -> joint -> six numbers, as in the curve files."""
+    """The box statistics of one engine or revision: signal -> joint -> six numbers, as in the curve files.
+
+    `failed` is the outcome in a word where the simulation did not finish.
+    """
 
     label: str
     color: str
     boxes: dict[str, dict[str, list[float]]]
-    series: dict[str, dict[str, Any]]
+    failed: str = ""
 
 
 @dataclass(frozen=True)
@@ -51,35 +54,45 @@ class Curve:
     joints: dict[str, Array]
 
 
-def draw_boxes(path: Path, sets: list[BoxSet], signal: str, title: str) -> Path | None:
-    """Box plots of the absolute difference per joint; one panel per set, on one scale. None without any joint."""
+def draw_boxes(path: Path, sets: list[BoxSet], signal: str, units: str, title: str) -> Path | None:
+    """Box plots of the absolute difference per joint; one panel per set, on one scale. None without any joint.
+
+    A single joint needs no panels: its sets stand side by side.
+    """
     joints = list(dict.fromkeys(j for s in sets for j in s.boxes.get(signal, {})))
-    units = {s.series.get(signal, {}).get(j, {}).get("unit", "") for s in sets for j in joints}
     if not joints:
         return None
-    unit = unit_label(" or ".join(sorted(units - {""})) or "m")
+    single = len(joints) == 1
+    rows = 1 if single else len(sets)
+    names = [s.label for s in sets] if single else joints
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(max(4.5, 1.6 + 0.42 * len(joints)), 1.1 + 1.7 * len(sets)))
-        panels = figure.subplots(len(sets), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-        for axes, one in zip(panels, sets, strict=True):
-            _boxes(axes, one, signal, joints)
-            axes.set_ylabel(f"{one.label}\n[{unit}]")
+        figure = Figure(figsize=(max(5.0, 1.6 + 0.42 * len(names)), 1.3 + 1.7 * max(rows, 1.3)))
+        panels = figure.subplots(rows, 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+        for row, one in enumerate(sets):
+            axes = panels[0] if single else panels[row]
+            _boxes(axes, one, signal, joints, row if single else 0)
+            axes.set_ylabel(f"{joints[0]} [{units}]" if single else f"{one.label}\n[{units}]")
             axes.set_ylim(bottom=0)
-        panels[-1].set_xticks(range(len(joints)), joints, rotation=0 if len(joints) < 4 else 60, ha="center")
-        if len(joints) >= 4:
-            for tick in panels[-1].get_xticklabels():
-                tick.set_ha("right")
-                tick.set_rotation_mode("anchor")
+            axes.set_xlim(-0.6, len(names) - 0.4)
+        tilt = len(names) > 6
+        style: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if tilt else {}
+        panels[-1].set_xticks(range(len(names)), names, **style)
         figure.suptitle(f"{SIGNALS[signal].capitalize()}: |simulated − measured|, {title}", fontsize=10)
         return _save(figure, path)
 
 
-def _boxes(axes: Axes, one: BoxSet, signal: str, joints: list[str]) -> None:
+def _boxes(axes: Axes, one: BoxSet, signal: str, joints: list[str], first: int) -> None:
+    if one.failed:
+        middle = first if len(joints) == 1 else (len(joints) - 1) / 2
+        axes.annotate(one.failed, (middle, 0.5), xycoords=("data", "axes fraction"), ha="center", color=one.color)
+        return
     stats, places = [], []
-    for place, joint in enumerate(joints):
+    for place, joint in enumerate(joints, start=first):
         numbers = one.boxes.get(signal, {}).get(joint)
         if numbers is None:
-            axes.annotate("none", (place, 0), ha="center", va="bottom", color="#8a8a8a", fontsize=8)
+            axes.annotate(
+                "not measured", (place, 0), ha="center", va="bottom", color="#6a6a6a", fontsize=7, rotation=90
+            )
             continue
         low, q1, median, q3, high, most = numbers
         stats.append({"whislo": low, "q1": q1, "med": median, "q3": q3, "whishi": high, "fliers": [most]})
@@ -96,7 +109,6 @@ def _boxes(axes: Axes, one: BoxSet, signal: str, joints: list[str]) -> None:
         capprops={"color": one.color},
         flierprops={"marker": "o", "markersize": 3, "markerfacecolor": "none", "markeredgecolor": one.color},
     )
-    axes.set_xlim(-0.6, len(joints) - 0.4)
 
 
 def draw_curves(

@@ -8,9 +8,9 @@ from typing import Any
 from harness.report.curves import read_curves, unpack
 from harness.report.draw import BoxSet, Curve, draw_boxes, draw_curves
 from harness.report.folder import Results, cell_key, read_folder
-from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label
+from harness.report.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label, unit_label
 
-MOST = 12
+MOST = 6
 """Conditions that get figures of their own; a larger matrix has its page."""
 CHOSEN = 4
 """Joints whose curves are drawn: those with the largest gap."""
@@ -26,20 +26,23 @@ def write_figures(folder: Path) -> list[Path]:
         InputError: where the folder holds no result table.
     """
     results = read_folder(folder)
-    cells = [r for r in results.cells.to_dict("records") if cell_key(r) in results.curves]
+    cells = results.cells.to_dict("records")
     written = []
     for condition, group in list(_by(cells, CONDITION).items())[:MOST]:
         name = _name(dict(zip(CONDITION, condition, strict=True)), results)
-        contents = {str(c["engine"]): read_curves(results.curves[cell_key(c)]) for c in group}
-        written += _box_files(folder, name, _sets(contents, results))
-        written += _curve_files(folder, name, contents, results)
+        contents = {str(c["engine"]): content for c in group if (content := _content(c, results))}
+        sets = [_set(c, engine_label(str(c["engine"])), results) for c in group]
+        written += _box_files(results, name, sets)
+        if contents:
+            failed = [s for s in sets if s.failed]
+            written += _curve_files(results, name, contents, ", ".join(f"{s.label}: {s.failed}" for s in failed))
     if len(results.axes["robot_revision"]) > 1:
         others = [a for a in AXES if a != "robot_revision"]
         for condition, group in list(_by(cells, others).items())[:MOST]:
             name = _name(dict(zip(others, condition, strict=True)), results)
-            revisions = {str(c["robot_revision"]): read_curves(results.curves[cell_key(c)]) for c in group}
-            if len(revisions) > 1:
-                written += _box_files(folder, f"revisions {name}", _revision_sets(revisions, str(group[0]["engine"])))
+            if len(group) > 1:
+                sets = [_set(c, str(c["robot_revision"]), results) for c in group]
+                written += _box_files(results, f"revisions {name}", sets)
     return written
 
 
@@ -61,25 +64,28 @@ def _name(condition: dict[str, str], results: Results) -> str:
     return " ".join(parts) or condition["recording"] or condition["scenario"]
 
 
-def _sets(contents: dict[str, dict[str, Any]], results: Results) -> list[BoxSet]:
-    return [
-        BoxSet(engine_label(e), engine_color(e, results.engines), content["boxes"], content["simulated"])
-        for e, content in contents.items()
-        if "boxes" in content
-    ]
+def _content(cell: dict[Any, Any], results: Results) -> dict[str, Any] | None:
+    path = results.curves.get(cell_key(cell))
+    return read_curves(path) if path else None
 
 
-def _revision_sets(contents: dict[str, dict[str, Any]], engine: str) -> list[BoxSet]:
-    color = engine_color(engine, [engine])
-    return [BoxSet(r, color, c["boxes"], c["simulated"]) for r, c in contents.items() if "boxes" in c]
+def _set(cell: dict[Any, Any], label: str, results: Results) -> BoxSet:
+    content = _content(cell, results) or {}
+    failed = "" if cell["outcome"] == "ok" else str(cell["outcome"])
+    return BoxSet(label, engine_color(str(cell["engine"]), results.engines), content.get("boxes", {}), failed)
 
 
-def _box_files(folder: Path, name: str, sets: list[BoxSet]) -> list[Path]:
-    signals = [s for s in SIGNALS if any(s in b.boxes for b in sets)]
-    return [path for s in signals if (path := draw_boxes(_path(folder, f"boxes {s} {name}"), sets, s, name))]
+def _box_files(results: Results, name: str, sets: list[BoxSet]) -> list[Path]:
+    out = []
+    for signal in SIGNALS:
+        units = sorted(results.gaps.loc[results.gaps["signal"] == signal, "unit"].unique())
+        shown = " or ".join(unit_label(u) for u in units)
+        out.append(draw_boxes(_path(results.folder, f"boxes {signal} {name}"), sets, signal, shown, name))
+    return [path for path in out if path]
 
 
-def _curve_files(folder: Path, name: str, contents: dict[str, dict[str, Any]], results: Results) -> list[Path]:
+def _curve_files(results: Results, name: str, contents: dict[str, dict[str, Any]], failed: str) -> list[Path]:
+    folder = results.folder
     simulated = next(iter(contents.values()))["simulated"]
     signal = next((s for s in SIGNALS if s in simulated), None)
     if signal is None:
@@ -99,8 +105,9 @@ def _curve_files(folder: Path, name: str, contents: dict[str, dict[str, Any]], r
             Curve(engine_label(engine), color, engine_dashes(engine, results.engines), unpack(content["time"]), series)
         )
     theirs = {j: unpack(measured[j]) for j in joints[:CHOSEN] if j in measured}
+    title = f"{name} ({failed})" if failed else name
     units = {j: simulated[signal][j]["unit"] for j in joints[:CHOSEN]}
-    return [draw_curves(_path(folder, f"curves {signal} {name}"), curves, theirs, units, signal, name)]
+    return [draw_curves(_path(folder, f"curves {signal} {name}"), curves, theirs, units, signal, title)]
 
 
 def _path(folder: Path, name: str) -> Path:

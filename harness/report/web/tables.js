@@ -127,7 +127,7 @@ function drawCellTable() {
   const build = (text) => data.cells.map((cell, c) => ({ cell, c })).filter(({ cell, c }) =>
     text.split(/\s+/).every((word) => `${axes.map((a) => valueText(a, c)).join(" ")} ${cell.outcome} ${cell.note}`.toLowerCase().includes(word))).map(({ cell, c }) => [
     ...axes.map((a) => ({ text: valueText(a, c), sort: cell.at[a] })), { text: cell.outcome, small: cell.note, class: cell.outcome === "ok" ? null : "worse" },
-    ...signals.map((s) => { const value = cellStat(c, s, { group }); return value ? meanCell({ ...value, failed: data.cells[c].outcome === "ok" ? [] : [c] }) : { text: "–", sort: Infinity }; }),
+    ...signals.map((s) => { const value = cellStat(c, s, { group: data.signals[s].key.startsWith("base_") ? "base" : group }); return value ? meanCell({ ...value, failed: data.cells[c].outcome === "ok" ? [] : [c] }) : { text: "–", sort: Infinity }; }),
     ...(timed ? [{ text: cell.speed === null ? "–" : number(cell.speed), sort: cell.speed ?? -1 }] : []),
     { node: element("span", null, element("button", { class: "open", type: "button", onclick: () => showCell(c) }, "show"),
       cell.trace ? [" ", element("a", { href: cell.trace }, "trace")] : null), text: "" }]);
@@ -135,7 +135,7 @@ function drawCellTable() {
   const fill = (text) => list.replaceChildren(sortable({ columns, rows: build(text), caption: "All cells" }));
   const search = element("input", { type: "search", id: "filter", oninput: (e) => fill(e.target.value.trim().toLowerCase()) });
   const filter = element("div", { class: "choose" }, element("label", { for: "filter" }, "filter"), search);
-  place.replaceChildren(element("p", { class: "hint" }, `Means of ${group === "base" ? "the base" : `${group} joints`}.`),
+  place.replaceChildren(element("p", { class: "hint" }, group === "base" ? "Gaps of the base." : `Means of ${group} joints.`),
     ...(data.cells.length > 10 ? [filter] : []), list);
   fill("");
 }
