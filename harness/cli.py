@@ -151,9 +151,9 @@ def diagnose(
 @app.command()
 def effects(name: Annotated[str | None, typer.Argument(help="one effect")] = None) -> None:
     """List the effects, or tell about one: physics, equation, signature, what it is confused with."""
-    from harness.effects.show import one, overview
+    from harness.effects.show import page, table
 
-    print(one(name) if name else overview())
+    print(page(name) if name else table())
 
 
 def main() -> None:

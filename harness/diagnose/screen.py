@@ -17,6 +17,9 @@ from harness.effects import EFFECTS, Effect
 
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
+WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
+WHOLE_SECOND = (1.0, 2.5)
+"""What the first sizes are multiplied by for effects whose parameters only mean something together."""
 MANY_JOINTS = 6
 """With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
 
@@ -78,9 +81,12 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
     size = sizes(problem.plant, suspect)
     first = start(problem, suspect)
     if whole(effect):
-        factors = (1.0, 0.6, 0.35)
-        main = first.free[0]
-        return [[_with(first, {main: first.parameters[main] * f})] for f in factors]
+        one, two = first.free[:2]
+        return [
+            [_with(first, {one: first.parameters[one] * a, two: first.parameters[two] * b})]
+            for a in WHOLE_FIRST
+            for b in WHOLE_SECOND
+        ]
     if effect.name == "torque_ripple":
         return [
             [_with(first, {"amplitude": size["amplitude"], "periods": p, "phase": phase}) for phase in (0.0, np.pi / 2)]

@@ -1,0 +1,126 @@
+"""What the page of a diagnosis says in words: the verdict, and findings as a person would say them."""
+
+from __future__ import annotations
+
+import math
+
+from harness.diagnose.diagnosis import Diagnosis
+from harness.diagnose.locate import Place
+from harness.diagnose.problem import Change, Suspect
+from harness.diagnose.search import rms
+from harness.diagnose.suspects import neutral
+from harness.effects import EFFECTS
+from harness.report.style import number
+
+DEGREES = {"rad": "°", "rad/s": "°/s"}
+"""Units that people read in degrees, and what they become."""
+
+
+def effect_label(effect: str) -> str:
+    """An effect in words: coulomb friction."""
+    return effect.replace("_", " ")
+
+
+def target_label(suspect: Suspect) -> str:
+    """Where it sits, in words."""
+    target = suspect.target
+    if target == "*":
+        return "all joints"
+    return target if isinstance(target, str) else listed(list(target))
+
+
+def suspect_label(suspect: Suspect) -> str:
+    """An effect and where it sits: coulomb friction at elbow."""
+    return f"{effect_label(suspect.effect)} at {target_label(suspect)}"
+
+
+def listed(items: list[str]) -> str:
+    """a, b and c."""
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def quantity(value: float, unit: str) -> str:
+    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad)."""
+    if unit in DEGREES and math.isfinite(value):
+        gap = "" if DEGREES[unit] == "°" else " "
+        return f"{number(math.degrees(value))}{gap}{DEGREES[unit]} ({number(value)} {unit})"
+    return f"{number(value)} {unit}".strip()
+
+
+def interval(low: float, high: float, unit: str) -> str:
+    """A 95 % interval in the same words."""
+    if unit in DEGREES:
+        return f"{number(math.degrees(low))} to {number(math.degrees(high))} {DEGREES[unit]}"
+    return f"{number(low)} to {number(high)} {unit}".strip()
+
+
+def unit_at(unit: str, pid: bool) -> str:
+    """The one unit of a parameter whose unit depends on the servo."""
+    return unit.split(" or ")[pid] if " or " in unit else unit
+
+
+def model_value(result: Diagnosis, suspect: Suspect, parameter: str, unit: str) -> str:
+    """What the scenario's model has there, in words."""
+    if EFFECTS[suspect.effect].parameter(parameter).absent is not None:
+        return "absent"
+    return quantity(neutral(result.problem.plant, suspect)[parameter], unit)
+
+
+def lacks(result: Diagnosis, change: Change) -> str:
+    """A finding as part of a sentence: `coulomb friction at elbow is missing (torque 0.250 N·m)`."""
+    effect = EFFECTS[change.suspect.effect]
+    zero = neutral(result.problem.plant, change.suspect)
+    label = suspect_label(change.suspect)
+    shown = [p for p in effect.parameters if not p.shape and change.parameters[p.name] != zero[p.name]]
+    shown = shown or list(effect.parameters[:1])
+    values = {p.name: quantity(change.parameters[p.name], p.unit.split(" or ")[0]) for p in shown}
+    if all(p.absent is not None or zero[p.name] == 0 for p in shown):
+        return f"{label} is missing ({listed([_named(n, v, len(values)) for n, v in values.items()])})"
+    now = [f"{_named(p.name, values[p.name], len(values))} instead of {number(zero[p.name])}" for p in shown]
+    return f"{label} is wrong ({listed(now)})"
+
+
+def _named(name: str, value: str, count: int) -> str:
+    return f"{name.replace('_', ' ')} {value}" if count > 1 else value
+
+
+def verdict(result: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    judge = result.problem.of("held_out")
+    before, after = (rms(f.mean_cost(judge)) for f in (result.found.base, result.found.fit))
+    changes = result.found.fit.changes
+    if result.verdict == "no gap":
+        return (
+            "Nothing is missing: simulation and recordings agree within the floors "
+            f"(the gap on held-out motions is {number(before, 2)} times the floor)."
+        )
+    if result.verdict == "unexplained":
+        return (
+            f"Something is missing that no effect explains: the gap on held-out motions is {number(before, 2)} times "
+            f"the floor{_most(result.where)}, and no effect brings it down enough to be named."
+        )
+    what = listed([lacks(result, c) for c in changes])
+    text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
+    text += f"falls from {number(before, 2)} to {number(after, 2)} times the floor"
+    if result.verdict == "explained":
+        return f"{text}, and what is left is not worth a name."
+    return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
+
+
+def _most(places: list[Place]) -> str:
+    if not places:
+        return ""
+    worst = places[0]
+    when = "" if worst.when == ("throughout",) else f" while {listed([WHILE[w] for w in worst.when])}"
+    return f", most of all in the {worst.signal} of {worst.joint}{when}"
+
+
+WHILE = {
+    "holding": "holding",
+    "moving": "moving",
+    "reversal": "reversing",
+    "saturation": "saturated",
+    "impact": "hitting the ground",
+    "loaded": "loaded",
+}
+"""Phases as part of a sentence."""
