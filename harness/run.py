@@ -1,12 +1,7 @@
 """`realitygap run`: one scenario through the engines, each compared with what was measured."""
 
-import hashlib
-import json
-import platform
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import pandas as pd
@@ -15,13 +10,12 @@ import engines
 from harness.comparison import Comparison, Motion, compare, motions
 from harness.errors import InputError
 from harness.experiment import experiments
+from harness.manifest import write_manifest
 from harness.mcap import write_mcap
 from harness.progress import Progress
 from harness.report import write_curves, write_figures, write_page
 from harness.results import means, slug, table, to_csv, write_whole
-from harness.scenario_file import ScenarioFile, load_scenario
-
-PACKAGES = ("realitygap", "numpy", "scipy", "numba", "pydantic", "rosbags", "yourdfpy")
+from harness.scenario_file import load_scenario
 
 
 @dataclass
@@ -59,7 +53,14 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
                 write_traces(out, comparison, motion)
     result.gaps = table(r for c in result.comparisons for r in c.rows)
     write_tables(out, result.gaps, result.comparisons)
-    write_manifest(out, file, found, result.comparisons)
+    write_manifest(
+        out,
+        file.scenario.name,
+        [(file, motion) for motion in found],
+        [(c.cell, c.settings) for c in result.comparisons if c.settings],
+        {slug(c.cell): f"{c.outcome}: {c.note}" for c in result.comparisons if c.outcome != "ok"},
+        [f"traces/{slug(c.cell)}.mcap" for c in result.comparisons if c.simulated is not None],
+    )
     write_figures(out)
     result.page = write_page(out)
     return result
@@ -103,56 +104,6 @@ def write_tables(out: Path, gaps: pd.DataFrame, comparisons: Sequence[Comparison
                 {**vars(c.cell), "wall_seconds": wall, "real_time_factor": seconds / wall, "steps": c.rollout.steps}
             )
     write_whole(out / "timings.csv", to_csv(pd.DataFrame(rows)))
-
-
-def write_manifest(out: Path, file: ScenarioFile, found: Sequence[Motion], comparisons: Sequence[Comparison]) -> None:
-    """`manifest.json`: versions, what each adapter really set, hashes of the inputs, the command line, notes."""
-    inputs = {str(file.path): _digest(file.path)}
-    notes: dict[str, list[str]] = {}
-    for motion in found:
-        for e in motion.experiments:
-            urdf = file.resolve(e.scenario.robot.urdf, "robot.urdf")
-            inputs.setdefault(str(urdf), _digest(urdf))
-            notes.setdefault("model", list(e.plant.model.notes))
-            if e.recording is not None:
-                inputs[str(e.recording.path)] = _digest(e.recording.path)
-                notes[f"recording {e.name}"] = [*e.recording.notes]
-    used = {c.cell.engine: c for c in comparisons}
-    manifest = {
-        "schema": 1,
-        "scenario": file.scenario.name,
-        "command_line": sys.argv[1:],
-        "python": platform.python_version(),
-        "platform": platform.machine(),
-        "versions": {p: _version(p) for p in PACKAGES} | {n: c.cell.engine_version for n, c in used.items()},
-        "settings": {c.cell.engine: c.settings for c in comparisons if c.settings},
-        "capabilities": {
-            name: {k: {"level": v.level, "how": v.how} for k, v in engines.load(name).capabilities().items()}
-            for name in used
-        },
-        "inputs": dict(sorted(inputs.items())),
-        "notes": notes,
-        "virtual": bool(file.scenario.recordings and file.scenario.recordings.virtual),
-        "traces": {slug(c.cell): f"traces/{slug(c.cell)}.mcap" for c in comparisons if c.simulated is not None},
-    }
-    write_whole(out / "manifest.json", json.dumps(manifest, indent=1, default=str, ensure_ascii=False) + "\n")
-
-
-def _version(package: str) -> str | None:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return None
-
-
-def _digest(path: Path) -> str:
-    """SHA-256 of a file, or of all files of a folder with their names."""
-    digest = hashlib.sha256()
-    for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
-        if file.is_file():
-            digest.update(file.name.encode())
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
 
 
 def summary(gaps: pd.DataFrame) -> list[str]:

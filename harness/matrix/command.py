@@ -1,0 +1,32 @@
+"""What `realitygap matrix` prints, and its exit status."""
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+
+from harness.matrix.junit import excess, write_junit
+from harness.matrix.matrix import Settings, dry_run, run_matrix
+from harness.progress import Progress
+from harness.report.folder import read_folder
+from harness.report.sentences import sentences
+
+
+def matrix_command(
+    path: Path, out: Path, settings: Settings, budget: Mapping[str, float], junit: Path | None
+) -> tuple[list[str], int]:
+    """Run a matrix. Returns the lines to print and the exit status: 1 where a budget is exceeded."""
+    collected, page = run_matrix(path, out, settings, Progress())
+    over = excess(collected, budget)
+    if junit is not None:
+        write_junit(junit, path.stem, collected, over)
+    counts = Counter(o.outcome for _, o in collected.cells)
+    lines = [f"{len(collected.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
+    lines += [s.text for s in sentences(read_folder(out))]
+    lines += [line for found in over.values() for line in found]
+    lines.append(f"report: {page}")
+    return lines, int(bool(over))
+
+
+def listed(path: Path, out: Path, settings: Settings) -> tuple[list[str], int]:
+    """The cells and an estimate, without running anything."""
+    return dry_run(path, out, settings), 0

@@ -1,0 +1,28 @@
+"""Cells on this machine: as many threads as asked for, each with a process of its own."""
+
+import pickle
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+
+from harness.matrix.attend import attend, close_workers
+from harness.matrix.task import Task
+
+Done = Callable[[Task, str | None], None]
+"""Told of every cell that is done, and what happened where it is not."""
+
+
+def run_local(tasks: Sequence[Task], jobs: int, store: str, limit: float, done: Done) -> None:
+    """Compute cells with `jobs` processes."""
+
+    def work(task: Task) -> str | None:
+        return attend(task, pickle.dumps(task), store, limit)
+
+    pool = ThreadPoolExecutor(jobs)
+    try:
+        futures = {pool.submit(work, task): task for task in tasks}
+        for future in as_completed(futures):
+            done(futures[future], future.result())
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        close_workers()
+        pool.shutdown()
