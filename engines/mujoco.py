@@ -11,6 +11,7 @@ from importlib.metadata import version
 
 import mujoco
 import numpy as np
+from numba import njit
 
 from engines.engine import Capability, Diverged, Engine, Ground, Physics, Simulation, State
 from engines.model import Array, Model, quaternion_from_rotation, rotation_from_quaternion
@@ -20,7 +21,10 @@ FRICTION_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
 RIGID_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
 LIMIT_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 IMPRATIO = 100.0
-SOFT_IMPRATIO = 1e4
+SOFT_IMPRATIO = 1e3
+
+# a blow-up is the caller's to report; MuJoCo would print it and write MUJOCO_LOG.TXT into the working folder
+mujoco.set_mju_user_warning(lambda _: None)
 
 
 class MujocoSimulation(Simulation):
@@ -33,7 +37,8 @@ class MujocoSimulation(Simulation):
         self._m = m = spec.compile()
         self._d = d = mujoco.MjData(m)
         self._offset = o = 6 if model.floating else 0
-        if physics.ground is not None and physics.ground.stiffness is not None:
+        self._soft = physics.ground is not None and physics.ground.stiffness is not None
+        if self._soft:
             _soften(m, physics.ground)
         self._applied = d.qfrc_applied[o:]
         self._damping = m.dof_damping[o:]
@@ -80,7 +85,14 @@ class MujocoSimulation(Simulation):
         self._applied[:] = effort
         self._damping[:] = damping
         self._friction[:] = friction
-        mujoco.mj_step(self._m, self._d)
+        m, d = self._m, self._d
+        if self._soft:
+            mujoco.mj_step1(m, d)
+            if d.ncon:
+                _undamp(d.efc_J, d.M, m.M_rowadr + m.M_rownnz, m.dof_damping, self.physics.timestep, d.contact.solref)
+            mujoco.mj_step2(m, d)
+        else:
+            mujoco.mj_step(m, d)
 
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._qpos
@@ -149,6 +161,7 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
     soft = ground is not None and ground.stiffness is not None
     if soft:
         option.impratio = SOFT_IMPRATIO
+        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # as `_undamp` reads it
     if ground is not None:
         spec.worldbody.add_geom(
             name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=0 if soft else 1, conaffinity=0
@@ -223,6 +236,27 @@ def _soften(m: "mujoco.MjModel", ground: Ground) -> None:
         scale = (1 - d) * float(m.body_invweight0[m.geom_bodyid[sphere], 0])
         m.pair_solref[i] = (-(ground.stiffness or 0.0) * scale, -(ground.damping or 0.0) * scale)
         m.pair_solimp[i] = (d, d, 0.001, 0.5, 2.0)
+
+
+@njit(cache=True)
+def _undamp(jacobian, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
+    """Scale every contact's solref by what joint damping does to the A of `_soften`.
+
+    The discrete integrator scales the A of a row J by Σ J²/(M_jj + h·D_j) / Σ J²/M_jj (MuJoCo's documentation,
+    "Impedance"). `jacobian` is Shape (nefc·nv,), the contacts' rows in threes at its end; `diagonal` tells where in
+    `inertia` a row of M ends, with its diagonal element.
+    """
+    contacts, nv = len(solref), len(damping)
+    first = len(jacobian) // nv - 3 * contacts
+    for i in range(contacts):
+        bare, damped = 0.0, 0.0
+        for j in range(nv):
+            square = jacobian[(first + 3 * i) * nv + j] ** 2
+            own = inertia[diagonal[j] - 1]
+            bare += square / own
+            damped += square / (own + h * damping[j])
+        solref[i, 0] *= damped / bare
+        solref[i, 1] *= damped / bare
 
 
 class MujocoEngine(Engine):
