@@ -29,8 +29,9 @@ class Browser:
             "--remote-debugging-pipe",
         ]
         flags += ["--no-first-run", "--hide-scrollbars", f"--user-data-dir={self._profile.name}", "about:blank"]
-        # the protocol wants descriptors 3 and 4; the shell puts ours there
-        script = f'exec 8<&{to_browser} 9>&{from_browser}; exec 3<&8 4>&9; exec "$0" "$@"'
+        # the protocol wants descriptors 3 and 4; the shell puts ours there, by way of two that are free
+        a, b = [n for n in range(6, 10) if n not in (to_browser, from_browser)][:2]
+        script = f'exec {a}<&{to_browser} {b}>&{from_browser}; exec 3<&{a} 4>&{b}; exec "$0" "$@"'
         self._process = subprocess.Popen(
             ["bash", "-c", script, str(PROGRAM), *flags],
             pass_fds=(to_browser, from_browser),

@@ -43,6 +43,9 @@ STYLE = {
 WIDE = 30.0
 """Residuals beyond this many floors are drawn on an axis that is logarithmic beyond 3."""
 
+SEEN = 1.5
+"""A root mean square difference below this many floors needs no close-up."""
+
 
 @dataclass(frozen=True)
 class Curves:
@@ -73,26 +76,56 @@ class Pair:
 
 
 def draw_curves(curves: Curves, title: str) -> str:
-    """Measured and simulated together, and below them the difference in floors. SVG."""
+    """Measured and simulated together, close up where they hardly part, and the difference in floors. SVG."""
+    close = _close_up(curves)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 3.5))
-        top, low = figure.subplots(2, 1, sharex=True, height_ratios=[5, 3])
+        figure = Figure(figsize=(5.6, 3.5 if close is None else 4.7))
+        axes = figure.subplots(2 if close is None else 3, 1, height_ratios=[5, 3] if close is None else [5, 4, 3])
+        top, low = axes[0], axes[-1]
+        low.sharex(top)
         for start, end in curves.spans:
             top.axvspan(start, end, color=LINE, alpha=0.55, linewidth=0)
-        top.plot(curves.time, curves.measured, color=INK, linewidth=2.4, alpha=0.55, label="measured")
-        top.plot(curves.time, curves.before, color=BEFORE, linewidth=1.3, linestyle=(0, (5, 2)), label=_before(curves))
+        for panel in axes[:-1]:
+            panel.plot(curves.time, curves.measured, color=INK, linewidth=2.6, alpha=0.5, label="measured")
+            panel.plot(
+                curves.time, curves.before, color=BEFORE, linewidth=1.3, linestyle=(0, (5, 2)), label=_before(curves)
+            )
+            if curves.after is not None:
+                panel.plot(curves.time, curves.after, color=AFTER, linewidth=1.1, label="simulated after")
+            panel.set_ylabel(f"{curves.signal} [{unit_label(curves.unit)}]")
+        if close is not None:
+            _zoom(axes[1], curves, close)
+            axes[1].set_ylabel("close up")
         low.axhspan(-1, 1, color=MUTED, alpha=0.25, linewidth=0)
-        low.plot(curves.time, _floors(curves, curves.before), color=BEFORE, linewidth=0.9, linestyle=(0, (5, 2)))
+        low.plot(curves.time, _floors(curves, curves.before), color=BEFORE, linewidth=0.9)
         if curves.after is not None:
-            top.plot(curves.time, curves.after, color=AFTER, linewidth=1.1, label="simulated after")
             low.plot(curves.time, _floors(curves, curves.after), color=AFTER, linewidth=0.9)
-        top.set_ylabel(f"{curves.signal} [{unit_label(curves.unit)}]")
         low.set_ylabel("difference\n[floors]")
         low.set_xlabel("time [s]")
         _roomy(low)
-        figure.align_ylabels([top, low])
+        figure.align_ylabels(axes)
         figure.legend(*top.get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False)
         return svg(figure, title)
+
+
+def _close_up(curves: Curves) -> tuple[float, float] | None:
+    """The time around the largest difference [s]; None where the curves are seen to part without."""
+    apart = np.nan_to_num(np.abs(curves.before - curves.measured))
+    nothing = float(np.sqrt(np.nanmean(_floors(curves, curves.before) ** 2))) < SEEN
+    if nothing or apart.max() > 0.12 * float(np.ptp(curves.measured)):
+        return None
+    length = curves.time[-1] - curves.time[0]
+    middle = float(curves.time[int(np.argmax(np.nan_to_num(np.abs(_floors(curves, curves.before)))))])
+    start = min(max(middle - 0.04 * length, curves.time[0]), curves.time[-1] - 0.08 * length)
+    return float(start), float(start + 0.08 * length)
+
+
+def _zoom(axes: Axes, curves: Curves, window: tuple[float, float]) -> None:
+    axes.set_xlim(*window)
+    inside = (curves.time >= window[0]) & (curves.time <= window[1])
+    shown = [c[inside] for c in (curves.measured, curves.before, curves.after) if c is not None]
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    axes.set_ylim(low - 0.1 * (high - low), high + 0.1 * (high - low))
 
 
 def draw_pairs(pairs: Sequence[Pair], title: str) -> str:

@@ -6,10 +6,11 @@ import math
 
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.locate import Place
-from harness.diagnose.problem import Change, Suspect
+from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.search import rms
 from harness.diagnose.suspects import neutral
-from harness.effects import EFFECTS
+from harness.drive import PID
+from harness.effects import EFFECTS, Parameter
 from harness.report.style import number
 
 DEGREES = {"rad": "°", "rad/s": "°/s"}
@@ -42,46 +43,69 @@ def listed(items: list[str]) -> str:
 def quantity(value: float, unit: str) -> str:
     """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad)."""
     if unit in DEGREES and math.isfinite(value):
-        gap = "" if DEGREES[unit] == "°" else " "
-        return f"{number(math.degrees(value))}{gap}{DEGREES[unit]} ({number(value)} {unit})"
+        return f"{_people(value, unit)} ({number(value)} {unit})"
+    return _people(value, unit)
+
+
+def _people(value: float, unit: str) -> str:
+    if unit in DEGREES:
+        return f"{number(math.degrees(value))}{' ' * (unit != 'rad')}{DEGREES[unit]}"
     return f"{number(value)} {unit}".strip()
 
 
 def interval(low: float, high: float, unit: str) -> str:
     """A 95 % interval in the same words."""
     if unit in DEGREES:
-        return f"{number(math.degrees(low))} to {number(math.degrees(high))} {DEGREES[unit]}"
-    return f"{number(low)} to {number(high)} {unit}".strip()
+        return f"{number(math.degrees(low))} to {_people(high, unit)}"
+    return f"{number(low)} to {_people(high, unit)}"
 
 
-def unit_at(unit: str, pid: bool) -> str:
-    """The one unit of a parameter whose unit depends on the servo."""
-    return unit.split(" or ")[pid] if " or " in unit else unit
+LINEAR = {
+    "N·m": "N",
+    "N·m·s/rad": "N·s/m",
+    "N·m/rad": "N/m",
+    "N·m/A": "N/A",
+    "duty/rad": "duty/m",
+    "rad": "m",
+    "rad/s": "m/s",
+    "kg·m²": "kg",
+}
+"""Units of a prismatic joint, in place of those of a revolute one."""
 
 
-def model_value(result: Diagnosis, suspect: Suspect, parameter: str, unit: str) -> str:
+def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
+    """The unit of a parameter at its target: that of the servo's kind, and of the joint's."""
+    unit = parameter.unit
+    if EFFECTS[suspect.effect].sits_at != "joint":
+        return unit
+    j = suspect.indices[0]
+    if " or " in unit:
+        unit = unit.split(" or ")[problem.plant.drive["kind"][j] == PID]
+    return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit
+
+
+def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     """What the scenario's model has there, in words."""
-    if EFFECTS[suspect.effect].parameter(parameter).absent is not None:
-        return "absent"
-    return quantity(neutral(result.problem.plant, suspect)[parameter], unit)
+    if parameter.absent is not None:
+        return "none"
+    return quantity(neutral(problem.plant, suspect)[parameter.name], unit_there(problem, suspect, parameter))
 
 
 def lacks(result: Diagnosis, change: Change) -> str:
     """A finding as part of a sentence: `coulomb friction at elbow is missing (torque 0.250 N·m)`."""
-    effect = EFFECTS[change.suspect.effect]
-    zero = neutral(result.problem.plant, change.suspect)
+    effect, problem = EFFECTS[change.suspect.effect], result.problem
+    zero = neutral(problem.plant, change.suspect)
     label = suspect_label(change.suspect)
     shown = [p for p in effect.parameters if not p.shape and change.parameters[p.name] != zero[p.name]]
     shown = shown or list(effect.parameters[:1])
-    values = {p.name: quantity(change.parameters[p.name], p.unit.split(" or ")[0]) for p in shown}
-    if all(p.absent is not None or zero[p.name] == 0 for p in shown):
-        return f"{label} is missing ({listed([_named(n, v, len(values)) for n, v in values.items()])})"
-    now = [f"{_named(p.name, values[p.name], len(values))} instead of {number(zero[p.name])}" for p in shown]
-    return f"{label} is wrong ({listed(now)})"
-
-
-def _named(name: str, value: str, count: int) -> str:
-    return f"{name.replace('_', ' ')} {value}" if count > 1 else value
+    units = {p.name: unit_there(problem, change.suspect, p) for p in shown}
+    missing = all(p.absent is not None or zero[p.name] == 0 for p in shown)
+    parts = []
+    for p in shown:
+        name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 else ""
+        own = "" if missing else f" instead of {_people(zero[p.name], units[p.name])}"
+        parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
+    return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
 
 
 def verdict(result: Diagnosis) -> str:
@@ -103,7 +127,7 @@ def verdict(result: Diagnosis) -> str:
     text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
     text += f"falls from {number(before, 2)} to {number(after, 2)} times the floor"
     if result.verdict == "explained":
-        return f"{text}, and what is left is not worth a name."
+        return f"{text}, and nothing worth a name is left."
     return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
 
 
