@@ -1,6 +1,7 @@
 """The state in which a simulation starts: measured joint angles, the base level on the ground."""
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from engines import State
 from engines.model import (
@@ -16,7 +17,9 @@ from harness.errors import InputError
 from harness.plant import Plant
 
 SOLE = 0.005
-"""Contact points within this height [m] of the lowest one belong to the sole of a link."""
+"""Contact points that spread less than this [m] along an axis are flat."""
+FLAT = 0.02
+"""Faces whose normals differ by less than this [rad] are one."""
 
 
 def start_state(
@@ -62,7 +65,7 @@ def start_state(
 
 
 def _level(model: Model, position: Array, name: str) -> Array:
-    """The rotation of the base that puts the sole of a link level, as it is with all joints at zero. Shape (3, 3)."""
+    """The rotation of the base that puts the sole of a link level; its heading is that of the base. Shape (3, 3)."""
     found = [i for i, link in enumerate(model.links) if name == link.name or name in link.merged]
     if not found:
         known = sorted(n for link in model.links for n in link.merged)
@@ -71,16 +74,30 @@ def _level(model: Model, position: Array, name: str) -> Array:
     zero = link_poses(model, np.zeros(len(model.joints)))[i][:3, :3]
     now = link_poses(model, position)[i][:3, :3]
     points = np.array([s.center - zero.T @ [0, 0, s.radius] for s in model.links[i].spheres])
-    if len(points):
-        heights = points @ zero[2]
-        sole = points[heights < heights.min() + SOLE]
-        if len(sole) >= 3:  # the plane through the sole, rather than the link's own axes, is what is level
-            normal = np.linalg.svd(sole - sole.mean(axis=0))[2][2]
-            normal = normal if normal @ zero[2] > 0 else -normal
-            zero = _turn_onto(zero @ normal, np.array([0.0, 0.0, 1.0])) @ zero
+    zero = _turn_onto(zero @ _upward(points, zero[2]), np.array([0.0, 0.0, 1.0])) @ zero
     rotation: Array = zero @ now.T
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     return rotation_from_rpy(0, 0, -yaw) @ rotation
+
+
+def _upward(points: Array, up: Array) -> Array:
+    """The normal, pointing into the link, of the sole of contact points (k, 3): the face of their hull that covers the
+    most ground where `up` is up, which is roughly so with all joints at zero. `up` itself where there is no face.
+    """
+    if len(points) < 3:
+        return up
+    spread, axes = np.linalg.svd(points - points.mean(axis=0))[1:]
+    if spread[-1] < SOLE or len(points) == 3:  # flat: the points are the sole
+        normal = axes[2] if spread[1] > SOLE else up
+        return normal if normal @ up > 0 else -normal
+    hull = ConvexHull(points)
+    corners = points[hull.simplices]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    normals = -hull.equations[:, :3]
+    alike = normals @ normals.T > np.cos(FLAT)
+    largest = int(np.argmax(alike @ area * (normals @ up)))
+    normal = (area * alike[largest]) @ normals
+    return np.asarray(normal / np.linalg.norm(normal))
 
 
 def _turn_onto(a: Array, b: Array) -> Array:
