@@ -17,7 +17,7 @@ from engines.engine import Capability, Diverged, Engine, Ground, Physics, Simula
 from engines.model import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 
 FRICTION_SOLREF = (0.002, 1.0)
-FRICTION_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
+FRICTION_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 RIGID_SOLIMP = (0.99, 0.99, 0.001, 0.5, 2.0)
 LIMIT_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 IMPRATIO = 100.0
@@ -89,7 +89,10 @@ class MujocoSimulation(Simulation):
         if self._soft:
             mujoco.mj_step1(m, d)
             if d.ncon:
-                _undamp(d.efc_J, d.M, m.M_rowadr + m.M_rownnz, m.dof_damping, self.physics.timestep, d.contact.solref)
+                contact, diagonal = d.contact, m.M_rowadr + m.M_rownnz
+                _undamp(
+                    d.efc_J, contact.efc_address, d.M, diagonal, m.dof_damping, self.physics.timestep, contact.solref
+                )
             mujoco.mj_step2(m, d)
         else:
             mujoco.mj_step(m, d)
@@ -239,19 +242,20 @@ def _soften(m: "mujoco.MjModel", ground: Ground) -> None:
 
 
 @njit(cache=True)
-def _undamp(jacobian, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
+def _undamp(jacobian, address, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
     """Scale every contact's solref by what joint damping does to the A of `_soften`.
 
     The discrete integrator scales the A of a row J by Σ J²/(M_jj + h·D_j) / Σ J²/M_jj (MuJoCo's documentation,
-    "Impedance"). `jacobian` is Shape (nefc·nv,), the contacts' rows in threes at its end; `diagonal` tells where in
-    `inertia` a row of M ends, with its diagonal element.
+    "Impedance"). `jacobian` is Shape (nefc·nv,) and `address` the first row of every contact in it, -1 where the two
+    only just touch; `diagonal` tells where in `inertia` a row of M ends, with its diagonal element.
     """
-    contacts, nv = len(solref), len(damping)
-    first = len(jacobian) // nv - 3 * contacts
-    for i in range(contacts):
+    nv = len(damping)
+    for i in range(len(solref)):
+        if address[i] < 0:
+            continue
         bare, damped = 0.0, 0.0
         for j in range(nv):
-            square = jacobian[(first + 3 * i) * nv + j] ** 2
+            square = jacobian[address[i] * nv + j] ** 2
             own = inertia[diagonal[j] - 1]
             bare += square / own
             damped += square / (own + h * damping[j])
@@ -271,6 +275,7 @@ class MujocoEngine(Engine):
     def capabilities(self) -> dict[str, Capability]:
         return {
             "armature": Capability("native", "dof_armature"),
+            "forward_dynamics": Capability("native", "generalized coordinates"),
             "joint_damping": Capability("native", "dof_damping, implicit in the discrete integrator"),
             "joint_friction": Capability("native", "dof_frictionloss; creeps about 1e-5 rad/s at 85 % of breakaway"),
             "joint_limits": Capability("native", "soft limits with a time constant of two steps"),
