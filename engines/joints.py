@@ -271,8 +271,8 @@ def _touch(position, speed, limits, settings, ancestor, motion, point, height, p
             continue
         _hold(matrix, right, row, ancestor, motion, point, point_end, i, 2, weight, push)
         if abs(x) + abs(y) < slow:
-            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 0, firm, 0.0)
-            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 1, firm, 0.0)
+            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 0, firm, -firm * x)
+            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 1, firm, -firm * y)
     for i in range(n):
         rate = speed[first + i]
         if position[i] - limits[i, 0] < TOUCH and rate < slow:
