@@ -239,6 +239,7 @@ class DartEngine(Engine):
     def capabilities(self) -> dict[str, Capability]:
         return {
             "armature": Capability("emulated", "engines.joints; DART has none"),
+            "forward_dynamics": Capability("native", "generalized coordinates, articulated bodies"),
             "joint_damping": Capability("emulated", "engines.joints; DART's own is not seen by its contact solver"),
             "joint_friction": Capability("emulated", "engines.joints"),
             "joint_limits": Capability("native", "rows of the contact problem, without velocity limits"),

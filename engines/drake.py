@@ -263,6 +263,7 @@ class DrakeEngine(Engine):
     def capabilities(self) -> dict[str, Capability]:
         return {
             "armature": Capability("native", "rotor inertia of the joint's actuator"),
+            "forward_dynamics": Capability("native", "generalized coordinates"),
             "joint_damping": Capability("native", "implicit, in the metric of the contact problem"),
             "joint_friction": Capability("emulated", "engines.joints"),
             "joint_limits": Capability("native", "constraints of the contact problem"),

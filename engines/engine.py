@@ -175,6 +175,7 @@ class Engine(ABC):
 
 CAPABILITIES = {
     "armature": "rotor inertia at the joint",
+    "forward_dynamics": "joints that are met exactly, a step that is forward dynamics",
     "joint_damping": "implicit viscous joint damping",
     "joint_friction": "dry joint friction that holds at rest",
     "joint_limits": "position limits",

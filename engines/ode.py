@@ -180,6 +180,9 @@ class OdeEngine(Engine):
     def capabilities(self) -> dict[str, Capability]:
         return {
             "armature": Capability("native", "a motor with the compliance h/armature, in one problem with contacts"),
+            "forward_dynamics": Capability(
+                "no", "maximal coordinates, Coriolis terms a step late: an error of order h"
+            ),
             "joint_damping": Capability("native", "the same motor: implicit"),
             "joint_friction": Capability("native", "a motor of limited torque"),
             "joint_limits": Capability("native", "stops of the joint; of a hinge within half a turn only"),

@@ -37,8 +37,6 @@ FREE = 1e9
 RUNAWAY = 1e6
 """A speed that no robot has [rad/s or m/s]; Bullet removes what leaves its world and goes on."""
 SMOOTH = {"rollingFriction": 0.0, "spinningFriction": 0.0, "restitution": 0.0}
-SHORT = 1e-7
-"""The step [s] from which the bias is taken: Bullet's own error of order h vanishes, rounding does not show yet."""
 ITERATIONS = 50
 """Sweeps of the contact solver where none are asked for: Bullet's default."""
 
@@ -162,17 +160,23 @@ class PybulletSimulation(Simulation):
         return turned
 
     def bias(self) -> Array:
-        # from a real step, short and without ground: Bullet's inverse dynamics corrupts memory with a floating base
+        # from a real step, without ground: Bullet's inverse dynamics corrupts memory with a floating base
         zero = np.zeros(len(self._joints))
-        base = self._base
+        base, h = self._base.copy(), self.physics.timestep
         state = State(self._position, self._velocity, base[:3], base[3:7], base[7:10], base[10:])
-        before = self._speeds()
         bare = self.model.with_armature(zero)  # the law for armature would act on the step
-        with closing(PybulletSimulation(bare, replace(self.physics, timestep=SHORT, ground=None))) as free:
+        with closing(PybulletSimulation(bare, replace(self.physics, ground=None))) as free:
             free.reset(state)
             free.step(zero, zero, zero)
-            after = free._speeds()
-        bias: Array = self.mass_matrix() @ (before - after) / SHORT
+            acceleration = (free._speeds() - self._speeds()) / h
+            after = free._base
+        if self.model.floating:
+            # what is stepped is the velocity of the centre of mass, v + omega x arm; the origin's differs by order h
+            arm, swung = (rotation_from_quaternion(b[3:7]) @ self._com for b in (base, after))
+            omega, alpha = base[10:], acceleration[3:6]
+            acceleration[:3] += (np.cross(after[10:], swung) - np.cross(omega, arm)) / h
+            acceleration[:3] -= np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        bias: Array = -self.mass_matrix() @ acceleration
         return bias
 
     def _speeds(self) -> Array:
@@ -321,6 +325,7 @@ class PybulletEngine(Engine):
     def capabilities(self) -> dict[str, Capability]:
         return {
             "armature": Capability("emulated", "engines.joints and ballast; standing within 2e-5 rad of MuJoCo"),
+            "forward_dynamics": Capability("native", "generalized coordinates, articulated bodies"),
             "joint_damping": Capability("emulated", "engines.joints, exact; Bullet's own is explicit"),
             "joint_friction": Capability("emulated", "engines.joints; exact, without creep"),
             "joint_limits": Capability("native", "rows of the contact problem"),

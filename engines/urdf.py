@@ -59,7 +59,9 @@ def read_urdf(
         collect(name, np.eye(4), parts, moving)
         index = len(made_links)
         made_links.append(_lump(path, name, parts, needs_mass=index > 0 or floating))
-        shapes.append([(c, pose @ c.origin) for part, pose in parts for c in part.collisions])
+        shapes.append(
+            [(c, pose if c.origin is None else pose @ c.origin) for part, pose in parts for c in part.collisions]
+        )
         for joint, origin in moving:
             made_joints.append(_joint(path, joint, origin, index))
             build(joint.child)

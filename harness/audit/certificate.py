@@ -5,9 +5,11 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
+from io import StringIO
 from pathlib import Path
 from typing import Literal
 
+from rich.console import Console
 from rich.table import Table
 
 Verdict = Literal["passed", "failed", "declared", "information"]
@@ -73,6 +75,14 @@ class Certificate:
             limit = " / ".join(f"{t:.0e}" for t in limits if math.isfinite(t))
             table.add_row(name, *cells, f"{limit} {first.unit if first.unit != '1' else ''}".strip())
         return table
+
+    def text(self, width: int = 120) -> str:
+        """The certificate in words: table, sentences and verdict."""
+        console = Console(width=width, file=StringIO(), record=True, highlight=False)
+        console.print(self.table())
+        number = len(self.failures)
+        verdict = f"{number} of {len(self.rows)} checks failed" if number else f"passed: {len(self.rows)} checks"
+        return "\n".join([console.export_text().rstrip(), *self.sentences(), verdict])
 
     def sentences(self) -> list[str]:
         """One sentence for every row that failed or was declared, and one for every fact."""

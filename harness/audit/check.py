@@ -1,7 +1,7 @@
 """A check measures one property of one engine as an error; this judges the error against its tolerance."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,7 +21,6 @@ class Check:
         unit: of the error; "1" for a relative one.
         note: how it is measured.
         capability: the entry of `Engine.capabilities` that this rests on; where its level is "no" an error is declared.
-        looser: tolerances of engines that compute with fewer digits.
     """
 
     property: str
@@ -30,24 +29,22 @@ class Check:
     unit: str = "1"
     note: str = ""
     capability: str | None = None
-    looser: Mapping[str, float] = field(default_factory=dict)
 
     def row(self, engine: Engine) -> Row:
         """Measure and judge."""
-        tolerance = self.looser.get(engine.name, self.tolerance)
         note = self.note
         try:
             measured = self.measure(engine)
         except (Diverged, Unsupported) as error:
             measured, note = np.inf, str(error)
-        verdict: Verdict = "passed" if measured <= tolerance else "failed"
-        if np.isinf(tolerance):
+        verdict: Verdict = "passed" if measured <= self.tolerance else "failed"
+        if np.isinf(self.tolerance):
             verdict = "information"
         elif verdict == "failed" and self.capability is not None:
             capability = engine.capabilities()[self.capability]
             if capability.level == "no":
                 verdict, note = "declared", capability.how
-        return Row(self.property, engine.name, float(measured), tolerance, self.unit, verdict, note)
+        return Row(self.property, engine.name, float(measured), self.tolerance, self.unit, verdict, note)
 
 
 def read(simulation: Simulation) -> State:
