@@ -39,6 +39,10 @@ types: $(READY)  ## mypy, strict
 .PHONY: check
 check: lint types test  ## lint, types and tests
 
+.PHONY: blind
+blind: $(READY)  ## diagnose the whole blind suite and write results/reference/blind.csv (hours)
+	$(BIN)/python tests/blind/run.py
+
 .PHONY: bench
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine
 	$(BIN)/python tests/bench_overhead.py

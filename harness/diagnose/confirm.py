@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from engines import Diverged, Unsupported
-from harness.diagnose.fit import fit
+from harness.diagnose.fit import assess, fit
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.search import Search, name
@@ -46,6 +46,8 @@ def confirm(
         found.steps = [s for s in found.steps if s.suspect != drop]
         rest = [c for c in changes if c.suspect != drop]
         found.fit = fit(problem, rest, problem.of("train"), judge)
+        if rest:
+            found.fit = assess(problem, found.fit, problem.of("train"), judge)
 
 
 def _helps(before: float, after: float) -> bool:

@@ -136,7 +136,7 @@ def fit(
         gtol=1e-10,
     )
     out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count)
-    _judge(problem, space, solution.x, train, judge, out)
+    out.cost = {c: _cost(problem.residuals(out.changes, c)) for c in sorted({*train, *judge})}
     return out
 
 
@@ -166,21 +166,21 @@ def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
     return out
 
 
-def _judge(problem: Problem, space: _Space, x: Array, train: Sequence[int], judge: Sequence[int], out: Fit) -> None:
-    """Cost, standard deviation and what each motion alone would say, at the solution."""
+def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """A fit with standard deviations and with what each motion alone would say of its values."""
+    space = _Space(problem, result.changes)
+    out = replace(result)
     cases = sorted({*train, *judge})
-    p = len(x)
+    p = len(space.first)
     normal = np.zeros((p, p))
-    spread = 0.0
     out.step_per_case, out.weight_per_case = np.zeros((len(cases), p)), np.zeros((len(cases), p))
     for row, c in enumerate(cases):
 
         def residual(y: Array, c: int = c) -> Array:
             return problem.residuals(space.at(y), c)
 
-        base = residual(x)
-        out.cost[c] = _cost(base)
-        slope = _differences(residual, x, *space.bounds())
+        base = residual(space.first)
+        slope = _differences(residual, space.first, *space.bounds())
         robust = 1.0 / np.sqrt(1.0 + (base / (3 * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale
@@ -188,9 +188,9 @@ def _judge(problem: Problem, space: _Space, x: Array, train: Sequence[int], judg
         if c in train:
             inflation = max(out.cost[c], 1.0) * _correlation_time(base, len(problem.cases[c].measured.time))
             normal += curvature / inflation
-            spread += 1.0
     covariance = np.linalg.pinv(normal + 1e-12 * np.eye(p) * max(float(np.trace(normal)), 1e-30))
     out.deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * space.scale
+    return out
 
 
 def _correlation_time(residual: Array, samples: int) -> float:

@@ -246,7 +246,22 @@ def _case(motion: Motion) -> Case:
             noise[signal] = np.mean([own_noise(v) for v in values], axis=0)
             if len(values) > 1:
                 spread[signal] = repetition_noise(values)
-    return Case(motion.name, first, motion.measured, first.use or "", noise, len(motion.experiments), noise, spread)
+    return Case(
+        motion.name,
+        _until(first, float(motion.measured.time[-1])),
+        motion.measured,
+        first.use or "",
+        noise,
+        len(motion.experiments),
+        noise,
+        spread,
+    )
+
+
+def _until(experiment: Experiment, end: float) -> Experiment:
+    """The experiment without what comes after the last sample that is judged."""
+    duration = min(experiment.duration, end - experiment.begin + 3 * experiment.scenario.timestep)
+    return replace(experiment, duration=duration)
 
 
 def _pooled(cases: Sequence[Case]) -> dict[str, Array]:

@@ -33,7 +33,7 @@ class Screened:
 
 
 def screen(
-    pool: Pool, suspects: Sequence[Suspect], accepted: Sequence[Change], train: Sequence[int], deep: int = 24
+    pool: Pool, suspects: Sequence[Suspect], accepted: Sequence[Change], train: Sequence[int], deep: int = 16
 ) -> list[Screened]:
     """The suspects that explain most of what is left, best first.
 
@@ -63,14 +63,17 @@ def screen(
             own = np.where(masks[suspect.indices[0]], answer, 0.0)
             found.setdefault(suspect, [[]])[0].append((probe, own))
     guesses = [_guess(problem, s, group, base, tangent, robust) for s, groups in found.items() for group in groups]
-    ranked = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)[:deep]
+    ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
+    ranked, rest = ordered[:deep], ordered[deep:]
     checked = pool.map(_explained, [(tuple(accepted), g.change, tuple(train)) for g in ranked])
     total = float(np.sum((robust * base) ** 2))
     out = []
+    for guess in rest:
+        out.append(Screened(guess.change, UNSEEN * guess.explained))
     for guess, answer in zip(ranked, checked, strict=True):
         left = min(float(np.sum((robust * a) ** 2)) for a in answer)
         truly = 1.0 - left / total
-        out.append(Screened(guess.change, max(truly, 0.3 * guess.explained)))
+        out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
     return sorted(out, key=lambda s: -s.explained)
 
 
@@ -108,6 +111,8 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
     return [out]
 
 
+UNSEEN = 0.3
+"""What a straight line promises is believed by this much."""
 SHAPES = ("periods", "phase", "velocity", "exponent")
 """Parameters that only shape what others do: they are not tried on their own."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.fit import Fit, fit
+from harness.diagnose.fit import Fit, assess, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
@@ -19,6 +19,8 @@ AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
 MOST = 6
 """Findings at most."""
+MANY = 120
+"""Suspects that are looked at again after the first round, at most."""
 TRIED = 7
 """Suspects that are fitted per round."""
 SURELY = 2
@@ -27,6 +29,10 @@ NEAR = 0.3
 """... and the share of the best one's explanation that the others must reach."""
 EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
+FAR = 4.0
+"""A mean squared residual above this is far from the floor: ..."""
+HALF = 0.5
+"""... then all findings together must remove this share of it, or none is named."""
 GAIN = 0.10
 """A finding lowers the held-out cost above the floor by at least this share ..."""
 LEAST = 0.12
@@ -77,6 +83,8 @@ def search(pool: Pool, say: Callable[[str], None] = lambda text: None) -> Search
         possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
         say(f"screening {len(possible)} suspects")
         ranked = screen(pool, possible, found.fit.changes, train)
+        if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
+            everyone = [s.change.suspect for s in ranked[:MANY]]
         best = _best(pool, found, ranked, train, judge, say)
         if best is None:
             break
@@ -87,8 +95,23 @@ def search(pool: Pool, say: Callable[[str], None] = lambda text: None) -> Search
         set_floors(pool, best.changes)
         found.fit = _shaped(pool, found.fit, train, judge)
         found.fit = _pruned(pool, found, train, judge, say)
+    if found.fit.changes:
+        found.fit = assess(problem, found.fit, train, judge)
     found.base = fit(problem, [], train, judge)
+    _abstain_from_fragments(found, judge)
     return found
+
+
+def _abstain_from_fragments(found: Search, judge: Sequence[int]) -> None:
+    """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
+    was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
+    if found.fit.changes and left > FAR and was - left < HALF * (was - 1.0):
+        for change in found.fit.changes:
+            found.refused.append(
+                f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "
+                "has another cause"
+            )
+        found.fit, found.steps = found.base, []
 
 
 def rms(cost: float) -> float:
@@ -129,12 +152,12 @@ def _best(
     say("fitting " + ", ".join(name(s.change.suspect) for s in tried))
     fits = pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in tried])
     now = found.fit
-    worthy = []
-    for candidate in fits:
-        reason = _refusal(problem, now, candidate, train, judge)
-        if reason is None:
-            worthy.append(candidate)
-        elif candidate.mean_cost(judge) < 0.8 * now.mean_cost(judge):
+    helping = [f for f in fits if _refusal(now, f, train, judge) is None]
+    assessed = pool.map(assess, [(f, train, judge) for f in helping])
+    worthy = [f for f in assessed if _doubt(problem, f, judge) is None]
+    for candidate in [*(f for f in fits if f not in helping), *assessed]:
+        reason = _refusal(now, candidate, train, judge) or _doubt(problem, candidate, judge)
+        if reason and candidate.mean_cost(judge) < 0.8 * now.mean_cost(judge):
             found.refused.append(f"{name(candidate.changes[-1].suspect)}: {reason}")
     if not worthy:
         return None
@@ -172,8 +195,8 @@ def _gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -
     return float(a + b)
 
 
-def _refusal(problem: Problem, before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
-    """Why a fitted suspect is not worth naming; None where it is."""
+def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
+    """Why a fitted suspect does not help enough; None where it does."""
     was, now = before.mean_cost(judge), after.mean_cost(judge)
     if was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0):
         return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
@@ -182,12 +205,18 @@ def _refusal(problem: Problem, before: Fit, after: Fit, train: Sequence[int], ju
     worse = [c for c in judge if after.cost[c] > 1.2 * before.cost[c] + 0.3]
     if len(worse) * 2 > len(judge):
         return "makes most held-out runs worse"
-    last = [k for k, (i, _) in enumerate(after.names) if i == len(after.changes) - 1]
-    zero = neutral(problem.plant, after.changes[-1].suspect)
-    sure = [_certain(after, k, zero) for k in last]
-    if not any(sure):
+    return None
+
+
+def _doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
+    """Why an assessed fit is not believed although it helps; None where it is, or where it was not assessed."""
+    if not len(assessed.deviation):
+        return None
+    last = [k for k, (i, _) in enumerate(assessed.names) if i == len(assessed.changes) - 1]
+    zero = neutral(problem.plant, assessed.changes[-1].suspect)
+    if not any(_certain(assessed, k, zero) for k in last):
         return "its size cannot be told from none"
-    if now > 2.0 and not _consistent(after, last, zero):
+    if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):
         return "no one value fits all runs"
     return None
 

@@ -1,0 +1,97 @@
+"""Diagnosis on the bundled synthetic scenario: the planted effect is named, and nothing where nothing is missing."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Change, build_problem, changed
+from harness.diagnose.search import search
+from harness.diagnose.suspects import neutral, suspects
+from harness.diagnose.workflow import run_diagnosis, summary
+from harness.effects import EFFECTS
+from harness.progress import Progress
+from harness.scenario_file import load_scenario
+
+DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+PLANTED = 0.6447
+"""Coulomb friction of the recorded elbow [N·m]; the model has 0.2756."""
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, object]]:
+    """The demo's diagnosis in MuJoCo, confirmed in DART, and what it says."""
+    out = tmp_path_factory.mktemp("diagnosis")
+    result = run_diagnosis(DEMO, ["mujoco", "dart"], out, Progress(quiet=True), workers=2)
+    assert any("coulomb_friction" in line for line in summary(result))
+    return out, json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
+
+
+def test_the_planted_effect_is_named_and_nothing_else(diagnosed: tuple[Path, dict]) -> None:
+    _, said = diagnosed
+    assert [(f["effect"], f["target"]) for f in said["findings"]] == [("coulomb_friction", "elbow")]
+    assert said["verdict"] == "explained"
+    value = said["findings"][0]["parameters"]["torque"]
+    assert value["value"] == pytest.approx(PLANTED, rel=0.05)
+    assert value["low"] < value["value"] < value["high"]
+
+
+def test_it_is_judged_on_held_out_runs_and_in_another_engine(diagnosed: tuple[Path, dict]) -> None:
+    _, said = diagnosed
+    assert said["gap"]["held_out"]["after"] < 1.3 < said["gap"]["held_out"]["before"]
+    finding = said["findings"][0]
+    assert finding["engines"]["dart"]["after"] < 0.5 * finding["engines"]["dart"]["before"]
+    assert said["where"][0]["joint"] == "elbow"
+
+
+def test_the_mended_model_runs_and_has_no_gap_left(diagnosed: tuple[Path, dict]) -> None:
+    out, _ = diagnosed
+    problem = build_problem(load_scenario(out / "revised" / "scenario.yaml"), "mujoco")
+    with Pool(problem, 2) as pool:
+        found = search(pool)
+    assert found.fit.changes == []
+    assert found.base.mean_cost(problem.of("held_out")) < 1.5
+
+
+def test_every_suspect_can_be_neutral() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    everyone = suspects(problem)
+    assert {s.effect for s in everyone} >= {"coulomb_friction", "backlash", "link_mass", "command_delay"}
+    for suspect in everyone:
+        zero = neutral(problem.plant, suspect)
+        assert set(zero) == {p.name for p in EFFECTS[suspect.effect].parameters}
+        plant = changed(problem.plant, [Change(suspect, tuple(zero.items()))], problem.plant)
+        same = {n: v for n, v in zero.items() if EFFECTS[suspect.effect].parameter(n).absent is None}
+        own = EFFECTS[suspect.effect].own(plant, suspect.indices[0])
+        assert {n: own[n] for n in same if n in own} == pytest.approx({n: same[n] for n in same if n in own})
+
+
+def test_a_change_keeps_its_ratio_where_runs_differ() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    forearm = next(s for s in suspects(problem) if s.effect == "link_mass" and s.target == "forearm")
+    heavy = next(c for c in problem.cases if c.experiment.plant.model.mass != problem.cases[1].experiment.plant.model.mass)
+    reference = problem.plant
+    own = reference.model.links[forearm.indices[0]].mass
+    mended = changed(heavy.experiment.plant, [Change(forearm, (("mass", 1.1 * own),))], reference)
+    before = heavy.experiment.plant.model.links[forearm.indices[0]].mass
+    assert mended.model.links[forearm.indices[0]].mass == pytest.approx(1.1 * before)
+
+
+def test_noise_of_a_signal_and_of_repetitions() -> None:
+    rng = np.random.default_rng(1)
+    t = np.linspace(0, 5, 1000)[:, None]
+    clean = np.sin(2 * t)
+    values = [clean + 0.01 * rng.standard_normal((1000, 1)) for _ in range(4)]
+    assert own_noise(values[0])[0] == pytest.approx(0.01, rel=0.15)
+    assert repetition_noise(values)[0] == pytest.approx(0.01, rel=0.1)
+    quantum = 0.002
+    assert own_noise(np.round(clean / quantum) * quantum)[0] >= quantum / np.sqrt(12) * 0.99
+
+
+def test_local_maximum_looks_to_both_sides() -> None:
+    value = np.zeros((9, 1))
+    value[4] = 1.0
+    assert local_maximum(value, 2)[:, 0].tolist() == [0, 0, 1, 1, 1, 1, 1, 0, 0]
