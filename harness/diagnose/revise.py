@@ -1,138 +1,159 @@
-"""The mended model: a URDF and a scenario with the findings in them, which run as they are."""
+"""The mended model: a scenario and URDFs with the findings in them, which run as they are."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping, Sequence
+import copy
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import defusedxml.ElementTree
 import yaml
 
-from engines.model import Model
 from harness.diagnose.problem import Change, Problem, changed
+from harness.diagnose.revised_urdf import found_packages, moved_path, revised_urdf
 from harness.effects import EFFECTS
+from harness.effects.place import place, targets
+from harness.plant import Plant, build_plant
 from harness.results import write_whole
-from harness.scenario_file import ScenarioFile
+from harness.scenario_file import ScenarioFile, resolve_path
 
 BODY = ("link_mass", "center_of_mass", "link_inertia")
-"""Effects that a URDF can say."""
+"""Effects that a URDF says."""
+PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path")
+MAPPINGS = ("robot.packages.", "revisions.")
+"""Keys of a scenario that hold a path, and mappings of paths."""
+RUN = "recordings.runs.with."
 
 
 def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Path:
-    """Write `revised/robot.urdf` and `revised/scenario.yaml` below a result folder.
+    """Write `revised/scenario.yaml` and its URDFs below a result folder. Returns the scenario.
 
-    The scenario keeps every finding as an effect, which is a total and so may stand in the URDF too; where runs differ
-    in what a finding changes, each run says its own value.
+    What a URDF can say is put there, into every URDF that a run uses; the other findings stand as effects, in place of
+    those that the scenario had there. Where runs differ in what a finding changes (another gain, another load), each
+    run says its own value.
     """
-    folder = out / "revised"
-    file = problem.file
-    raw = _rebased(file, folder)
-    effects = [_spec(c, c.parameters) for c in changes]
-    raw["effects"] = [*(raw.get("effects") or []), *effects]
-    for i, run in enumerate((raw.get("recordings") or {}).get("runs") or []):
-        case = next((c for c in problem.cases if _is_run(file, i, c.experiment.name)), None)
-        if case is None:
-            continue
-        own = [_spec(c, _own_values(problem, case.experiment.plant, c)) for c in changes]
+    revision = _Revision(problem, changes, out / "revised")
+    file, raw = problem.file, _rebased(problem.file, out / "revised")
+    urdf, effects = revision.of(file)
+    raw["robot"]["urdf"] = urdf
+    _set_effects(raw, effects)
+    for run, original in zip(raw["recordings"]["runs"], file.raw["recordings"]["runs"], strict=True):
+        own_urdf, own = revision.of(file.override(original.get("with") or {}))
+        overrides = {k: v for k, v in (run.pop("with", None) or {}).items() if k.split(".")[0] != "effects"}
+        if own_urdf != urdf or any(k.split(".")[0] == "robot" for k in overrides):
+            overrides["robot.urdf"] = own_urdf
         if own != effects:
-            run["with"] = {**(run.get("with") or {}), "effects": [*(file.raw.get("effects") or []), *own]}
-    urdf = file.resolve(file.scenario.robot.urdf, "robot.urdf")
-    write_whole(folder / "robot.urdf", _patched(urdf, problem, changes))
-    if not any("robot.urdf" in (run.get("with") or {}) for run in (raw.get("recordings") or {}).get("runs") or []):
-        raw["robot"]["urdf"] = "robot.urdf"
-        body = [e for e in raw["effects"] if e["effect"] in BODY]
-        raw["effects"] = [e for e in raw["effects"] if e not in body]
-    text = yaml.safe_dump(raw, sort_keys=False, allow_unicode=True, width=110)
-    write_whole(folder / "scenario.yaml", f"# {file.scenario.name} with what the diagnosis found\n{text}")
-    return folder
+            overrides["effects"] = own
+        if overrides:
+            run["with"] = overrides
+    if revision.packages:
+        raw["robot"]["packages"] = {**(raw["robot"].get("packages") or {}), **revision.packages}
+    path = out / "revised" / "scenario.yaml"
+    text = yaml.dump(raw, Dumper=_Plain, sort_keys=False, allow_unicode=True, width=110)
+    write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
+    return path
 
 
-def _spec(change: Change, values: Mapping[str, float]) -> dict[str, Any]:
-    target = change.suspect.target
-    numbers = {n: float(f"{v:.8g}") for n, v in values.items()}
-    return {"effect": change.suspect.effect, "target": target if isinstance(target, str) else list(target), **numbers}
+class _Plain(yaml.SafeDumper):
+    """YAML without aliases."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        del data
+        return True
 
 
-def _own_values(problem: Problem, plant: Any, change: Change) -> dict[str, float]:
-    """A finding's values in a run whose own values differ from the first run's."""
-    effect = EFFECTS[change.suspect.effect]
-    mended = changed(plant, [change], problem.plant)
-    own = effect.own(mended, change.suspect.indices[0])
-    return {n: own.get(n, v) if effect.parameter(n).absent is None else v for n, v in change.values}
+class _Revision:
+    """Writes the mended URDFs, each once, and says the effects that remain."""
+
+    def __init__(self, problem: Problem, changes: Sequence[Change], folder: Path) -> None:
+        self.problem, self.changes, self.folder = problem, changes, folder
+        self.touched = {i for c in changes if c.suspect.effect in BODY for i in c.suspect.indices}
+        self.names: dict[str, str] = {}
+        self.packages: dict[str, str] = {}
+
+    def of(self, file: ScenarioFile) -> tuple[str, list[dict[str, Any]]]:
+        """The name of the mended URDF of a scenario, of one run or of all, and the effects beside it."""
+        plant = place(build_plant(file), file.scenario.effects)
+        return self._urdf(file, plant), [*self._kept(file, plant), *self._found(plant)]
+
+    def _urdf(self, file: ScenarioFile, plant: Plant) -> str:
+        robot = file.scenario.robot
+        urdf = file.resolve(robot.urdf, "robot.urdf")
+        known = {k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()}
+        for package, where in found_packages(urdf, known).items():
+            self.packages[package] = moved_path(where, self.folder)
+        mended = changed(plant, self.changes, self.problem.plant).model
+        text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
+        if text not in self.names:
+            taken = self.names.values()
+            wanted = ["robot.urdf"] if not taken else [urdf.name, *(f"{urdf.stem}_{k}.urdf" for k in range(2, 1000))]
+            self.names[text] = next(name for name in wanted if name not in taken)
+            write_whole(self.folder / self.names[text], text)
+        return self.names[text]
+
+    def _kept(self, file: ScenarioFile, plant: Plant) -> Iterator[dict[str, Any]]:
+        """The effects of a scenario that no finding and no URDF replaces."""
+        for spec, raw in zip(file.scenario.effects, file.raw.get("effects") or [], strict=True):
+            effect = EFFECTS[spec.effect]
+            indices = targets(plant, effect, spec.target)
+            gone = set(self.touched) if spec.effect in BODY else set()
+            for change in self.changes:
+                other = EFFECTS[change.suspect.effect]
+                if effect.name == other.name or effect.name in other.excludes or other.name in effect.excludes:
+                    gone |= set(change.suspect.indices)
+            left = [i for i in indices if i not in gone]
+            if left == indices:
+                yield copy.deepcopy(raw)
+            elif left:
+                yield {**copy.deepcopy(raw), "target": _names(plant, effect.sits_at, left)}
+
+    def _found(self, plant: Plant) -> Iterator[dict[str, Any]]:
+        """The findings that a URDF cannot say, with the values that they have in this plant."""
+        for change in self.changes:
+            suspect, effect = change.suspect, EFFECTS[change.suspect.effect]
+            if suspect.effect in BODY:
+                continue
+            mended = changed(plant, [change], self.problem.plant)
+            groups: dict[tuple[float, ...], list[int]] = {}
+            for i in suspect.indices:
+                own = effect.own(mended, i)
+                values = {n: own.get(n, v) if effect.parameter(n).absent is None else v for n, v in change.values}
+                groups.setdefault(tuple(float(v) for v in values.values()), []).append(i)
+            for values_here, indices in groups.items():
+                target: Any = suspect.target if isinstance(suspect.target, str) else list(suspect.target)
+                if len(groups) > 1:
+                    target = _names(plant, effect.sits_at, indices)
+                parameters = dict(zip((n for n, _ in change.values), values_here, strict=True))
+                yield {"effect": suspect.effect, "target": target, **parameters}
 
 
-def _is_run(file: ScenarioFile, number: int, name: str) -> bool:
-    runs = file.scenario.recordings.runs if file.scenario.recordings else []
-    return any(case.run is runs[number] or case.run == runs[number] for case in file.cases() if case.name == name)
+def _names(plant: Plant, sits_at: str, indices: Sequence[int]) -> list[str]:
+    names = plant.model.joint_names if sits_at == "joint" else [link.name for link in plant.model.links]
+    return [names[i] for i in indices]
+
+
+def _set_effects(raw: dict[str, Any], effects: list[dict[str, Any]]) -> None:
+    raw.pop("effects", None)
+    if effects:
+        raw["effects"] = effects
 
 
 def _rebased(file: ScenarioFile, folder: Path) -> dict[str, Any]:
     """The raw scenario with its relative paths leading from another folder."""
 
-    def rebase(text: str) -> str:
-        if text.startswith(("/", "${", "~")):
-            return text
-        return Path(os.path.relpath((file.path.parent / text).resolve(), folder.resolve())).as_posix()
+    def rebase(text: str, key: str) -> str:
+        here = resolve_path(file.path.absolute(), text, key)
+        there = resolve_path(folder.absolute() / file.path.name, text, key)
+        return text if here == there else moved_path(here, folder)  # an absolute path stays as it is written
 
     def walk(node: Any, key: str) -> Any:
         if isinstance(node, dict):
             return {k: walk(v, f"{key}.{k}" if key else str(k)) for k, v in node.items()}
         if isinstance(node, list):
             return [walk(v, key) for v in node]
-        if isinstance(node, str) and (key in PATHS or key.startswith(("robot.packages.", "revisions."))):
-            return rebase(node)
-        if isinstance(node, str) and key.endswith((".with.robot.urdf", ".with.motion.keyframes")):
-            return rebase(node)
-        return node
+        where = key.removeprefix(RUN)
+        is_path = where in PATHS or where.startswith(MAPPINGS)
+        return rebase(node, key) if is_path and isinstance(node, str) else node
 
     out: dict[str, Any] = walk(file.raw, "")
     return out
-
-
-PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path")
-"""Keys of a scenario that hold a path."""
-
-
-def _patched(urdf: Path, problem: Problem, changes: Sequence[Change]) -> str:
-    """The URDF's text with masses, centres of mass, inertias and joint friction of the mended model."""
-    tree = defusedxml.ElementTree.parse(urdf)
-    mended = changed(problem.plant, changes, problem.plant)
-    model: Model = mended.model
-    touched = {i for c in changes if c.suspect.effect in BODY for i in c.suspect.indices}
-    links = {e.get("name"): e for e in tree.getroot().iter("link")}
-    for i in sorted(touched):
-        link = model.links[i]
-        for name in link.merged[1:]:  # what is fixed to the link is part of it now
-            inertial = links[name].find("inertial")
-            if inertial is not None:
-                links[name].remove(inertial)
-        _write_inertial(links[link.name], link)
-    return _text(tree, urdf)
-
-
-def _write_inertial(element: Any, link: Any) -> None:
-    inertial = element.find("inertial")
-    if inertial is None:
-        inertial = element.makeelement("inertial", {})
-        element.append(inertial)
-    for child in list(inertial):
-        inertial.remove(child)
-    t = link.inertia
-    origin = {"xyz": " ".join(repr(float(v)) for v in link.com), "rpy": "0 0 0"}
-    names = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    where = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-    inertia = {n: repr(float(t[ij])) for n, ij in zip(names, where, strict=True)}
-    for tag, values in (("origin", origin), ("mass", {"value": repr(float(link.mass))}), ("inertia", inertia)):
-        inertial.append(inertial.makeelement(tag, values))
-
-
-def _text(tree: Any, urdf: Path) -> str:
-    import xml.etree.ElementTree as plain
-
-    for mesh in tree.getroot().iter("mesh"):
-        name = mesh.get("filename") or ""
-        if name and "://" not in name:
-            mesh.set("filename", str((urdf.parent / name).resolve()))
-    return plain.tostring(tree.getroot(), encoding="unicode") + "\n"
