@@ -13,7 +13,7 @@ import numpy as np
 
 from engines import ode_library
 from engines.bodies import Axis, Body, inertia_and_bias
-from engines.engine import State
+from engines.engine import State, Unsupported
 from engines.model import Array, Link, Model, link_poses, quaternion_from_rotation, rotation_from_quaternion
 from engines.ode_library import HI_STOP, LO_STOP, Feedback, Mass, real_array, view
 
@@ -57,6 +57,9 @@ class OdeRobot:
         links: one per link of the model.
         joints: one per joint of the model.
         limited: names of the joints whose limits ODE enforces.
+
+    Raises:
+        Unsupported: for a body without mass or inertia.
     """
 
     def __init__(self, world: int, model: Model) -> None:
@@ -180,6 +183,11 @@ def _link(world: int, link: Link, moves: bool) -> OdeLink:
     rows = np.zeros((3, 4))
     rows[:, :3] = link.inertia
     if moves:
+        if link.mass <= 0 or np.linalg.eigvalsh(link.inertia)[0] <= 0:  # ODE would end the process
+            raise Unsupported(
+                f"ode needs a mass and three moments of inertia above zero, and link {link.name} has {link.mass:g} kg "
+                f"and {', '.join(f'{x:g}' for x in np.linalg.eigvalsh(link.inertia))} kg·m²; give it an inertia"
+            )
         ode.dBodySetMass(body, ctypes.byref(Mass(link.mass, real_array(0, 0, 0, 0), real_array(*rows.ravel()))))
     else:
         ode.dBodySetKinematic(body)
