@@ -150,8 +150,16 @@ def axis_rotation(axis: Array, angle: float) -> Array:
     return rotation
 
 
+def rotation_between(a: Array, b: Array) -> Array:
+    """The shortest rotation that takes the unit vector a onto b, where they are not opposite. Shape (3, 3)."""
+    x, y, z = np.cross(a, b)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    rotation: Array = np.eye(3) + cross + cross @ cross / (1 + a @ b)
+    return rotation
+
+
 def link_poses(model: Model, position: Array, base: Array | None = None) -> Array:
-    """The pose of every link at joint positions (n,), for a base pose (4, 4) (default identity). Shape (n + 1, 4, 4)."""
+    """The pose of every link at joint positions (n,) for a base pose (4, 4), default identity. Shape (n + 1, 4, 4)."""
     poses = np.empty((len(model.links), 4, 4))
     poses[0] = np.eye(4) if base is None else base
     for i, joint in enumerate(model.joints):

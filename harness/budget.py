@@ -1,14 +1,17 @@
-"""Budgets: the largest mean gap that a test or a build accepts."""
+"""Budgets: the largest mean gap of moving joints that a test or a build accepts."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 
 import numpy as np
 import pandas as pd
 
 from harness.errors import InputError
-from harness.results import means
+from harness.results import EXCLUDED, Cell
+from harness.scenario import Budget
 
-SIGNALS = ("position", "velocity", "effort")
+SIGNALS = tuple(Budget.model_fields)
+CELL = [f.name for f in fields(Cell)]
 
 
 def parse_budget(texts: Sequence[str]) -> dict[str, float]:
@@ -31,26 +34,44 @@ def parse_budget(texts: Sequence[str]) -> dict[str, float]:
     return out
 
 
+def stated_budget(budget: Budget | None) -> dict[str, float]:
+    """The budget that a scenario states."""
+    return {} if budget is None else budget.model_dump(exclude_none=True)
+
+
 def over_budget(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
-    """A sentence for every engine and recording whose mean gap of moving joints exceeds the budget; worst joint named."""
+    """A sentence for every cell whose mean gap of moving joints exceeds the budget; the worst joint is named.
+
+    A cell that failed exceeds every budget; one that an engine cannot express is not judged.
+    """
+    moving = gaps[(gaps["group"] == "moving") & (gaps["note"] != EXCLUDED) & (gaps["outcome"] != "unsupported")]
     lines = []
-    moving = gaps[(gaps["group"] == "moving") & gaps["signal"].isin(list(budget))]
-    for record in means(moving).itertuples():
-        limit = budget[str(record.signal)]
-        value = float(record.mean_abs)
-        if value <= limit:
-            continue
-        rows = moving[
-            (moving["engine"] == record.engine)
-            & (moving["recording"] == record.recording)
-            & (moving["signal"] == record.signal)
-            & (moving["robot_revision"] == record.robot_revision)
-        ]
-        worst = rows.loc[rows["mean_abs"].idxmax()]
-        floor = np.nanmax([worst["noise_floor"], worst["numerical_floor"], 0.0])
-        lines.append(
-            f"over budget: {record.engine}, {record.recording}: {record.signal} {value:.3g} {record.unit}, budget "
-            f"{limit:g} {record.unit}; worst joint {worst['joint']} with {worst['mean_abs']:.3g} {record.unit} "
-            f"(floor {floor:.2g})"
-        )
+    for signal, limit in budget.items():
+        for _, cell in moving[moving["signal"] == signal].groupby(CELL, dropna=False, sort=True):
+            for unit, rows in cell.groupby("unit"):
+                value = float(rows["mean_abs"].mean())
+                if value > limit:
+                    lines.append(f"over budget: {_excess(rows, signal, value, limit, str(unit))}")
     return lines
+
+
+def _excess(rows: pd.DataFrame, signal: str, value: float, limit: float, unit: str) -> str:
+    worst = rows.sort_values("mean_abs", ascending=False, kind="stable").to_dict("records")[0]
+    what = f"{worst['engine']}, {worst['recording']}: {signal}"
+    if worst["outcome"] != "ok":
+        return f"{what}: {worst['outcome']}: {worst['note']}; budget {limit:g} {unit}"
+    floor = np.nanmax([worst["noise_floor"], worst["numerical_floor"], 0.0])
+    return (
+        f"{what} {value:.3g} {unit}, budget {limit:g} {unit}; worst joint {worst['joint']} with "
+        f"{worst['mean_abs']:.3g} {unit} (floor {floor:.2g})"
+    )
+
+
+def not_judged(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
+    """A sentence for every budget that nothing was measured for: a budget that cannot be judged is not kept."""
+    measured = set(gaps.loc[gaps["group"] == "moving", "signal"])
+    return [
+        f"over budget: no {signal} of a moving joint was measured; budget {limit:g}"
+        for signal, limit in budget.items()
+        if signal not in measured
+    ]

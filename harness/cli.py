@@ -1,10 +1,15 @@
 """The command line. Engines and heavy libraries are imported when a command needs them."""
 
-import sys
+from __future__ import annotations
+
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
+
+if TYPE_CHECKING:
+    from harness.bench.summary import Summary
 
 app = typer.Typer(
     name="realitygap",
@@ -19,16 +24,52 @@ Engines = Annotated[list[str] | None, typer.Option("--engine", "-e", help="engin
 Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder")]
 MaxGap = Annotated[
     list[str] | None,
-    typer.Option("--max-gap", help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger"),
+    typer.Option(
+        "--max-gap",
+        help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger (°, °/s, N·m); may be repeated",
+    ),
 ]
+Junit = Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: every cell is a test")]
+Bench = Annotated[Path, typer.Argument(help="the bench file")]
+
+
+def _folder(out: Path | None, name: str) -> Path:
+    """The result folder, checked before the work: `--out`, or one below results/runs."""
+    from harness.results import check_writable
+
+    folder = out or Path("results/runs") / name
+    check_writable(folder)
+    return folder
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from importlib.metadata import version
+
+        typer.echo(f"realitygap {version('realitygap')}")
+        raise typer.Exit
+
+
+def _say(lines: Iterable[str]) -> None:
+    for line in lines:
+        typer.echo(line)
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="show the version and exit")
+    ] = False,
+) -> None:
+    """One scenario through many physics engines, compared with recordings of the real robot."""
 
 
 @app.command()
 def engines() -> None:
-    """List the engines: what is installed, its version, what it can and cannot express."""
+    """List the engines and what each can express."""
     from harness.engines_table import engines_table
 
-    print(engines_table())
+    typer.echo(engines_table())
 
 
 @app.command()
@@ -37,10 +78,13 @@ def init(
     bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders or tables")],
     out: Annotated[Path, typer.Option("--out", "-o", help="folder for the scenario")] = Path(),
 ) -> None:
-    """Write a first scenario from a URDF and recordings: topics, joints and runs found in them."""
+    """Write a first scenario from a URDF and recordings.
+
+    With the topics, joints and runs that are found in them; every guess is marked as one.
+    """
     from harness.init import init as write
 
-    print(f"wrote {write(urdf, bags, out)}")
+    typer.echo(f"wrote {write(urdf, bags, out)}")
 
 
 @app.command()
@@ -49,22 +93,25 @@ def run(
     engine: Engines = None,
     out: Out = None,
     max_gap: MaxGap = None,
+    junit: Junit = None,
 ) -> None:
-    """Run one scenario in the engines: traces (MCAP), gap table, figures, page."""
-    from harness.budget import over_budget, parse_budget
-    from harness.progress import Progress
-    from harness.run import run as work
-    from harness.run import summary
+    """Run one scenario in the engines.
 
-    budget = parse_budget(max_gap or [])
-    folder = out or Path("results/runs") / scenario.resolve().parent.name
-    result = work(scenario, engine or [], folder, Progress())
-    for line in summary(result.gaps):
-        print(line)
-    excess = over_budget(result.gaps, budget)
-    for line in excess:
-        print(line)
-    print(f"report: {result.page}")
+    Writes traces (MCAP), the gap table, figures and the page. Exits with 1 where a gap exceeds the budget that the
+    scenario states; --max-gap replaces it for a signal.
+    """
+    from harness.budget import parse_budget
+    from harness.progress import Progress
+    from harness.results import check_writable
+    from harness.run import judge, summary
+    from harness.run import run as work
+
+    asked = parse_budget(max_gap or [])
+    if junit is not None:
+        check_writable(junit.parent, "--junit")
+    result = work(scenario, engine or [], _folder(out, scenario.resolve().parent.name), Progress())
+    excess = judge(result, result.budget | asked, junit)
+    _say([*summary(result), *excess, f"report: {result.page}"])
     if excess:
         raise typer.Exit(1)
 
@@ -83,24 +130,26 @@ def matrix(
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="list the cells and estimate the time")] = False,
     max_gap: MaxGap = None,
-    junit: Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: every cell is a test")] = None,
+    junit: Junit = None,
     retry_crashed: Annotated[
         bool, typer.Option("--retry-crashed", help="try cells again that crashed or took too long")
     ] = False,
 ) -> None:
-    """Run all cells of a matrix; what is there already is not computed again."""
+    """Run all cells of a matrix.
+
+    What is there already is not computed again.
+    """
     from harness.budget import parse_budget
     from harness.matrix.command import listed, matrix_command
     from harness.matrix.matrix import Settings
 
     budget = parse_budget(max_gap or [])
-    folder = out or Path("results/runs") / f"{matrix.resolve().parent.name}_{matrix.stem}"
+    folder = _folder(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
     settings = Settings(jobs, scheduler, cells, retry_crashed)
     lines, status = (
         listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
     )
-    for line in lines:
-        print(line)
+    _say(lines)
     if status:
         raise typer.Exit(status)
 
@@ -111,22 +160,26 @@ def audit(
     engine: Engines = None,
     out: Out = None,
 ) -> None:
-    """Certify that the engines simulate the same machine; exits with 1 where they do not."""
+    """Certify that all engines run the same machine.
+
+    Exits with 1 where they do not.
+    """
     from harness.audit import audit as certify
     from harness.run import engine_names
 
     certificate = certify(path, engine_names(engine or []), out)
-    print(certificate.text())
+    typer.echo(certificate.text())
     if not certificate.passed:
         raise typer.Exit(1)
 
 
 @app.command()
 def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
-    """Make the page again, from the results alone."""
-    from harness.report import write_page
+    """Make page and figures again from the results."""
+    from harness.report import write_figures, write_page
 
-    print(f"report: {write_page(folder)}")
+    write_figures(folder)
+    typer.echo(f"report: {write_page(folder)}")
 
 
 @app.command()
@@ -136,39 +189,94 @@ def diagnose(
     out: Out = None,
     jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="worker processes (default: one per core)")] = None,
 ) -> None:
-    """Find where simulation and measurement disagree, name the missing effect, add it, prove it on held-out runs."""
+    """Find what a model lacks, add it, prove that it helps.
+
+    Where simulation and measurement disagree, which effect explains it, and the gap on held-out runs.
+    """
     from harness.diagnose.workflow import run_diagnosis, summary
     from harness.progress import Progress
 
-    folder = out or Path("results/runs") / f"{scenario.resolve().parent.name}_diagnosis"
+    folder = _folder(out, f"{scenario.resolve().parent.name}_diagnosis")
     result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs)
-    for line in summary(result):
-        print(line)
-    print(f"diagnosis: {folder / 'diagnosis.json'}")
-    print(f"report: {folder / 'report.html'}")
+    _say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
 
 
 @app.command()
 def effects(name: Annotated[str | None, typer.Argument(help="one effect")] = None) -> None:
-    """List the effects, or tell about one: physics, equation, signature, what it is confused with."""
+    """List the effects, or explain one.
+
+    Physics, equation, signature, and what it is confused with.
+    """
     from harness.effects.show import page, table
 
-    print(page(name) if name else table())
+    typer.echo(page(name) if name else table())
+
+
+bench = typer.Typer(
+    help="Identify servos, supplies and links on the bench.", no_args_is_help=True, rich_markup_mode=None
+)
+app.add_typer(bench, name="bench")
+
+
+@bench.command()
+def servo(file: Bench, out: Out = None) -> None:
+    """Identify servos: torque, speed, constants, friction.
+
+    From load sweeps, static friction and recordings, beside the data sheet.
+    """
+    from harness.bench.servo import run as procedure
+
+    _tell(procedure(file, _bench_folder(file, out)))
+
+
+@bench.command()
+def supply(file: Bench, out: Out = None) -> None:
+    """Find how far a supply sags under current.
+
+    And what that costs in torque and speed; written as an effect for the scenario.
+    """
+    from harness.bench.supply import run as procedure
+
+    _tell(procedure(file, _bench_folder(file, out)))
+
+
+@bench.command()
+def links(file: Bench, out: Out = None) -> None:
+    """Check the links of a URDF against the scales.
+
+    Masses and centres of mass as weighed and balanced; writes the corrected URDF.
+    """
+    from harness.bench.links import run as procedure
+
+    _tell(procedure(file, _bench_folder(file, out)))
+
+
+def _bench_folder(file: Path, out: Path | None) -> Path:
+    return _folder(out, f"{file.resolve().parent.name}_{file.stem}")
+
+
+def _tell(summary: Summary) -> None:
+    _say([*summary.lines, *(f"wrote {file}" for file in summary.files)])
 
 
 def main() -> None:
     """Entry point: bad input is one sentence on standard error and exit status 2."""
-    from engines.model import ModelError
-    from harness.errors import InputError
-
     try:
         app()
-    except (InputError, ModelError) as error:
-        print(f"realitygap: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    except KeyboardInterrupt:
-        print("realitygap: stopped", file=sys.stderr)
-        raise SystemExit(130) from None
+    except OSError as error:  # a folder that cannot be written, a full disk
+        _fail(f"{error.filename or 'output'}: {error.strerror or error}")
+    except ValueError as error:
+        from engines.model import ModelError  # imported here, because `--help` is to be quick
+        from harness.errors import InputError
+
+        if not isinstance(error, InputError | ModelError):
+            raise
+        _fail(str(error))
+
+
+def _fail(sentence: str) -> NoReturn:
+    typer.echo(f"realitygap: {sentence}", err=True)
+    raise SystemExit(2) from None
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.drive import Array
 
@@ -37,7 +38,7 @@ def on_steps(commands: Commands, steps: int, h: float, delay: Array) -> Array:
     return out
 
 
-def _means(commands: Commands, columns: Array, edges: Array, h: float) -> Array:
+def _means(commands: Commands, columns: NDArray[np.intp], edges: Array, h: float) -> Array:
     time, value = commands.time, commands.value[:, columns]
     off = np.isnan(value)
     filled = np.where(off, 0.0, value)
@@ -59,7 +60,7 @@ def _means(commands: Commands, columns: Array, edges: Array, h: float) -> Array:
     return np.where(np.isnan(mean), mean, _within(mean, filled, at))
 
 
-def _within(mean: Array, filled: Array, at: Array) -> Array:
+def _within(mean: Array, filled: Array, at: NDArray[np.intp]) -> Array:
     """The mean, put back between the commands it was made of: a step never overshoots by rounding."""
     ends = np.minimum(at[1:] + 1, len(filled) - 1)
     low = np.minimum(np.minimum(filled[at[:-1]], filled[at[1:]]), filled[ends])

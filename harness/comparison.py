@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -10,12 +12,11 @@ import engines
 from engines import Diverged, Unsupported
 from harness.errors import InputError
 from harness.experiment import Experiment, simulate
-from harness.gap import Difference, differences, mean_trace
+from harness.gap import JOINT_SIGNALS, Difference, differences, mean_trace
 from harness.recording.align import Repetitions, group_repetitions, noise_floor
 from harness.results import EXCLUDED, Cell, Row, failed, row
 from harness.rollout import Rollout
-from harness.scenario_file import ScenarioFile
-from harness.trace import Trace
+from harness.trace import Array, Trace
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,22 @@ def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
             f"{first.recording.path}: window {list(first.window)} holds {len(traces[0].time)} samples; "
             f"the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
         )
+    _check_different(group)
     name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"
     return Motion(name, tuple(group), mean_trace(traces), repetitions.shifts, noise_floor(traces))
+
+
+def _check_different(group: Sequence[Experiment]) -> None:
+    """Two copies of one recording are no repetitions: their noise floor would be zero."""
+    recordings = [e.recording for e in group if e.recording is not None]
+    for a, b in combinations(recordings, 2):
+        signals = [(a.trace.time, b.trace.time), *((getattr(a.trace, s), getattr(b.trace, s)) for s in Trace.SIGNALS)]
+        if all(x is y is None or (x is not None and y is not None and _equal(x, y)) for x, y in signals):
+            raise InputError(f"{b.path}: holds the same measurement as {a.path}; expected another repetition")
+
+
+def _equal(a: Array, b: Array) -> bool:
+    return np.array_equal(a, b, equal_nan=True)
 
 
 def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list[Trace]:
@@ -90,7 +105,7 @@ def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list
     return [replace(t.at(clock + shift), time=clock) for t, shift in zip(whole, shifts, strict=True)]
 
 
-def cell_of(file: ScenarioFile, motion: Motion, engine: str, revision: str = "") -> Cell:
+def cell_of(motion: Motion, engine: str, revision: str = "") -> Cell:
     """The key columns of one motion in one engine."""
     scenario = motion.experiments[0].scenario
     recordings = scenario.recordings
@@ -109,13 +124,16 @@ def cell_of(file: ScenarioFile, motion: Motion, engine: str, revision: str = "")
     )
 
 
-def compare(file: ScenarioFile, motion: Motion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
+def compare(motion: Motion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
     """Simulate a motion and its numerical floor; a failure becomes rows that say what happened.
 
     Args:
+        motion: what is simulated.
+        engine: in which engine.
         floors: whether to simulate again with half the step for the numerical floor.
+        revision: the robot's revision in tables (default: the name of its URDF).
     """
-    cell = cell_of(file, motion, engine, revision)
+    cell = cell_of(motion, engine, revision)
     excluded = scenario_excluded(motion)
     try:
         rollout, mean = _simulated(motion, engine, 1.0)
@@ -173,5 +191,5 @@ def _expected(motion: Motion) -> list[Difference]:
     measured = motion.measured
     names = model.joint_names
     order = [measured.index(n) for n in names]
-    twin = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in ("position", "velocity", "effort")}
+    twin: dict[str, Any] = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in JOINT_SIGNALS}
     return differences(model, replace(measured, joints=tuple(names), **twin), measured)

@@ -98,7 +98,7 @@ def _prepare(
         recording = read(path, scenario, plant.model.joint_names, file=file.path)
         _check_supply(file, scenario, recording)
     commands, begin, duration = _commands(file, scenario, plant, recording)
-    return Experiment(
+    experiment = Experiment(
         name=name,
         scenario=scenario,
         plant=plant,
@@ -110,6 +110,11 @@ def _prepare(
         window=(run.window if run and run.window else (-np.inf, np.inf)),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
     )
+    try:
+        experiment.start()
+    except InputError as error:  # said now rather than after other motions were simulated
+        raise InputError(f"{file.path}: {error}") from None
+    return experiment
 
 
 def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from engines.model import Model, rotation_from_quaternion
-from harness.drive import Array
-from harness.trace import Trace
+from engines.model import Model, rotation_between
+from harness.recording.frames import angle_between, vertical
+from harness.trace import Array, Trace
 
 MOVING = np.deg2rad(0.5)
 """A joint whose command ranges over more than this in the window is moving [rad]."""
@@ -75,51 +76,42 @@ def differences(model: Model, simulated: Trace, measured: Trace) -> list[Differe
 
 
 def _base(sim: Trace, measured: Trace) -> list[Difference]:
+    """The differences of a moving base: from its recorded pose or, where there is none, from an IMU."""
     out = []
     if sim.base_position is not None and measured.base_position is not None:
         far = np.linalg.norm(sim.base_position - measured.base_position, axis=1)
-        out.append(Difference("base", "base_position", "m", "base", 1.0, far[np.isfinite(far)]))
-    if sim.base_quaternion is not None and measured.base_quaternion is not None:
-        angle = np.rad2deg(angle_between(sim.base_quaternion, measured.base_quaternion))
-        out.append(Difference("base", "base_orientation", "deg", "base", 180 / np.pi, angle[np.isfinite(angle)]))
-    elif sim.base_quaternion is not None and measured.imu_quaternion is not None:
-        angle = np.rad2deg(_tilt(sim.base_quaternion, measured.imu_quaternion))
-        out.append(Difference("base", "base_orientation", "deg", "base", 180 / np.pi, angle[np.isfinite(angle)]))
-    rate = measured.base_angular if measured.base_angular is not None else None
-    if sim.base_angular is not None and rate is not None:
-        gap = np.rad2deg(np.linalg.norm(sim.base_angular - rate, axis=1))
-        out.append(Difference("base", "base_angular_velocity", "deg/s", "base", 180 / np.pi, gap[np.isfinite(gap)]))
-    elif sim.base_angular is not None and sim.base_quaternion is not None and measured.imu_angular is not None:
-        # a gyroscope measures in its own axes, taken to be those of the base; the size does not depend on them
-        sizes = np.linalg.norm(sim.base_angular, axis=1) - np.linalg.norm(measured.imu_angular, axis=1)
-        gap = np.rad2deg(np.abs(sizes))
-        out.append(Difference("base", "base_angular_velocity", "deg/s", "base", 180 / np.pi, gap[np.isfinite(gap)]))
+        out.append(_of_base("base_position", "m", far))
+    if sim.base_quaternion is not None:
+        if measured.base_quaternion is not None:
+            angle = angle_between(sim.base_quaternion, measured.base_quaternion)
+            out.append(_of_base("base_orientation", "deg", angle))
+        elif measured.imu_quaternion is not None:
+            out.append(_of_base("base_orientation", "deg", _tilt(sim.base_quaternion, measured.imu_quaternion)))
+    if sim.base_angular is not None:
+        if measured.base_angular is not None:
+            rate = np.linalg.norm(sim.base_angular - measured.base_angular, axis=1)
+            out.append(_of_base("base_angular_velocity", "deg/s", rate))
+        elif measured.imu_angular is not None:
+            # a gyroscope measures in its own axes; the size does not depend on them
+            rate = np.linalg.norm(sim.base_angular, axis=1) - np.linalg.norm(measured.imu_angular, axis=1)
+            out.append(_of_base("base_angular_velocity", "deg/s", np.abs(rate)))
     return out
 
 
-def angle_between(a: Array, b: Array) -> Array:
-    """The angle [rad] of the rotation between orientations w x y z. Shape (t, 4) twice -> (t,)."""
-    return np.asarray(2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=1)), 0.0, 1.0)))
+def _of_base(signal: str, unit: str, values: Array) -> Difference:
+    scale = 1.0 if unit == "m" else 180 / np.pi
+    return Difference("base", signal, unit, "base", scale, scale * values[np.isfinite(values)])
 
 
-def _tilt(a: Array, b: Array) -> Array:
+def _tilt(simulated: Array, imu: Array) -> Array:
     """The angle [rad] between the verticals of two orientations, relative to their first sample. Shape (t,).
 
     An IMU is mounted at some angle and its heading drifts, so only the change of the vertical is compared.
     """
-
-    def vertical(q: Array) -> Array:
-        return np.array([rotation_from_quaternion(row)[2] for row in q])
-
-    va, vb = vertical(a), vertical(b)
-    turn = _align(vb[0], va[0])
-    return np.asarray(np.arccos(np.clip(np.sum(va * (vb @ turn.T), axis=1), -1.0, 1.0)))
-
-
-def _align(a: Array, b: Array) -> Array:
-    cross, dot = np.cross(a, b), float(a @ b)
-    k = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
-    return np.asarray(np.eye(3) + k + k @ k / (1 + dot)) if dot > -1 + 1e-9 else -np.eye(3)
+    ours, theirs = vertical(simulated), vertical(imu)
+    mounting = rotation_between(theirs[0], ours[0])
+    chord = np.linalg.norm(ours - theirs @ mounting.T, axis=1)
+    return np.asarray(2.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
 
 
 def mean_trace(traces: Sequence[Trace]) -> Trace:
@@ -127,7 +119,7 @@ def mean_trace(traces: Sequence[Trace]) -> Trace:
     first = traces[0]
     if len(traces) == 1:
         return first
-    out = {}
+    out: dict[str, Any] = {}
     for name in Trace.SIGNALS:
         values = [getattr(t, name) for t in traces]
         present = [v for v in values if v is not None]

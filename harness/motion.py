@@ -11,7 +11,7 @@ from engines.model import Model
 from harness.commands import Commands
 from harness.errors import InputError
 from harness.scenario import Finite, NotNegative
-from harness.scenario_file import validate
+from harness.validation import validate
 
 TICK = 0.01
 """Spacing of the commands that an animation is turned into [s]."""

@@ -61,15 +61,11 @@ class Plant:
 
         What a joint really moves is more (further links) or less (its parent gives way).
         """
-        links = zip(self.model.joints, self.model.links[1:], strict=True)
-        return np.array(
-            [
-                link.mass
-                if joint.prismatic
-                else joint.axis @ link.inertia @ joint.axis + link.mass * np.sum(np.cross(joint.axis, link.com) ** 2)
-                for joint, link in links
-            ]
-        ) + np.maximum(self.drive["armature"], 1e-9)
+        own = []
+        for joint, link in zip(self.model.joints, self.model.links[1:], strict=True):
+            arm = np.cross(joint.axis, link.com)
+            own.append(link.mass if joint.prismatic else joint.axis @ link.inertia @ joint.axis + link.mass * arm @ arm)
+        return np.asarray(np.array(own) + np.maximum(self.drive["armature"], 1e-9))
 
 
 def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
@@ -109,7 +105,15 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         for j in sorted(set(matched) - taken):
             _fit_servo(drive, j, servo)
         taken |= set(matched)
-    return Plant(model, drive, ground(scenario.ground_spec), *(np.zeros(n) for _ in range(2)), np.ones(n), np.zeros(2))
+    return Plant(
+        model=model,
+        drive=drive,
+        ground=ground(scenario.ground_spec),
+        delay=np.zeros(n),
+        velocity_lag=np.zeros(n),
+        velocity_scale=np.ones(n),
+        base_tilt=np.zeros(2),
+    )
 
 
 def ground(spec: GroundSpec | None) -> Ground | None:

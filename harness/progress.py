@@ -24,7 +24,7 @@ class Progress:
     def task(self, what: str, total: int) -> Iterator[Callable[[str], None]]:
         """A piece of work of `total` steps; call the result with a text at the start of each."""
         if self.quiet:
-            yield lambda text: None
+            yield lambda _: None
         elif self.console.is_terminal:
             columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
             with Bar(*columns, console=self.console, transient=True) as bar:
@@ -55,6 +55,6 @@ class Progress:
             count += 1
             if time.monotonic() - last >= EVERY or count == total:
                 last = time.monotonic()
-                print(f"{what} {count}/{total}: {text}", file=sys.stderr, flush=True)
+                sys.stderr.write(f"{what} {count}/{total}: {text}\n")
 
         return advance

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from harness.errors import InputError
 from harness.gap import Difference
 
 SIGNIFICANT = 6
@@ -139,18 +140,34 @@ def read_gaps(path: Path) -> pd.DataFrame:
     return frame
 
 
+def check_writable(folder: Path, option: str = "--out") -> None:
+    """Make sure, before long work and without changing anything, that a result folder can be written.
+
+    Raises:
+        InputError: where a file is in the way or the permission is missing.
+    """
+    place = folder.absolute()
+    while not place.exists():
+        place = place.parent
+    if not place.is_dir():
+        raise InputError(f"{option}: {folder} cannot be made because {place} is a file; expected a folder")
+    if not os.access(place, os.W_OK | os.X_OK):
+        raise InputError(f"{option}: {folder} cannot be written, {place} is read-only; expected a folder to write to")
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
     """Write a file whole or not at all: beside its place first, then moved there."""
     path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode("utf-8") if isinstance(content, str) else content
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    part = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        part.chmod(0o644)
+        part.replace(path)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
         raise
 
 

@@ -1,15 +1,19 @@
 """`realitygap run`: one scenario through the engines, each compared with what was measured."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
 
 import engines
+from harness.budget import not_judged, over_budget, stated_budget
 from harness.comparison import Comparison, Motion, compare, motions
 from harness.errors import InputError
 from harness.experiment import experiments
+from harness.junit import Case, write_junit
 from harness.manifest import write_manifest
 from harness.mcap import write_mcap
 from harness.progress import Progress
@@ -20,9 +24,11 @@ from harness.scenario_file import load_scenario
 
 @dataclass
 class RunResult:
-    """What a run gave: the table, the comparisons behind it, and the page."""
+    """What a run gave: the scenario's name and stated budget, the table, the comparisons behind it, and the page."""
 
     folder: Path
+    scenario: str
+    budget: dict[str, float]
     gaps: pd.DataFrame
     comparisons: list[Comparison] = field(default_factory=list)
     page: Path | None = None
@@ -40,15 +46,15 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     Raises:
         InputError: for a scenario that cannot be run; nothing is written then.
     """
-    file = load_scenario(path)
     chosen = engine_names(names)
+    file = load_scenario(path)
     found = motions(experiments(file))
-    result = RunResult(out, table([]))
+    result = RunResult(out, file.scenario.name, stated_budget(file.scenario.budget), table([]))
     with progress.task("simulating", len(found) * len(chosen)) as advance:
         for engine in chosen:
             for motion in found:
                 advance(f"{engine}: {motion.name}")
-                comparison = compare(file, motion, engine)
+                comparison = compare(motion, engine)
                 result.comparisons.append(comparison)
                 write_traces(out, comparison, motion)
     result.gaps = table(r for c in result.comparisons for r in c.rows)
@@ -106,20 +112,41 @@ def write_tables(out: Path, gaps: pd.DataFrame, comparisons: Sequence[Comparison
     write_whole(out / "timings.csv", to_csv(pd.DataFrame(rows)))
 
 
-def summary(gaps: pd.DataFrame) -> list[str]:
-    """Lines for the terminal: the mean gap of every engine, beside both floors."""
-    lines = []
-    if gaps.empty:
-        return ["nothing was measured: no gap, traces only"]
-    bad = gaps[gaps["outcome"] != "ok"].drop_duplicates(["engine", "recording"])
-    for record in bad.itertuples():
-        lines.append(f"{record.engine}, {record.recording}: {record.outcome}: {record.note}")
-    good = gaps[gaps["outcome"] == "ok"]
-    for (group, signal, unit), part in means(good).groupby(["group", "signal", "unit"], sort=True):
-        for engine, rows in part.groupby("engine"):
-            floor = rows[["noise_floor", "numerical_floor"]].mean()
-            lines.append(
-                f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
-                f"(noise floor {floor['noise_floor']:.2g}, numerical floor {floor['numerical_floor']:.2g})"
-            )
+def summary(result: RunResult) -> list[str]:
+    """Lines for the terminal: what failed, and the mean gap of every engine beside both floors."""
+    lines = [
+        f"{c.cell.engine}, {c.cell.recording or c.cell.scenario}: {c.outcome}: {c.note}"
+        for c in result.comparisons
+        if c.outcome != "ok"
+    ]
+    if result.gaps.empty:
+        return [*lines, "nothing was measured: no gap, traces only"]
+    good = means(result.gaps[result.gaps["outcome"] == "ok"])
+    for (group, signal, unit, engine), rows in good.groupby(["group", "signal", "unit", "engine"], sort=True):
+        lines.append(
+            f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
+            f"(noise floor {_known(rows['noise_floor'])}, numerical floor {_known(rows['numerical_floor'])})"
+        )
     return lines
+
+
+def _known(floors: pd.Series[float]) -> str:
+    return "unknown" if floors.isna().all() else f"{floors.mean():.2g}"
+
+
+def judge(result: RunResult, budget: Mapping[str, float], junit: Path | None = None) -> list[str]:
+    """Sentences on the cells that exceed a budget and, where asked for, JUnit XML with every cell as a test."""
+    if junit is not None:
+        cases = [
+            Case(
+                suite=c.cell.scenario,
+                name=f"{c.cell.engine}: {c.cell.recording or c.cell.scenario}",
+                outcome=c.outcome,
+                note=c.note,
+                seconds=c.rollout.wall if c.rollout is not None else None,
+                over=over_budget(table(c.rows), budget),
+            )
+            for c in result.comparisons
+        ]
+        write_junit(junit, result.scenario, cases)
+    return over_budget(result.gaps, budget) + not_judged(result.gaps, budget)

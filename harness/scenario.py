@@ -7,10 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Fraction = Annotated[float, Field(gt=0, le=1)]
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: `true` and "5" are no numbers
+Positive = Annotated[Finite, Field(gt=0)]
+NotNegative = Annotated[Finite, Field(ge=0)]
+Fraction = Annotated[Finite, Field(gt=0, le=1)]
+Count = Annotated[int, Field(strict=True, gt=0)]
 
 
 def _listed(value: object) -> object:
@@ -95,6 +96,7 @@ class CascadeServo(Servo):
     kp: NotNegative = Field(description="position loop gain [1/s]")
 
 
+SERVOS: dict[str, type[Servo]] = {"dc": DcServo, "pid": PidServo, "cascade": CascadeServo}
 AnyServo = Annotated[DcServo | PidServo | CascadeServo, Field(discriminator="kind")]
 
 
@@ -133,9 +135,7 @@ class PhysicsSpec(Section):
     """How to simulate."""
 
     step_rate: Positive = Field(default=1000.0, description="steps per second")
-    solver_iterations: Annotated[int, Field(gt=0)] | None = Field(
-        default=None, description="solver iterations, where the engine has them"
-    )
+    solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")
 
 
 class EffectSpec(BaseModel):

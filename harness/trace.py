@@ -1,6 +1,7 @@
 """A motion over time, simulated or measured: the same type for both."""
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,12 +69,12 @@ class Trace:
 
     def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64]) -> "Trace":
         """The samples chosen by a mask or an index array."""
-        chosen = {n: None if (v := getattr(self, n)) is None else v[keep] for n in self.SIGNALS}
+        chosen: dict[str, Any] = {n: None if (v := getattr(self, n)) is None else v[keep] for n in self.SIGNALS}
         return replace(self, time=self.time[keep], **chosen)
 
     def at(self, time: Array) -> "Trace":
         """Every signal but the command interpolated linearly to other times; the command is the last one in force."""
-        out: dict[str, Array | None] = {}
+        out: dict[str, Any] = {}
         for name in self.SIGNALS:
             value = getattr(self, name)
             if value is None:

@@ -8,7 +8,8 @@ from pydantic import Field
 from harness.bench.quantity import AngleUnit, LengthUnit, MassUnit
 from harness.errors import InputError
 from harness.scenario import Finite, Section
-from harness.scenario_file import load_yaml, validate
+from harness.validation import validate
+from harness.yaml_file import load_yaml
 
 
 class MassTable(Section):

@@ -21,7 +21,8 @@ from harness.bench.quantity import (
 )
 from harness.errors import InputError
 from harness.scenario import Patterns, Section
-from harness.scenario_file import load_yaml, validate
+from harness.validation import validate
+from harness.yaml_file import load_yaml
 
 
 class Units(Section):

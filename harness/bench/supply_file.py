@@ -7,7 +7,8 @@ from pydantic import Field
 from harness.bench.quantity import CurrentUnit, VoltageUnit
 from harness.errors import InputError
 from harness.scenario import Positive, Section
-from harness.scenario_file import load_yaml, validate
+from harness.validation import validate
+from harness.yaml_file import load_yaml
 
 
 class SupplyUnits(Section):

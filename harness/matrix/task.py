@@ -44,7 +44,7 @@ class Task:
     @property
     def cell(self) -> Cell:
         """The key columns of the table."""
-        return cell_of(self.file, self.motion, self.engine, self.revision)
+        return cell_of(self.motion, self.engine, self.revision)
 
     @property
     def title(self) -> str:
@@ -68,7 +68,7 @@ class Outcome:
 
 def compute(task: Task) -> bytes:
     """Simulate and compare one cell. The result is a zip file with the record, the curves and the trace."""
-    done = compare(task.file, task.motion, task.engine, floors=task.floors, revision=task.revision)
+    done = compare(task.motion, task.engine, floors=task.floors, revision=task.revision)
     return packed(task, done)
 
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from engines.model import Model
 from harness.drive import Array
-from harness.gap import JOINT_SIGNALS, angle_between, differences, unit_of
+from harness.gap import JOINT_SIGNALS, differences, unit_of
+from harness.recording.frames import angle_between
 from harness.results import Cell, slug, write_whole
 from harness.trace import Trace
 
