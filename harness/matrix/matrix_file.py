@@ -9,7 +9,9 @@ from pydantic import BeforeValidator, Field
 import engines
 from harness.errors import InputError
 from harness.scenario import Patterns, Positive, Section
-from harness.scenario_file import load_yaml, resolve_path, validate
+from harness.scenario_file import resolve_path
+from harness.validation import validate
+from harness.yaml_file import load_yaml
 
 NAMED_AXES = {  # axis -> scenario key; `revision` names an entry of the scenario's `revisions`
     "revision": "robot.urdf",
@@ -33,7 +35,7 @@ class Matrix(Section):
 
     name: str = Field(description="name of the matrix")
     scenarios: Patterns = Field(description="scenario files, relative to this file")
-    engines: list[str] | None = Field(default=None, min_length=1, description="engines (default: all installed)")
+    engines: Patterns | None = Field(default=None, description="engines (default: all installed)")
     recordings: Patterns = Field(default=["*"], description="patterns over the recordings' names")
     axes: dict[str, Values] = Field(
         default={}, description="revision, ground, step_rate, solver_iterations or any dotted scenario key: its values"

@@ -17,6 +17,8 @@ from harness.matrix.store import open_store
 from harness.matrix.task import Task, compute
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+START = 300.0
+"""s in which a process has to start, on however busy a machine."""
 KILLS = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 """Signals that come from outside; any other end is the cell's own doing."""
 
@@ -37,6 +39,7 @@ class Worker:
     """A worker process, started at once and used by one thread."""
 
     def __init__(self) -> None:
+        self._ready = False
         ours, theirs = socket.socketpair()
         self._connection = Connection(ours.detach())
         with theirs:
@@ -66,10 +69,11 @@ class Worker:
             Hung: where it took longer than `limit` [s].
         """
         try:
+            if not self._ready:
+                self._answer(START)
+                self._ready = True
             self._connection.send_bytes(pickle.dumps((task, store)))
-            if not self._connection.poll(limit):
-                raise Hung
-            kind, text = self._connection.recv()
+            kind, text = self._answer(limit)
         except (EOFError, OSError):
             raise self._ended() from None
         except Hung:
@@ -77,7 +81,13 @@ class Worker:
             raise
         if kind == "failed":
             raise Died(text, killed=False)
-        return str(text)
+        return text
+
+    def _answer(self, limit: float) -> tuple[str, str]:
+        if not self._connection.poll(limit):
+            raise Hung
+        kind, text = self._connection.recv()
+        return str(kind), str(text)
 
     def _ended(self) -> Died:
         """How the process ended, in words that are the same every time."""
@@ -101,6 +111,7 @@ class Worker:
 def serve(connection: Connection) -> None:
     """Compute the tasks that come through a connection until it is closed."""
     with contextlib.suppress(EOFError, OSError):
+        connection.send(("ready", ""))
         while True:
             task_bytes, store = pickle.loads(connection.recv_bytes())
             task: Task = pickle.loads(task_bytes)
