@@ -4,6 +4,7 @@ Against a plane a convex body touches with its vertices only, so small spheres t
 engine then sees nothing but sphere-plane contacts, which they all treat alike.
 """
 
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -18,6 +19,8 @@ RADIUS = 1e-3
 """Radius of a corner sphere [m]; its centre is moved inwards, so that the surface stays where it was."""
 MANY = 8
 """More corners than this on one link are thinned to those nearest the corners of its oriented bounding box."""
+
+logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # what it complains about is said here
 
 
 def contact_spheres(

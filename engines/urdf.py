@@ -1,19 +1,21 @@
 """Reading a URDF into the canonical `Model`, and writing a `Model` as a plain URDF."""
 
-import logging
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-import defusedxml.ElementTree
 import numpy as np
 import yourdfpy
-from defusedxml.common import DefusedXmlException
 
 from engines.contact import contact_spheres
 from engines.model import Array, Joint, Link, Model, ModelError, quaternion_from_rotation, rotation_from_quaternion
+from engines.urdf_check import parse_urdf
 
-KNOWN_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+Part = tuple[yourdfpy.Link, Array]
+"""A URDF link and its pose (4, 4) in the link that carries it."""
+Branch = tuple[yourdfpy.Joint, Array]
+"""A joint and the pose (4, 4) of its frame in the link that carries it."""
 
 
 def read_urdf(
@@ -30,144 +32,97 @@ def read_urdf(
     Raises:
         ModelError: for a file that is not a URDF or a robot that cannot be simulated, in one sentence.
     """
-    robot = _parse(path)
-    children: dict[str, list[yourdfpy.Joint]] = {}
-    for joint in robot.joints:
-        children.setdefault(joint.parent, []).append(joint)
+    robot = parse_urdf(path)
     links = {link.name: link for link in robot.links}
-    _check_tree(path, robot, links)
-    root = next(link.name for link in robot.links if link.name not in {j.child for j in robot.joints})
-
-    made_links: list[Link] = []
-    made_joints: list[Joint] = []
-    shapes: list[list[tuple[yourdfpy.Collision, Array]]] = []
-    notes: list[str] = []
-
-    def collect(name: str, pose: Array, parts: list[tuple[yourdfpy.Link, Array]], moving: list[tuple]) -> None:  # type: ignore[type-arg]
-        """Everything that is fixed to a link, with its pose there, and the joints that move away from it."""
-        parts.append((links[name], pose))
-        for joint in children.get(name, []):
-            origin = pose @ (np.eye(4) if joint.origin is None else joint.origin)
-            if joint.type == "fixed":
-                collect(joint.child, origin, parts, moving)
-            else:
-                moving.append((joint, origin))
-
-    def build(name: str) -> None:
-        parts: list[tuple[yourdfpy.Link, Array]] = []
-        moving: list[tuple[yourdfpy.Joint, Array]] = []
-        collect(name, np.eye(4), parts, moving)
-        index = len(made_links)
-        made_links.append(_lump(path, name, parts, needs_mass=index > 0 or floating))
-        shapes.append(
-            [(c, pose if c.origin is None else pose @ c.origin) for part, pose in parts for c in part.collisions]
-        )
-        for joint, origin in moving:
-            made_joints.append(_joint(path, joint, origin, index))
-            build(joint.child)
-
-    build(root)
-    if not floating and not made_joints:
-        raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
-    parents = {j.parent for j in made_joints}
-    chosen = [
-        bool({*link.merged} & {*contact_links}) if contact_links is not None else i == 0 or i not in parents
-        for i, link in enumerate(made_links)
-    ]
-    final = []
-    for link, link_shapes, touches in zip(made_links, shapes, chosen, strict=True):
-        spheres = contact_spheres(path, link.name, link_shapes, packages or {}) if touches and link_shapes else ()
-        if link_shapes and not touches:
-            notes.append(f"link {link.name} does not touch the ground: only the base and the last links do")
-        final.append(Link(link.name, link.mass, link.com, link.inertia, spheres, link.merged))
-    return Model(robot.name, tuple(final), tuple(made_joints), floating, tuple(notes))
-
-
-def _parse(path: Path) -> yourdfpy.Robot:
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be read ({error.strerror}); expected a URDF file") from None
-    if path.suffix == ".xacro" or b"xacro:" in text:
-        raise ModelError(
-            f"{path}: is a xacro file, not a URDF; expand it first: xacro {path.name} > {path.name.split('.')[0]}.urdf"
-        )
-    try:
-        tree = defusedxml.ElementTree.fromstring(text)
-    except DefusedXmlException as error:
-        raise ModelError(f"{path}: XML entities are not accepted in a URDF ({type(error).__name__})") from None
-    except Exception as error:
-        raise ModelError(f"{path}: is not well-formed XML ({error}); expected a URDF") from None
-    if tree.tag != "robot":
-        raise ModelError(f"{path}: the root element is <{tree.tag}>, expected <robot>")
-    for number in tree.iter("mass"):
-        _finite(path, "mass", number.get("value"))
-    logging.getLogger("yourdfpy").setLevel(logging.ERROR)
-    try:
-        return yourdfpy.URDF.load(
-            str(path),
-            build_scene_graph=False,
-            load_meshes=False,
-            build_collision_scene_graph=False,
-            load_collision_meshes=False,
-        ).robot
-    except Exception as error:
-        raise ModelError(f"{path}: is not a usable URDF ({type(error).__name__}: {error})") from None
-
-
-def _finite(path: Path, what: str, text: str | None) -> None:
-    try:
-        value = float(text or "")
-    except ValueError:
-        raise ModelError(f"{path}: {what} is {text!r}, expected a number") from None
-    if not np.isfinite(value):
-        raise ModelError(f"{path}: {what} is {text!r}, expected a finite number")
-
-
-def _check_tree(path: Path, robot: yourdfpy.Robot, links: dict[str, yourdfpy.Link]) -> None:
-    if not robot.links:
-        raise ModelError(f"{path}: has no link")
-    for kind, names in (("link", [x.name for x in robot.links]), ("joint", [x.name for x in robot.joints])):
-        double = sorted({n for n in names if names.count(n) > 1})
-        if double:
-            raise ModelError(f"{path}: {kind} {double[0]} is defined {names.count(double[0])} times")
-    seen: set[str] = set()
+    children: dict[str, list[yourdfpy.Joint]] = {name: [] for name in links}
     for joint in robot.joints:
-        for end in (joint.parent, joint.child):
-            if end not in links:
-                raise ModelError(f"{path}: joint {joint.name} names link {end}, which is not defined")
-        if joint.child in seen:
-            raise ModelError(f"{path}: link {joint.child} has two parent joints; expected a tree")
-        seen.add(joint.child)
-        if joint.type not in KNOWN_TYPES:
-            raise ModelError(f"{path}: joint {joint.name} is {joint.type}; expected one of {', '.join(KNOWN_TYPES)}")
-        if joint.mimic is not None:
-            raise ModelError(f"{path}: joint {joint.name} mimics {joint.mimic.joint}; mimic joints are not supported")
-    roots = [name for name in links if name not in seen]
-    if len(roots) != 1:
-        found = ", ".join(roots) or "none (a loop)"
-        raise ModelError(f"{path}: expected one root link, found {found}")
-    reached, todo = set(), [roots[0]]
+        children[joint.parent].append(joint)
+    (root,) = links.keys() - {joint.child for joint in robot.joints}
+
+    bodies: list[Link] = []
+    joints: list[Joint] = []
+    shapes: list[list[tuple[yourdfpy.Collision, Array]]] = []
+    parts, branches = _carried(root, links, children)
+    todo: list[tuple[yourdfpy.Joint, Array, int]] = []  # depth first, in the file's order
+    while True:
+        index = len(bodies)
+        bodies.append(_lump(path, parts, needs_mass=index > 0 or floating))
+        shapes.append([(c, pose @ _pose(c.origin)) for part, pose in parts for c in part.collisions])
+        todo += [(joint, origin, index) for joint, origin in reversed(branches)]
+        if not todo:
+            break
+        joint, origin, parent = todo.pop()
+        joints.append(_joint(path, joint, origin, parent))
+        parts, branches = _carried(joint.child, links, children)
+    if not floating and not joints:
+        raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
+
+    touching = _touching(path, bodies, joints, contact_links)
+    notes = [
+        f"link {body.name} does not touch the ground"
+        for body, found in zip(bodies, shapes, strict=True)
+        if found and body.name not in touching
+    ]
+    notes += [
+        f"joint {joint.name} has {limit} limit 0 in the URDF, which is taken as no limit"
+        for joint in robot.joints
+        for limit in ("effort", "velocity")
+        if joint.type != "fixed" and joint.limit is not None and getattr(joint.limit, limit) == 0
+    ]
+    final = [
+        replace(body, spheres=contact_spheres(path, body.name, found, packages or {}))
+        if body.name in touching
+        else body
+        for body, found in zip(bodies, shapes, strict=True)
+    ]
+    return Model(robot.name, tuple(final), tuple(joints), floating, tuple(notes))
+
+
+def _pose(origin: Array | None) -> Array:
+    return np.eye(4) if origin is None else np.asarray(origin, dtype=float)
+
+
+def _carried(
+    name: str, links: Mapping[str, yourdfpy.Link], children: Mapping[str, list[yourdfpy.Joint]]
+) -> tuple[list[Part], list[Branch]]:
+    """Everything that is fixed to a link, itself first, and the joints that move away from it."""
+    parts, branches = [(links[name], np.eye(4))], []
+    todo = [(joint, _pose(joint.origin)) for joint in reversed(children[name])]
     while todo:
-        name = todo.pop()
-        reached.add(name)
-        todo += [j.child for j in robot.joints if j.parent == name]
-    if len(reached) < len(links):
-        raise ModelError(f"{path}: link {sorted(set(links) - reached)[0]} is not connected to root {roots[0]}")
+        joint, origin = todo.pop()
+        if joint.type == "fixed":
+            parts.append((links[joint.child], origin))
+            todo += [(further, origin @ _pose(further.origin)) for further in reversed(children[joint.child])]
+        else:
+            branches.append((joint, origin))
+    return parts, branches
 
 
-def _lump(path: Path, name: str, parts: list[tuple[yourdfpy.Link, Array]], needs_mass: bool) -> Link:
+def _touching(path: Path, bodies: list[Link], joints: list[Joint], wanted: list[str] | None) -> set[str]:
+    """The names of the bodies that touch the ground: those asked for, or the base and the leaves."""
+    if wanted is None:
+        parents = {joint.parent for joint in joints}
+        return {body.name for i, body in enumerate(bodies) if i == 0 or i not in parents}
+    known = {name: body.name for body in bodies for name in body.merged}
+    for name in wanted:
+        if name not in known:
+            raise ModelError(f"{path}: has no link {name} that could touch the ground; it has {', '.join(known)}")
+    return {known[name] for name in wanted}
+
+
+def _lump(path: Path, parts: list[Part], needs_mass: bool) -> Link:
     """One rigid body from a link and all that is fixed to it (parallel-axis theorem)."""
     bodies = []
     for part, pose in parts:
         inertial = part.inertial
         if inertial is None or inertial.mass is None:
             continue
-        origin = pose @ (np.eye(4) if inertial.origin is None else inertial.origin)
+        origin = pose @ _pose(inertial.origin)
         tensor = np.zeros((3, 3)) if inertial.inertia is None else np.asarray(inertial.inertia, dtype=float)
-        _check_inertia(path, part.name, float(inertial.mass), tensor)
+        _check_inertia(path, part.name, tensor)
         bodies.append((float(inertial.mass), origin[:3, 3], origin[:3, :3] @ tensor @ origin[:3, :3].T))
     merged = tuple(part.name for part, _ in parts)
+    name = merged[0]
     mass = sum(m for m, _, _ in bodies)
     if mass <= 0:
         if needs_mass:
@@ -181,18 +136,14 @@ def _lump(path: Path, name: str, parts: list[tuple[yourdfpy.Link, Array]], needs
     return Link(name, mass, com, inertia, (), merged)
 
 
-def _check_inertia(path: Path, name: str, mass: float, tensor: Array) -> None:
-    if mass < 0:
-        raise ModelError(f"{path}: link {name} has mass {mass:g} kg, expected a positive one")
-    if not np.isfinite(tensor).all():
-        raise ModelError(f"{path}: link {name} has an inertia that is not finite")
+def _check_inertia(path: Path, name: str, tensor: Array) -> None:
     moments = np.linalg.eigvalsh(tensor)
     small = 1e-6 * max(moments[2], 1e-12)
     if moments[0] < -small or moments[0] + moments[1] < moments[2] - small:
         found = ", ".join(f"{m:.3g}" for m in moments)
         raise ModelError(
-            f"{path}: link {name} has principal moments of inertia {found} kg·m², which no body has; expected all to be "
-            "positive and none larger than the other two together"
+            f"{path}: link {name} has principal moments of inertia {found} kg·m², which no body has; "
+            "expected all to be positive and none larger than the other two together"
         )
 
 
@@ -243,12 +194,12 @@ def write_urdf(model: Model, *, spheres: bool = True) -> str:
     """
     lines = [f"<robot name={quoteattr(model.name)}>"]
     for link in model.links:
-        lines.append(f"<link name={quoteattr(link.name)}><inertial><origin xyz={_xyz(link.com)}/>")
-        i = link.inertia
-        lines.append(
-            f'<mass value="{link.mass!r}"/><inertia ixx="{float(i[0, 0])!r}" ixy="{float(i[0, 1])!r}" '
-            f'ixz="{float(i[0, 2])!r}" iyy="{float(i[1, 1])!r}" iyz="{float(i[1, 2])!r}" izz="{float(i[2, 2])!r}"/></inertial>'
-        )
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = link.inertia.tolist()
+        lines += [
+            f"<link name={quoteattr(link.name)}><inertial><origin xyz={_xyz(link.com)}/>",
+            f'<mass value="{link.mass!r}"/>',
+            f'<inertia ixx="{xx!r}" ixy="{xy!r}" ixz="{xz!r}" iyy="{yy!r}" iyz="{yz!r}" izz="{zz!r}"/></inertial>',
+        ]
         for sphere in link.spheres if spheres else ():
             lines.append(
                 f"<collision><origin xyz={_xyz(sphere.center)}/><geometry>"
@@ -258,14 +209,14 @@ def write_urdf(model: Model, *, spheres: bool = True) -> str:
     for i, joint in enumerate(model.joints):
         rotation = rotation_from_quaternion(quaternion_from_rotation(joint.origin[:3, :3]))
         kind = "prismatic" if joint.prismatic else "continuous"
-        lines.append(
+        parent, child = model.links[joint.parent].name, model.links[i + 1].name
+        lines += [
             f'<joint name={quoteattr(joint.name)} type="{kind}">'
-            f"<origin xyz={_xyz(joint.origin[:3, 3])} rpy={_xyz(np.array(rpy_from_rotation(rotation)))}/>"
-            f"<parent link={quoteattr(model.links[joint.parent].name)}/><child link={quoteattr(model.links[i + 1].name)}/>"
-            f"<axis xyz={_xyz(joint.axis)}/>"
-            + ('<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>' if joint.prismatic else "")
-            + "</joint>"
-        )
+            f"<origin xyz={_xyz(joint.origin[:3, 3])} rpy={_xyz(np.array(rpy_from_rotation(rotation)))}/>",
+            f"<parent link={quoteattr(parent)}/><child link={quoteattr(child)}/><axis xyz={_xyz(joint.axis)}/>",
+            '<limit lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"/>' if joint.prismatic else "",
+            "</joint>",
+        ]
     return "\n".join([*lines, "</robot>", ""])
 
 
