@@ -80,7 +80,7 @@ def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
         return unit
     j = suspect.indices[0]
     if " or " in unit:
-        unit = unit.split(" or ")[problem.plant.drive["kind"][j] == PID]
+        unit = unit.split(" or ")[int(problem.plant.drive["kind"][j] == PID)]
     return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit
 
 
