@@ -120,14 +120,14 @@ def law(**native: bool) -> Spoil:
     return spoil
 
 
-FREE_SPIN = "free spin: no motor, damping, speed limit"
+FREE_SPIN = "free spin"
 STOPPING = "block: stopping distance"
 PYBULLET = (
     Pitfall("default velocity motor left on", "pybullet", FREE_SPIN, default_motor),
     Pitfall("link damping left on", "pybullet", "tree: one real step", bullet(linearDamping=0.04, angularDamping=0.04)),
     Pitfall("joint damping left on", "pybullet", FREE_SPIN, bullet(jointDamping=0.1)),
     Pitfall("speed limit left", "pybullet", FREE_SPIN, bullet(maxJointVelocity=100.0)),
-    Pitfall("sleeping on", "pybullet", "slow motion is not put to sleep", asleep),
+    Pitfall("sleeping on", "pybullet", "no sleep: slow motion", asleep),
     Pitfall("pair friction taken as the product", "pybullet", STOPPING, bullet(lateralFriction=0.5)),
     Pitfall("friction pyramid", "pybullet", "block: stopping distance askew", friction_pyramid),
     Pitfall("base state in the centre of mass", "pybullet", "tree: one real step", frame_in_com),
@@ -222,7 +222,7 @@ def dart_speed_limits(s: Any) -> None:
 
 
 DART = (
-    Pitfall("sleeping on", "dart", "slow motion on the ground is not put to sleep", dart_asleep),
+    Pitfall("sleeping on", "dart", "no sleep: slow motion on the ground", dart_asleep),
     Pitfall("a link of 1 kg", "dart", "tree: total mass", dart_kilogram),
     Pitfall("default solver's friction pyramid", "dart", "block: stopping distance askew", dart_pyramid),
     Pitfall("friction is the smaller of the pair", "dart", STOPPING, dart_slippery),
@@ -384,7 +384,7 @@ ode = pytest.mark.skipif("ode" not in engines.available(), reason="ode is not in
 @pytest.mark.parametrize(
     ("function", "flag", "name"),
     [
-        ("dWorldSetAutoDisableFlag", 1, "slow motion is not put to sleep"),
+        ("dWorldSetAutoDisableFlag", 1, "no sleep: slow motion"),
         ("dBodySetGyroscopicMode", 0, "tree: 10 ms under constant effort"),
     ],
 )

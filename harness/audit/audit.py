@@ -49,7 +49,8 @@ def certify(audited: list[Engine], robot: Robot | None = None, progress: Progres
         rows += between.chain_rows(audited)
         rows += between.contact_rows(audited)
         if robot is not None:
-            rows += between.free_rows(audited, robot.model, robot.timestep)
+            if robot.model.joints:
+                rows += between.free_rows(audited, robot.model, robot.timestep)
             rows += robot.rows()
     versions = {engine.name: engine.version for engine in audited}
     return Certificate(tuple(rows), {**versions, "pinocchio": pinocchio().__version__}, robot.facts if robot else {})

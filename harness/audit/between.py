@@ -56,7 +56,7 @@ def _rows(
 
 
 def _row(name: str, engine: str, error: Array, tolerance: float, note: str) -> Row:
-    worst = float(np.abs(error).max())
+    worst = float(np.abs(error).max(initial=0.0))
     verdict: Verdict = "passed" if worst <= tolerance else "failed"
     return Row(name, engine, worst, tolerance, "rad", verdict, note)
 

@@ -9,6 +9,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Literal
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -60,10 +61,11 @@ class Certificate:
     def table(self) -> Table:
         """The certificate for a terminal: one line per property, one column per engine, then the tolerance."""
         engines = list(dict.fromkeys(row.engine for row in self.rows))
-        table = Table(title="Audit: " + ", ".join(f"{n} {v}" for n, v in self.versions.items()))
-        table.add_column("property")
+        title = "Audit: " + ", ".join(f"{name} {version}" for name, version in self.versions.items())
+        table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+        table.add_column("property", no_wrap=True)
         for engine in engines:
-            table.add_column(engine, justify="right")
+            table.add_column(engine, justify="right", min_width=8)
         table.add_column("tolerance", justify="right")
         by_property: dict[str, dict[str, Row]] = {}
         for row in self.rows:
@@ -80,8 +82,8 @@ class Certificate:
         """The certificate in words: table, sentences and verdict."""
         console = Console(width=width, file=StringIO(), record=True, highlight=False)
         console.print(self.table())
-        number = len(self.failures)
-        verdict = f"{number} of {len(self.rows)} checks failed" if number else f"passed: {len(self.rows)} checks"
+        count = {verdict: [row.verdict for row in self.rows].count(verdict) for verdict in STYLE}
+        verdict = ", ".join(f"{number} {name}" for name, number in count.items() if number)
         return "\n".join([console.export_text().rstrip(), *self.sentences(), verdict])
 
     def sentences(self) -> list[str]:

@@ -81,11 +81,11 @@ def checks_of(model: Model, what: str, h: float = STEP, way_tolerance: float = 1
         Check(f"{what}: state set and read", state_back, 1e-9, note=states),
         Check(f"{what}: one real step", step, 1e-6, "1", f"against forward dynamics, {states}", "forward_dynamics"),
         Check(
-            f"{what}: one step, armature damping friction",
+            f"{what}: one step of the joint law",
             law_step,
             1e-6,
             "1",
-            f"against the joint law, all joints sliding, {states}",
+            f"armature, damping and friction, all joints sliding, {states}",
             "forward_dynamics",
         ),
         Check(
