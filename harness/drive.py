@@ -35,6 +35,7 @@ DRIVE = np.dtype(
         ("sag_group", np.int64),  # servos of one group, with the same supply, share it
         ("heating", np.float64),
         ("offset", np.float64),
+        ("dead_band", np.float64),  # of the position error: half width; no effect on the list, but a servo may have one
         ("armature", np.float64),
         ("coulomb", np.float64),
         ("static", np.float64),

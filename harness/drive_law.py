@@ -129,6 +129,7 @@ def _motor(d, s, command, upcoming, reading, rate, speed, t, h):  # type: ignore
         s.started = 0
         s.integral = 0.0
         return 0.0, 0.0
+    reading = _seen(d, command, reading)
     error = command - reading
     torque, back = 0.0, 0.0
     if d.meaning == EFFORT:
@@ -167,6 +168,15 @@ def _motor(d, s, command, upcoming, reading, rate, speed, t, h):  # type: ignore
         elif abs(now) > bound:  # on the line the torque is bound(ω): its slope is damping, as back-EMF is
             torque, back = sign * d.stall_torque, d.stall_torque / d.no_load_speed
     return torque, back
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _seen(d, command, reading):  # type: ignore[no-untyped-def]
+    """The reading as a controller with a dead band takes it: an error within the band is none."""
+    if d.dead_band == 0.0:
+        return reading
+    error = command - reading
+    return command - np.sign(error) * max(abs(error) - d.dead_band, 0.0)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -212,7 +222,7 @@ def _sag(drive, state, command, recorded, t, log):  # type: ignore[no-untyped-de
                 o = drive[i]
                 if not _shared(o, d) or o.meaning == EFFORT or np.isnan(command[i]):
                     continue
-                duty = _duty(o, command[i], log[i].encoder - o.offset)
+                duty = _duty(o, command[i], _seen(o, command[i], log[i].encoder - o.offset))
                 induced = o.torque_constant * max(1.0 - o.heating * t, 0.0) * log[i].rotor
                 power = duty * bus * (duty * bus - induced) / o.resistance
                 if power > 0.0:

@@ -11,6 +11,7 @@ import numpy as np
 import engines
 from harness.diagnose.confirm import Confirmed, confirm
 from harness.diagnose.locate import Place, locate
+from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
@@ -175,6 +176,7 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     problem = pool.problem
     told = sensor_faults(problem)
     found = search(pool, say)
+    outside = set_aside(pool, found, say)
     others = [e for e in names if e != problem.engine]
     confirmed, artefacts = confirm(pool, found, others, say)
     listed = rivals(pool, found) if found.fit.changes else {}
@@ -196,7 +198,7 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
         faults=told,
         before=before,
         after=after,
-        notes=artefacts,
+        notes=[*outside, *artefacts],
     )
 
 

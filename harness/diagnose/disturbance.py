@@ -36,7 +36,7 @@ def sensitivity(problem: Problem, changes: Sequence[Change], case: int, joint: i
     h = c.experiment.scenario.timestep
     steps = int(c.experiment.duration / h) + 3
     for k, pushed in enumerate(plants[2:]):
-        pushed.efforts.append(_Push(_coloured(steps, h, k) * push, h, joint, len(plant.model.joints)))
+        pushed.efforts.append(Push(coloured(steps, h, k) * push, h, joint, len(plant.model.joints)))
     try:
         traces = [simulate(c.experiment.with_plant(p), problem.engine).trace.at(c.measured.time) for p in plants]
     except (Diverged, Unsupported):
@@ -59,7 +59,7 @@ ENVELOPE = 0.05
 
 
 @dataclass(frozen=True)
-class _Push:
+class Push:
     """A torque on one joint over time, as a joint effort of a plant."""
 
     torque: Array
@@ -73,7 +73,7 @@ class _Push:
         return out
 
 
-def _coloured(steps: int, h: float, seed: int) -> Array:
+def coloured(steps: int, h: float, seed: int) -> Array:
     """Random numbers of unit variance and a correlation time, the same for the same seed. Shape (steps,)."""
     keep = np.exp(-h / CORRELATION)
     white = np.random.default_rng(seed).standard_normal(steps) * np.sqrt(1 - keep**2)

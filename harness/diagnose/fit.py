@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.suspects import fitted, neutral, sizes
 from harness.drive import Array
-from harness.effects import EFFECTS
+from harness.diagnose.decoys import KNOWN
 
 STEP = 0.02
 """Step of a numerical derivative, as a part of the parameter's size."""
@@ -48,7 +48,7 @@ class Fit:
 
 def start(problem: Problem, suspect: Suspect) -> Change:
     """A suspect at a first guess: its neutral value plus a sensible size."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     first = effect.first_size(problem.plant, suspect.indices[0])
     zero = neutral(problem.plant, suspect)
     free = tuple(p.name for p in fitted(effect))
@@ -71,7 +71,7 @@ class _Space:
         self.names: list[tuple[int, str]] = []
         scale, low, high, first = [], [], [], []
         for i, change in enumerate(self.changes):
-            effect = EFFECTS[change.suspect.effect]
+            effect = KNOWN[change.suspect.effect]
             size = sizes(problem.plant, change.suspect)
             for name in change.free:
                 p = effect.parameter(name)
@@ -105,7 +105,7 @@ def fit(
         budget: iterations of the solver at most.
     """
     if not changes:
-        return Fit([], {c: _cost(problem.residuals([], c)) for c in [*train, *judge]})
+        return Fit([], costs(problem, [], [*train, *judge]))
     space = _Space(problem, changes)
     count = 0
     memo: dict[bytes, Array] = {}
@@ -136,8 +136,13 @@ def fit(
         gtol=1e-10,
     )
     out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count)
-    out.cost = {c: _cost(problem.residuals(out.changes, c)) for c in sorted({*train, *judge})}
+    out.cost = costs(problem, out.changes, [*train, *judge])
     return out
+
+
+def costs(problem: Problem, changes: Sequence[Change], cases: Sequence[int]) -> dict[int, float]:
+    """The mean squared residual of each case with a changed plant; 1 is the floor."""
+    return {c: float(np.mean(problem.residuals(changes, c) ** 2)) for c in sorted(set(cases))}
 
 
 def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
@@ -147,10 +152,6 @@ def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
 def _weighted(residual: Array) -> Array:
     """A motion's residual so that its squares sum to their mean: every motion counts alike, however long."""
     return residual / np.sqrt(len(residual))
-
-
-def _cost(residual: Array) -> float:
-    return float(np.mean(residual**2))
 
 
 def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
@@ -169,7 +170,7 @@ def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
 def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
     """A fit with standard deviations and with what each motion alone would say of its values."""
     space = _Space(problem, result.changes)
-    out = replace(result)
+    out = replace(result, names=space.names, value=space.first * space.scale)
     cases = sorted({*train, *judge})
     p = len(space.first)
     normal = np.zeros((p, p))

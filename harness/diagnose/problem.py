@@ -12,7 +12,7 @@ from engines import Diverged, Unsupported
 from harness.comparison import Motion, motions, on_first_clock
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
 from harness.drive import Array
-from harness.effects import EFFECTS
+from harness.diagnose.decoys import KNOWN
 from harness.errors import InputError
 from harness.experiment import Experiment, experiments, simulate
 from harness.plant import Plant
@@ -196,7 +196,7 @@ def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:
     """
     out = plant.copy()
     for change in changes:
-        effect = EFFECTS[change.suspect.effect]
+        effect = KNOWN[change.suspect.effect]
         indices = list(change.suspect.indices)
         for i in indices:
             here, there = effect.own(plant, i), effect.own(reference, i)

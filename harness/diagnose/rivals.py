@@ -11,7 +11,7 @@ from harness.diagnose.fit import fit
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.search import Search, name
-from harness.effects import EFFECTS
+from harness.diagnose.decoys import KNOWN
 
 MOST = 3
 """Rivals that are listed at most."""
@@ -56,7 +56,7 @@ def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
             owners.append(step.suspect)
     fits = pool.map(fit, questions)
     out: dict[Suspect, list[Rival]] = {}
-    order = list(EFFECTS)
+    order = list(KNOWN)
     for owner, other in zip(owners, fits, strict=True):
         cases = [*train, *judge]
         worse = max(other.mean_cost(part) - found.fit.mean_cost(part) for part in (train, judge))
@@ -66,7 +66,7 @@ def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
             why = f"its own fit differs from this one by {apart:.2f} floors on all runs"
             out.setdefault(owner, []).append(Rival(rival, why))
     for listed in out.values():
-        listed.sort(key=lambda r: (len(EFFECTS[r.suspect.effect].parameters), order.index(r.suspect.effect)))
+        listed.sort(key=lambda r: (len(KNOWN[r.suspect.effect].parameters), order.index(r.suspect.effect)))
         del listed[MOST:]
     return out
 

@@ -13,7 +13,8 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.suspects import neutral, sizes, whole
 from harness.drive import Array
-from harness.effects import EFFECTS, Effect
+from harness.diagnose.decoys import KNOWN
+from harness.effects import Effect
 
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
@@ -79,7 +80,7 @@ def screen(
 
 def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None = None) -> list[list[Change]]:
     """First tries of a suspect: per start a list of changes, each of one parameter."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     zero = neutral(problem.plant, suspect)
     size = sizes(problem.plant, suspect)
     first = start(problem, suspect)
@@ -90,6 +91,11 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
             for a in WHOLE_FIRST
             for b in WHOLE_SECOND
         ]
+    if effect.name.endswith("_joint_stop"):
+        upper = effect.name.startswith("upper")
+        seen = [problem.cases[c].value("position")[:, suspect.indices[0]] for c in problem.of("train")]
+        angle = max(float(np.nanmax(s)) for s in seen) if upper else min(float(np.nanmin(s)) for s in seen)
+        return [[_with(first, {"angle": angle})]]
     if effect.name == "torque_ripple":
         return [
             [_with(first, {"amplitude": size["amplitude"], "periods": p, "phase": phase}) for phase in (0.0, np.pi / 2)]
@@ -150,7 +156,7 @@ def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | Non
 
 
 def _single(problem: Problem, suspect: Suspect) -> bool:
-    return EFFECTS[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
+    return KNOWN[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
 
 
 def _combined(problem: Problem, shared: Sequence[Suspect]) -> list[list[tuple[Suspect, Change]]]:
@@ -175,7 +181,7 @@ def _explained(problem: Problem, accepted: tuple[Change, ...], change: Change, t
     """Residuals at the guess and at half of it: a straight line may lead too far."""
     zero = neutral(problem.plant, change.suspect)
     tries = [change]
-    if not whole(EFFECTS[change.suspect.effect]):
+    if not whole(KNOWN[change.suspect.effect]) and np.isfinite(list(zero.values())).all():
         half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
         tries.append(_with(change, {n: v for n, v in half.items() if np.isfinite(v)}))
     return [_signature(problem, (*accepted, t), train) for t in tries]
@@ -189,7 +195,7 @@ def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Ar
         size = sizes(pool.problem.plant, change.suspect)
         for name in change.free:
             step = 0.05 * size[name]
-            if change.parameters[name] + step > EFFECTS[change.suspect.effect].parameter(name).high:
+            if change.parameters[name] + step > KNOWN[change.suspect.effect].parameter(name).high:
                 step = -step
             moved = _with(change, {name: change.parameters[name] + step})
             questions.append(((*accepted[:i], moved, *accepted[i + 1 :]), tuple(train)))
@@ -220,7 +226,7 @@ def _guess(
     problem: Problem, suspect: Suspect, found: list[tuple[Change, Array]], base: Array, tangent: Array, robust: Array
 ) -> Screened | None:
     """The best straight-line combination of a suspect's probes with the accepted parameters' tangents."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     zero = neutral(problem.plant, suspect)
     good = [(p, s) for p, s in found if np.abs(s).max() < WORST / 1e3 and np.any(s)]
     if not good:
@@ -228,7 +234,7 @@ def _guess(
     target = -robust * base
     left = robust[:, None] * tangent
     alone = _left(left, target)
-    if whole(effect):
+    if whole(effect) or effect.name.endswith("_joint_stop"):
         probe, signature = good[0]
         rest = _left(left, target - robust * signature)
         return Screened(probe, 1.0 - rest / max(alone, 1e-30))

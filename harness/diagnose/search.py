@@ -13,7 +13,7 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.suspects import LATER, neutral, suspects
-from harness.effects import EFFECTS
+from harness.diagnose.decoys import KNOWN
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -130,9 +130,7 @@ def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) ->
     for change in accepted:
         other = change.suspect
         if set(indices) & set(other.indices) and (
-            effect == other.effect
-            or effect in EFFECTS[other.effect].excludes
-            or other.effect in EFFECTS[effect].excludes
+            effect == other.effect or effect in KNOWN[other.effect].excludes or other.effect in KNOWN[effect].excludes
         ):
             return True
     return False
@@ -164,7 +162,7 @@ def _best(
     gains = [_gain(now, f, train, judge) for f in worthy]
     top = max(gains)
     equal = [f for f, g in zip(worthy, gains, strict=True) if g >= top - EQUAL * abs(top)]
-    order = list(EFFECTS)
+    order = list(KNOWN)
 
     def simplicity(candidate: Fit) -> tuple[int, int]:
         last = candidate.changes[-1]

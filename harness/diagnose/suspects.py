@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from harness.diagnose.problem import Problem, Suspect
-from harness.effects import EFFECTS, Effect, Parameter
+from harness.diagnose.decoys import DECOYS, KNOWN
+from harness.effects import Effect, Parameter
 from harness.plant import Plant, match_joints
 
 
@@ -15,7 +16,7 @@ def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
     plant = problem.plant
     out = []
-    for effect in EFFECTS.values():
+    for effect in KNOWN.values():
         for target, indices in _targets(problem, effect):
             if all(effect.possible(plant, i) is None for i in indices):
                 out.append(Suspect(effect.name, target, tuple(indices)))
@@ -30,6 +31,8 @@ def _targets(problem: Problem, effect: Effect) -> list[tuple[str | tuple[str, ..
         first = 0 if plant.model.floating else 1
         return [(link.name, [i]) for i, link in enumerate(plant.model.links) if i >= first]
     joints = [j for j in range(len(plant.model.joints)) if problem.judged[j]]
+    if effect.name in DECOYS:
+        return [(plant.model.joint_names[j], [j]) for j in joints] if len(joints) <= FEW_JOINTS else []
     names = plant.model.joint_names
     out: list[tuple[str | tuple[str, ...], list[int]]] = [(names[j], [j]) for j in joints]
     if len(joints) > 1:
@@ -50,6 +53,8 @@ def _servo_groups(problem: Problem) -> list[list[int]]:
     return out
 
 
+FEW_JOINTS = 6
+"""Decoys are tried on robots with no more joints than this."""
 ALWAYS_FREE = {
     "torque_ripple": ("amplitude", "periods", "phase"),
     "stribeck_friction": ("static", "coulomb", "velocity"),
@@ -72,7 +77,7 @@ def fitted(effect: Effect) -> list[Parameter]:
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """The values that change nothing: the plant's own, or those of an absent effect."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     own = effect.own(plant, suspect.indices[0])
     out = {}
     for p in effect.parameters:
@@ -85,7 +90,7 @@ def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
 
 def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """A sensible first change of each parameter at this target, above zero."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     first = effect.first_size(plant, suspect.indices[0])
     zero = neutral(plant, suspect)
     common = max(
@@ -107,6 +112,6 @@ def whole(effect: Effect) -> bool:
 
 def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds of the named parameters."""
-    effect = EFFECTS[suspect.effect]
+    effect = KNOWN[suspect.effect]
     chosen = [effect.parameter(n) for n in names]
     return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])

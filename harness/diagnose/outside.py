@@ -1,0 +1,42 @@
+"""Setting aside what is explained by something that is not on the list of effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from harness.diagnose.decoys import DECOYS
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Problem
+from harness.diagnose.search import Search, rms
+from harness.diagnose.fit import Fit, assess, costs
+
+
+def set_aside(pool: Pool, found: Search, say: Callable[[str], None]) -> list[str]:
+    """Take decoys out of what was found; returns a sentence for each. What stays is judged without them."""
+    problem = pool.problem
+    train, judge = problem.of("train"), problem.of("held_out")
+    decoys = [c for c in found.fit.changes if c.suspect.effect in DECOYS]
+    if not decoys:
+        return []
+    notes = []
+    for change in decoys:
+        step = next((s for s in found.steps if s.suspect == change.suspect), None)
+        values = ", ".join(f"{n} {v:.3g} {DECOYS[change.suspect.effect].parameter(n).unit}" for n, v in change.values)
+        gain = f": held-out gap {rms(step.before):.2f} -> {rms(step.after):.2f} with it" if step else ""
+        notes.append(
+            f"outside the list of effects: what is seen at {change.suspect.target} looks like a "
+            f"{change.suspect.effect.replace('_', ' ')} ({values}){gain}; it is not named as a finding"
+        )
+    found.steps = [s for s in found.steps if s.suspect.effect not in DECOYS]
+    found.fit = _without(problem, found, train, judge)
+    for note in notes:
+        say(note)
+    return notes
+
+
+def _without(problem: Problem, found: Search, train: list[int], judge: list[int]) -> Fit:
+    named = [c for c in found.fit.changes if c.suspect.effect not in DECOYS]
+    if not named:
+        return found.base
+    kept = Fit(named, costs(problem, named, [*train, *judge]))
+    return assess(problem, kept, train, judge)
