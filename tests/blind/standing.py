@@ -16,8 +16,8 @@ from foreign import Foreign, Motion
 from motions import Command
 
 STEP = 2e-4
-RIGID = (5e4, 60.0)
-"""Stiffness [N/m] and damping [N·s/m] per contact point of hard ground: it gives by 0.2 mm."""
+RIGID = (2e5, 150.0)
+"""Stiffness [N/m] and damping [N·s/m] per contact point of hard ground: it gives by 0.05 mm."""
 FEET = ("left_foot___list_t0v6opd9rekumc_default", "right_foot_")
 TORSO = "torso_2023"
 
@@ -107,7 +107,7 @@ def soles(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
 @numba.njit(cache=True)
 def _ground(points, pos, mat, com, velocity, about, mu, stiffness, damping, anchor, touching, wrench):
     """Wrench (2, 6) on both feet at their centres of mass: force, torque, world axes."""
-    shear, drag = 4e4, 20.0
+    shear, drag = 1e5, 60.0
     for f in range(2):
         wrench[f] = 0.0
         for k in range(4):
