@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -33,8 +33,8 @@ Junit = Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: ev
 Bench = Annotated[Path, typer.Argument(help="the bench file")]
 
 
-def _folder(out: Path | None, name: str) -> Path:
-    """The result folder, checked before the work: `--out`, or one below results/runs."""
+def _folder(out: Path | None, name: str = "") -> Path:
+    """The folder to write to, checked before the work: `--out`, or one below results/runs."""
     from harness.results import check_writable
 
     folder = out or Path("results/runs") / name
@@ -84,7 +84,7 @@ def init(
     """
     from harness.init import init as write
 
-    typer.echo(f"wrote {write(urdf, bags, out)}")
+    typer.echo(f"wrote {write(urdf, bags, _folder(out))}")
 
 
 @app.command()
@@ -167,7 +167,8 @@ def audit(
     from harness.audit import audit as certify
     from harness.run import engine_names
 
-    certificate = certify(path, engine_names(engine or []), out)
+    chosen = engine_names(engine or [])
+    certificate = certify(path, chosen, None if out is None else _folder(out))
     typer.echo(certificate.text())
     if not certificate.passed:
         raise typer.Exit(1)
@@ -259,10 +260,10 @@ def _tell(summary: Summary) -> None:
     _say([*summary.lines, *(f"wrote {file}" for file in summary.files)])
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input is one sentence on standard error and exit status 2."""
     try:
-        app()
+        app(arguments)
     except OSError as error:  # a folder that cannot be written, a full disk
         _fail(f"{error.filename or 'output'}: {error.strerror or error}")
     except ValueError as error:

@@ -45,6 +45,8 @@ def read_animation(path: Path) -> Animation:
         raw = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); expected an animation file") from None
+    except RecursionError:
+        raise InputError(f"{path}: is nested too deeply; expected an object with keyframes") from None
     except ValueError as error:
         raise InputError(f"{path}: is not valid JSON ({error})") from None
     if not isinstance(raw, dict):

@@ -133,9 +133,21 @@ def _text(value: object) -> str:
 
 
 def read_gaps(path: Path) -> pd.DataFrame:
-    """A `gaps.csv` as a table with the types of `Row`."""
-    text = {c: str for c in COLUMNS if Row.__dataclass_fields__[c].type in (str, "str")}
-    frame = pd.read_csv(path, dtype=text | {"solver_iterations": "Int64"}, keep_default_na=False, na_values=[""])
+    """A `gaps.csv` as a table with the types of `Row`.
+
+    Raises:
+        InputError: for a file that is not one.
+    """
+    text = {f.name: str for f in fields(Row) if f.type is str}
+    numbers = {f.name: float for f in fields(Row) if f.type is float}
+    types = text | numbers | {"solver_iterations": "Int64"}
+    try:
+        frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values=[""])
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: is not a table of gaps ({' '.join(str(error).split())})") from None
+    missing = [c for c in COLUMNS if c not in frame]
+    if missing:
+        raise InputError(f"{path}: has no column {', '.join(missing)}; expected a table that realitygap wrote")
     frame[list(text)] = frame[list(text)].fillna("")
     return frame
 
