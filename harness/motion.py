@@ -16,7 +16,7 @@ from harness.validation import validate
 TICK = 0.01
 """Spacing of the commands that an animation is turned into [s]."""
 LEEWAY = np.deg2rad(2.0)
-"""A goal may lie this far outside a limit: the 2019 Wolfgang's own cheering does, by 1°, and the joint's stop holds it."""
+"""A goal may lie this far outside a limit: the Wolfgang's own cheering does, by 1°, and the stop holds it."""
 
 
 class Keyframe(BaseModel):
