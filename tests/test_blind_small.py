@@ -19,7 +19,8 @@ import planted
 import robots
 import summary
 from chain import GRAVITY, Chain
-from foreign import Foreign, drives, simulate
+from drivetrain import drives
+from foreign import Foreign, simulate
 from recorder import Sensing
 
 INERTIA, MASS, LENGTH, ARMATURE = 0.004, 0.5, 0.2, 0.01

@@ -12,7 +12,8 @@ import planted
 import standing
 import yaml
 from chain import Chain
-from foreign import Foreign, Motion, drives
+from drivetrain import drives
+from foreign import Foreign, Motion
 from motions import Command
 from planted import Planted
 from recorder import Sensing, clock, disturbance, record, reported_velocity, write_bag

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import drivetrain
 import foreign
 import numpy as np
 from chain import GRAVITY, Chain
@@ -77,13 +78,13 @@ class Robot:
             np.array([x.com for x in self.links]),
             inertia,
         )
-        drive = foreign.drives(n)
-        kinds = {"dc": foreign.DC, "pid": foreign.PID, "cascade": foreign.CASCADE}
+        drive = drivetrain.drives(n)
+        kinds = {"dc": drivetrain.DC, "pid": drivetrain.PID, "cascade": drivetrain.CASCADE}
         drive["kind"] = kinds[self.servo["kind"]]
         for key, value in self.servo.items():
             if key != "kind":
                 drive[key] = value
-        if drive["kind"][0] != foreign.DC:
+        if drive["kind"][0] != drivetrain.DC:
             drive["effort_limit"], drive["velocity_limit"] = self.limits
         drive["gain" if self.servo["kind"] != "pid" else "kp"] *= gain
         drive["coulomb"] = drive["static"] = self.friction["coulomb"]

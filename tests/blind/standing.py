@@ -1,14 +1,14 @@
 """A humanoid on the ground, foreign to the diagnosis: MuJoCo moves the bodies, everything else is written here.
 
 No contact, friction, limit or actuator of MuJoCo is used: feet touch the ground through springs and dampers at the
-four outer corners of each sole, with Coulomb friction as brush bristles; joints are driven by `foreign.joint_efforts`.
+four outer corners of each sole, with Coulomb friction as brush bristles; joints by `drivetrain`.
 """
 
 import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import foreign
+import drivetrain
 import mujoco
 import numba
 import numpy as np
@@ -161,7 +161,7 @@ def simulate(
     ground = robot.ground
     for k in range(steps + 1):
         t = k * STEP
-        foreign.hold_commands(drive, times, sent.value, sent.enabled, t, pointer, held, fresh, feed, live)
+        drivetrain.hold_commands(drive, times, sent.value, sent.enabled, t, pointer, held, fresh, feed, live)
         if dead >= 0 and off <= t - settle < on:
             live[dead] = False
         if disturbance is not None:
@@ -173,7 +173,7 @@ def simulate(
         shaft = np.where(soft, rotor, q)
         out[0, k], out[1, k], out[3, k] = shaft - drive["offset"], np.where(soft, rotor_w, w), q
         height[k] = data.qpos[2]
-        bus = foreign.joint_efforts(
+        bus = drivetrain.joint_efforts(
             drive, plant.sag, bus, held, feed, live, noise, t - settle, STEP,
             q, w, rotor, rotor_w, z, integral, through, link, motor, applied,
         )  # fmt: skip
