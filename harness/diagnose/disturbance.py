@@ -67,7 +67,7 @@ class Push:
     joint: int
     count: int
 
-    def __call__(self, t: float, q: Array, w: Array) -> Array:
+    def __call__(self, t: float, _q: Array, _w: Array) -> Array:
         out = np.zeros(self.count)
         out[self.joint] = self.torque[min(round(t / self.h), len(self.torque) - 1)]
         return out

@@ -66,15 +66,15 @@ def _recorded(
         plant.efforts.append(Push(push, 1 / rate, int(j), len(torque)))
     trace = simulate(e.with_plant(plant), engine, step_rate=rate).trace.at(case.measured.time)
     values = {s: _sensed(np.asarray(getattr(trace, s)), case, s, random) for s in problem.signals(number)}
-    return replace(case, measured=_measured(case.measured, values), noise=dict(case.noise), floor={}, disturbed={})
+    return replace(case, measured=_measured(case.measured, values), noise=dict(case.noise))
 
 
 def _sensed(value: Array, case: Case, signal: str, random: np.random.Generator) -> Array:
     """What the scenario's own sensor would have said: its noise, its quantum, and its gaps."""
-    out = value + case.noise[signal] * random.standard_normal(value.shape)
-    if case.repetitions == 1:
-        step = quantum(case.value(signal))
-        out = np.where(step > 0, np.round(out / np.where(step > 0, step, 1.0)) * step, out)
+    step = quantum(case.value(signal)) if case.repetitions == 1 else np.zeros(value.shape[1])
+    beside = np.sqrt(np.maximum(case.noise[signal] ** 2 - step**2 / 12, 0.0))  # rounding is noise, too
+    out = value + beside * random.standard_normal(value.shape)
+    out = np.where(step > 0, np.round(out / np.where(step > 0, step, 1.0)) * step, out)
     if signal == "base_quaternion":
         out = out / np.linalg.norm(out, axis=1, keepdims=True)
     return np.asarray(np.where(np.isnan(case.value(signal)), np.nan, out))

@@ -9,6 +9,7 @@ import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -21,7 +22,7 @@ from harness.report.style import unit_label
 INK, MUTED, LINE, PAPER = "#1d2126", "#5c646d", "#dedad2", "#fdfcfb"
 """Stand for what the page's style sheet calls --ink, --muted, --line and --panel."""
 BEFORE, AFTER = "#d55e00", "#0072b2"
-STYLE = {
+STYLE: Any = {
     "font.size": 8.5,
     "axes.titlesize": 9,
     "axes.labelsize": 8.5,

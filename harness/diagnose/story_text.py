@@ -40,9 +40,9 @@ def listed(items: list[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
-def quantity(value: float, unit: str) -> str:
-    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad)."""
-    if unit in DEGREES and math.isfinite(value):
+def quantity(value: float, unit: str, *, short: bool = False) -> str:
+    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad), in short 0.840°."""
+    if unit in DEGREES and math.isfinite(value) and not short:
         return f"{_people(value, unit)} ({number(value)} {unit})"
     return _people(value, unit)
 
