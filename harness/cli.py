@@ -203,6 +203,27 @@ def diagnose(
 
 
 @app.command()
+def rehearse(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    budget: Annotated[float, typer.Option("--budget", help="seconds that it may take, about")] = 300.0,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="worker processes (default: one per core)")] = None,
+) -> None:
+    """Say which effects recordings could reveal.
+
+    Each effect is planted in the scenario's own motions: from which size on it is seen, and what it is taken for.
+    """
+    from harness.diagnose.rehearse import run_rehearsal
+    from harness.diagnose.rehearse_files import summary
+    from harness.progress import Progress
+
+    folder = _folder(out, f"{scenario.resolve().parent.name}_rehearsal")
+    result = run_rehearsal(scenario, engine or [], folder, Progress(), budget, jobs)
+    _say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])
+
+
+@app.command()
 def effects(name: Annotated[str | None, typer.Argument(help="one effect")] = None) -> None:
     """List the effects, or explain one.
 

@@ -228,7 +228,7 @@ def _search_all(pool: Pool, result: Rehearsal, deadline: float, say: Callable[[s
             result.tried.append(tried)
             took.append(time.monotonic() - began)
             left = max(deadline - time.monotonic(), 0.0)
-            say(f"{_said(tried)} ({left:.0f} s left)")
+            say(f"{said(tried)} ({left:.0f} s left)")
         return tried
 
     attempt(None, 0.0)
@@ -265,7 +265,7 @@ def _searched(pool: Pool, result: Rehearsal, change: Change | None, factor: floa
     return Tried(change, factor, named, listed)
 
 
-def _said(tried: Tried) -> str:
+def said(tried: Tried) -> str:
     """One line on a search."""
     what = "nothing planted" if tried.planted is None else f"{name(tried.planted.suspect)} ×{tried.factor:.2g}"
     named = ", ".join(name(s) for s in tried.named) or "nothing"

@@ -11,9 +11,9 @@ from typing import Any
 
 from harness.diagnose.planting import FINER, planted
 from harness.diagnose.problem import Change, Suspect
-from harness.diagnose.rehearse import Rehearsal, Tried
-from harness.diagnose.rehearse_page import write_page
-from harness.diagnose.story_text import unit_there
+from harness.diagnose.rehearse import Rehearsal, Tried, said
+from harness.diagnose.rehearse_page import label, sentence, words, write_page
+from harness.diagnose.story_text import listed, unit_there
 from harness.diagnose.suspects import neutral
 from harness.diagnose.visible import LARGEST, Confusable, Visible
 from harness.effects import EFFECTS
@@ -32,6 +32,22 @@ def write_rehearsal(result: Rehearsal, out: Path) -> None:
     write_whole(out / "rehearsal.csv", _csv(content))
     text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
     write_whole(out / "rehearsal.json", text + "\n")
+
+
+def summary(result: Rehearsal) -> list[str]:
+    """Lines for the terminal: from which size on every effect is seen, and what it could be taken for."""
+    content = to_json(result)
+    lines = [sentence(result)]
+    for row in content["detection"]:
+        seen = (
+            f"seen from {words(row['seen_from'])}"
+            if row["seen_from"]
+            else f"not seen up to {words(row['largest_tried'])}"
+        )
+        twins = [label(c) for c in row["confused_with"] if c["up_to"] is None]
+        lines.append(f"  {label(row)}: {seen}{f'; could always be {listed(twins)}' if twins else ''}")
+    lines += [f"  {said(t)}" for t in result.tried]
+    return [*lines, *(f"  {note}" for note in result.notes)]
 
 
 def to_json(result: Rehearsal) -> dict[str, Any]:

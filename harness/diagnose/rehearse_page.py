@@ -40,7 +40,7 @@ def write_page(result: Rehearsal, content: dict[str, Any], out: Path) -> Path:
     text = render(
         "rehearsal.html.j2",
         title=problem.file.scenario.name,
-        sentence=_sentence(result),
+        sentence=sentence(result),
         rows=rows,
         matrix=Markup(_matrix(result)) if seen else None,
         searched=_searched(result),
@@ -75,7 +75,7 @@ def words(size: dict[str, dict[str, Any]] | None) -> str:
 
 def _row(told: dict[str, Any], searches: list[dict[str, Any]]) -> dict[str, Any]:
     seen = told["seen_from"] is not None
-    others = [(_label(c), words(c["up_to"])) for c in told["confused_with"]]
+    others = [(label(c), words(c["up_to"])) for c in told["confused_with"]]
     own = [t for t in searches if t["planted"] and all(t["planted"][k] == told[k] for k in ("effect", "target"))]
     return {
         "effect": effect_label(told["effect"]),
@@ -94,13 +94,14 @@ def _target(told: dict[str, Any]) -> str:
     return "all joints" if target == "*" else target
 
 
-def _label(told: dict[str, Any]) -> str:
+def label(told: dict[str, Any]) -> str:
+    """An effect and where it sits, from the data."""
     return f"{effect_label(told['effect'])} at {_target(told)}"
 
 
 def _attempt(told: dict[str, Any]) -> dict[str, str]:
     planted = told["planted"]
-    others = [_label(s) for s in told["named"] if any(s[k] != planted[k] for k in ("effect", "target"))]
+    others = [label(s) for s in told["named"] if any(s[k] != planted[k] for k in ("effect", "target"))]
     said = {
         "named": "named" + (f", and besides {listed(others)}" if others else ""),
         "listed": f"listed beside {listed(others)}" if others else "listed",
@@ -111,7 +112,8 @@ def _attempt(told: dict[str, Any]) -> dict[str, str]:
     return {"size": words(planted["size"]), "said": said, "mood": "better" if good else "worse"}
 
 
-def _sentence(result: Rehearsal) -> str:
+def sentence(result: Rehearsal) -> str:
+    """What the rehearsal comes to, in one sentence."""
     seen = [v for v in result.found if v.seen]
     effects = list(dict.fromkeys(v.suspect.effect for v in seen))
     planted = list(dict.fromkeys(v.suspect.effect for v in result.found))
