@@ -47,6 +47,10 @@ blind: $(READY)  ## diagnose the whole blind suite and write results/reference/b
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine
 	$(BIN)/python tests/bench_overhead.py
 
+.PHONY: reference
+reference: $(READY)  ## write the reference of the scenario file into scenarios/README.md
+	$(BIN)/python -m harness.reference
+
 .PHONY: lock
 lock: $(READY)  ## write requirements.lock anew from pyproject.toml; keeps versions that still fit
 	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes \

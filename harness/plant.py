@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import fnmatch
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,6 +105,9 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         for j in sorted(set(matched) - taken):
             _fit_servo(drive, j, servo)
         taken |= set(matched)
+    limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
+    if limp:
+        model = replace(model, notes=(*model.notes, f"no servo, move freely: {', '.join(limp)}"))
     return Plant(
         model=model,
         drive=drive,

@@ -31,7 +31,7 @@ class Robot(Section):
     """The robot and how it stands at the start."""
 
     urdf: str = Field(description="the URDF file")
-    packages: dict[str, str] = Field(default={}, description="where package://NAME/ lies")
+    packages: dict[str, str] = Field(default={}, description="where `package://NAME/` lies, by NAME")
     base: Literal["floating", "fixed", "free"] = Field(
         default="floating", description="floating, fixed to the world, or a free body without joints"
     )
@@ -46,7 +46,7 @@ class Robot(Section):
 
 
 class Friction(Section):
-    """Joint friction; given with a servo, it replaces the URDF's <dynamics>."""
+    """Joint friction; given with a servo, it replaces the URDF's `<dynamics>`."""
 
     coulomb: NotNegative = Field(default=0.0, description="dry friction [N·m or N]")
     viscous: NotNegative = Field(default=0.0, description="viscous friction [N·m·s/rad or N·s/m]")
@@ -64,36 +64,38 @@ class Servo(Section):
     name: str | None = Field(default=None, description="addresses this servo in `with: {servos.NAME.gain: 2.5}`")
     joints: Patterns = Field(description="patterns over joint names; the first servo that matches wins")
     armature: NotNegative = Field(default=0.0, description="rotor inertia at the output shaft [kg·m² or kg]")
-    friction: Friction | None = Field(default=None, description="replaces the URDF's <dynamics>")
+    friction: Friction | None = Field(default=None, description="replaces the URDF's `<dynamics>`")
 
 
 class DcServo(Servo):
     """A position-controlled DC motor: duty = gain·(command − q), volts = duty·supply, back-EMF."""
 
-    kind: Literal["dc"]
-    gain: NotNegative = Field(description="duty per rad of position error")
-    duty_limit: Fraction = Field(default=1.0, description="largest duty")
+    kind: Literal["dc"] = Field(description="this kind of servo")
+    gain: NotNegative = Field(description="duty per position error [1/rad]")
+    duty_limit: Fraction = Field(default=1.0, description="largest duty, either way")
     supply: Positive | RecordedSupply = Field(description="supply voltage [V]")
-    torque_constant: Positive = Field(description="N·m/A at the output shaft")
-    resistance: Positive = Field(description="of the winding [Ω]")
+    torque_constant: Positive = Field(
+        description="torque per current at the output shaft [N·m/A]; also volts per speed [V·s/rad]"
+    )
+    resistance: Positive = Field(description="resistance of the winding [Ω]")
 
 
 class PidServo(Servo):
     """torque = kp·e + ki·∫e + kd·de/dt, within the URDF's effort and velocity limits."""
 
-    kind: Literal["pid"]
-    kp: NotNegative = Field(description="N·m/rad")
-    ki: NotNegative = Field(default=0.0, description="N·m/(rad·s)")
-    kd: NotNegative = Field(default=0.0, description="N·m·s/rad")
+    kind: Literal["pid"] = Field(description="this kind of servo")
+    kp: NotNegative = Field(description="torque per error [N·m/rad]")
+    ki: NotNegative = Field(default=0.0, description="torque per error and time [N·m/(rad·s)]")
+    kd: NotNegative = Field(default=0.0, description="torque per rate of the error [N·m·s/rad]")
 
 
 class CascadeServo(Servo):
     """force = gain·(kv·(kp·(command − q) − q̇)), within the URDF's effort limit."""
 
-    kind: Literal["cascade"]
-    gain: NotNegative = Field(description="N·m or N per unit of the velocity loop's output")
-    kv: NotNegative = Field(description="velocity loop gain")
-    kp: NotNegative = Field(description="position loop gain [1/s]")
+    kind: Literal["cascade"] = Field(description="this kind of servo")
+    gain: NotNegative = Field(description="effort per output of the velocity loop [N·m or N]")
+    kv: NotNegative = Field(description="gain of the velocity loop [s/rad or s/m]")
+    kp: NotNegative = Field(description="gain of the position loop [1/s]")
 
 
 SERVOS: dict[str, type[Servo]] = {"dc": DcServo, "pid": PidServo, "cascade": CascadeServo}
@@ -120,8 +122,8 @@ class GroundSpec(Section):
     """A ground by its numbers."""
 
     friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
-    stiffness: Positive | None = Field(default=None, description="N/m per contact point; rigid where absent")
-    damping: NotNegative | None = Field(default=None, description="N·s/m per contact point")
+    stiffness: Positive | None = Field(default=None, description="per contact point [N/m]; rigid where absent")
+    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m]")
 
 
 GROUNDS = {
@@ -134,7 +136,7 @@ GROUNDS = {
 class PhysicsSpec(Section):
     """How to simulate."""
 
-    step_rate: Positive = Field(default=1000.0, description="steps per second")
+    step_rate: Positive = Field(default=1000.0, description="steps per second [Hz]")
     solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")
 
 
@@ -154,7 +156,7 @@ class EffectSpec(BaseModel):
 class Stream(Section):
     """A stream of messages other than JointState that hold arrays."""
 
-    topic: str = Field(description="topic")
+    topic: str = Field(description="the topic")
     names: str | None = Field(default=None, description="field with the joint names")
     position: str | None = Field(default=None, description="field with the positions")
     velocity: str | None = Field(default=None, description="field with the velocities")
@@ -166,23 +168,27 @@ class EffortStream(Section):
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
-    factor: Finite = Field(default=1.0, description="N·m (or N) per recorded unit")
+    factor: Finite = Field(default=1.0, description="effort per recorded unit [N·m or N]")
 
 
 class Columns(Section):
     """Column names of a table. A joint signal is one column, or a mapping from joint to column."""
 
-    time: str = Field(default="time", description="s")
-    command: str | dict[str, str] = Field(default="command", description="command")
-    position: str | dict[str, str] = Field(default="position", description="rad or m")
-    velocity: str | dict[str, str] = Field(default="velocity", description="rad/s or m/s")
-    effort: str | dict[str, str] = Field(default="effort", description="in the unit that `effort` states")
+    time: str = Field(default="time", description="time [s]")
+    command: str | dict[str, str] = Field(
+        default="command", description="the command [rad or m, or what `motion.as` says]"
+    )
+    position: str | dict[str, str] = Field(default="position", description="measured position [rad or m]")
+    velocity: str | dict[str, str] = Field(default="velocity", description="measured velocity [rad/s or m/s]")
+    effort: str | dict[str, str] = Field(
+        default="effort", description="measured effort, in the unit that `effort` states"
+    )
     torque_enabled: str | dict[str, str] = Field(default="torque_enabled", description="0: the servo is off")
-    supply: str = Field(default="supply_voltage", description="V")
-    base_position: list[str] = Field(default=["x", "y", "z"], description="m")
-    base_quaternion: list[str] = Field(default=["qw", "qx", "qy", "qz"], description="orientation, w x y z")
-    base_linear: list[str] = Field(default=["vx", "vy", "vz"], description="m/s, world axes")
-    base_angular: list[str] = Field(default=["wx", "wy", "wz"], description="rad/s")
+    supply: str = Field(default="supply_voltage", description="supply voltage [V]")
+    base_position: list[str] = Field(default=["x", "y", "z"], description="of the base [m]")
+    base_quaternion: list[str] = Field(default=["qw", "qx", "qy", "qz"], description="orientation of the base, w x y z")
+    base_linear: list[str] = Field(default=["vx", "vy", "vz"], description="velocity of the base in world axes [m/s]")
+    base_angular: list[str] = Field(default=["wx", "wy", "wz"], description="angular velocity of the base [rad/s]")
     base_angular_axes: Literal["body", "world"] = Field(default="body", description="axes of the angular velocity")
 
 
@@ -190,7 +196,7 @@ class Run(Section):
     """One recording."""
 
     path: str = Field(description="a bag, a bag folder or a table; `*` and `?` stand for several")
-    use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or to judge on")
+    use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or kept back to judge on")
     window: tuple[Finite, Finite] | None = Field(default=None, description="what is judged [s from the first message]")
     overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
 
@@ -219,18 +225,18 @@ class Recordings(Section):
 
 
 class Budget(Section):
-    """Largest mean gap that a test accepts, over moving joints."""
+    """Largest mean gap of moving joints that is accepted."""
 
-    position: Positive | None = Field(default=None, description="° (mm for prismatic joints)")
-    velocity: Positive | None = Field(default=None, description="°/s")
-    effort: Positive | None = Field(default=None, description="N·m")
+    position: Positive | None = Field(default=None, description="mean gap in position [°, or mm for prismatic joints]")
+    velocity: Positive | None = Field(default=None, description="mean gap in velocity [°/s or mm/s]")
+    effort: Positive | None = Field(default=None, description="mean gap in effort [N·m or N]")
 
 
 class Scenario(Section):
     """What happens: robot, servos, motion, ground, physics, recordings."""
 
     name: str = Field(description="name of the scenario")
-    robot: Robot
+    robot: Robot = Field(description="the robot and how it starts")
     revisions: dict[str, str] = Field(default={}, description="named URDF files for the matrix axis `revision`")
     servos: list[AnyServo] = Field(default=[], description="what turns a command into torque")
     motion: Motion | None = Field(default=None, description="what the servos are told")
@@ -240,7 +246,7 @@ class Scenario(Section):
     physics: PhysicsSpec = Field(default=PhysicsSpec(), description="how to simulate")
     effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
     recordings: Recordings | None = Field(default=None, description="what was measured")
-    budget: Budget | None = Field(default=None, description="for tests")
+    budget: Budget | None = Field(default=None, description="what `run` and tests accept")
 
     @property
     def ground_spec(self) -> GroundSpec | None:
