@@ -10,6 +10,7 @@ from engines.model import (
     link_poses,
     lowest_point,
     quaternion_from_rotation,
+    rotation_between,
     rotation_from_quaternion,
     rotation_from_rpy,
 )
@@ -74,7 +75,7 @@ def _level(model: Model, position: Array, name: str) -> Array:
     zero = link_poses(model, np.zeros(len(model.joints)))[i][:3, :3]
     now = link_poses(model, position)[i][:3, :3]
     points = np.array([s.center - zero.T @ [0, 0, s.radius] for s in model.links[i].spheres])
-    zero = _turn_onto(zero @ _upward(points, zero[2]), np.array([0.0, 0.0, 1.0])) @ zero
+    zero = rotation_between(zero @ _upward(points, zero[2]), np.array([0.0, 0.0, 1.0])) @ zero
     rotation: Array = zero @ now.T
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     return rotation_from_rpy(0, 0, -yaw) @ rotation
@@ -98,11 +99,3 @@ def _upward(points: Array, up: Array) -> Array:
     largest = int(np.argmax(alike @ area * (normals @ up)))
     normal = (area * alike[largest]) @ normals
     return np.asarray(normal / np.linalg.norm(normal))
-
-
-def _turn_onto(a: Array, b: Array) -> Array:
-    """The shortest rotation that takes unit vector a onto b. Shape (3, 3)."""
-    cross = np.cross(a, b)
-    k = np.array([[0, -cross[2], cross[1]], [cross[2], 0, -cross[0]], [-cross[1], cross[0], 0]])
-    rotation: Array = np.eye(3) + k + k @ k / (1 + a @ b)
-    return rotation
