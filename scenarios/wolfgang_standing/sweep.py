@@ -20,7 +20,7 @@ from engines.dynamics import Dynamics
 from engines.model import Array, rotation_from_quaternion
 from harness.commands import Commands
 from harness.motion import first_goals, read_animation
-from harness.plant import Plant, build_plant
+from harness.plant import build_plant
 from harness.progress import Progress
 from harness.rollout import rollout
 from harness.scenario_file import load_scenario
@@ -28,7 +28,7 @@ from harness.start import start_state
 
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "reference"
-STEP, DURATION, JUDGED = 1e-3, 2.0, 0.5
+STEP, DURATION, JUDGED = 1e-3, 1.5, 0.5
 SUPPLY = 15.0
 MOTORS = {"MX-106": (2.19138, 2.96499, 0.026609), "MX-64": (1.62247, 3.94943, 0.011951)}
 """Torque constant [N·m/A], resistance [Ω] and armature [kg·m²] at the output shaft."""
@@ -36,10 +36,10 @@ SMALL = ("*Shoulder*", "*Elbow", "Head*")
 """Joints with an MX-64; the others have an MX-106."""
 POSITION_GAINS = ("50 N·m/rad", "P 850", "P 1300", "850 N·m/rad")
 """The simulation's, those of the real servos, and the number of the latter taken for N·m/rad."""
-DERIVATIVE_GAINS = (0.1, 0.4, 1.0, 2.0, 5.0, 50.0)
+DERIVATIVE_GAINS = (0.1, 0.4, 1.0, 5.0, 50.0)
 """N·m·s/rad; the first three are the simulation's."""
-DAMPING = ("none", "URDF", "back-EMF")
-"""What damps a joint besides the controller, implicitly: nothing, the URDF's <dynamics>, or torque constant²/R."""
+DAMPING = ("none", "back-EMF")
+"""What damps a joint besides the controller, implicitly, in place of the URDF's 1 N·m·s/rad: nothing or kt²/R."""
 SOLVERS = (("mujoco", None), ("dart", None), ("drake", None), ("pybullet", None), ("ode", None), ("ode", 50))
 DROP = 0.02
 """Height [m] from which the robot is put down, as one that is spawned: at rest in its stance friction hides much."""
@@ -82,8 +82,7 @@ class Stance:
         constant, resistance, armature = np.array(motors).T
         self.per_duty = SUPPLY * constant / resistance
         plant.drive["armature"] = armature * rotor
-        if damping != "URDF":
-            plant.drive["viscous"] = constant**2 / resistance * (damping == "back-EMF")
+        plant.drive["viscous"] = constant**2 / resistance * (damping == "back-EMF")
         self.limit = np.array([j.effort for j in plant.model.joints])
         animation = file.resolve(file.scenario.motion.keyframes, "motion.keyframes")
         self.goal = first_goals(animation, read_animation(animation), plant.model)
