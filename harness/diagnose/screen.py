@@ -140,6 +140,8 @@ def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | Non
     for c, r in zip(train, residual or [], strict=False):
         angle = problem.cases[c].value("position")[:, joint]
         mask = _joint_mask(problem, [c], joint)
+        if not mask.any():
+            continue
         for part in np.split(r[mask], max(int(mask.sum()) // len(angle), 1)):
             smooth = part - part.mean()
             for k, p in enumerate(grid):

@@ -35,7 +35,7 @@ def _targets(problem: Problem, effect: Effect) -> list[tuple[str | tuple[str, ..
         return [(plant.model.joint_names[j], [j]) for j in joints] if len(joints) <= FEW_JOINTS else []
     names = plant.model.joint_names
     out: list[tuple[str | tuple[str, ...], list[int]]] = [(names[j], [j]) for j in joints]
-    if len(joints) > 1:
+    if len(joints) > 1 and effect.name not in OWN:
         groups = [g for g in _servo_groups(problem) if 1 < len(g) < len(joints)]
         out += [(tuple(names[j] for j in g), g) for g in groups]
         out.append(("*", list(range(len(names)))))
@@ -53,6 +53,8 @@ def _servo_groups(problem: Problem) -> list[list[int]]:
     return out
 
 
+OWN = ("joint_offset", "torque_ripple", "constant_effort")
+"""Effects whose value is each joint's own: all joints of a type do not share it."""
 FEW_JOINTS = 6
 """Decoys are tried on robots with no more joints than this."""
 ALWAYS_FREE = {
