@@ -87,7 +87,7 @@ def sentences(table: pd.DataFrame) -> list[str]:
         under = rows[rows.stability_number <= 2]
         out.append(
             f"**{'With' if rotor else 'Without'} rotor inertia** it stands in {share(rows)}: in {share(under)} where "
-            f"the step is stable for the free robot, in {share(over)} where explicit damping exceeds λmax(h·Kd·M⁻¹) = 2."
+            f"the step is stable for a free robot, in {share(over)} where explicit damping exceeds λmax(h·Kd·M⁻¹) = 2."
         )
     free = settled[settled.damping == "none"].drop_duplicates(["rotor", "kd"])
     limits = {rotor: (2 * rows.kd / rows.damping_number).iloc[0] for rotor, rows in free.groupby("rotor")}
