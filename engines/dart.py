@@ -6,16 +6,18 @@ Where it lies by default: its Dantzig solver turns the friction cone into a pyra
 slides at 45 degrees stops 30 % too early; resting bodies fall asleep and their contact forces read 0; a body without
 inertia gets 1 kg; enforcing position limits enforces velocity limits too; a torque or state that is not a number is
 replaced and a message printed; friction of a pair is the smaller of the two. Its implicit joint damping is not seen
-by the contact solver (error of order h) and it has no armature, so both come from `engines.joints`.
+by the contact solver (error of order h), it has no armature and its contacts no stiffness, so that all of these come
+from `engines.joints`; on soft ground its own contact solver has nothing to do.
 """
 
+from dataclasses import replace
 from importlib.metadata import version
 from math import cos, isfinite, sin, sqrt
 
 import dartpy
 import numpy as np
 
-from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State, Unsupported
+from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
 from engines.joints import JointLaw
 from engines.model import Array, Model, rotation_from_quaternion
 
@@ -36,14 +38,19 @@ class DartSimulation(Simulation):
         self.model = model
         self.physics = physics
         n = len(model.joints)
-        self._law = JointLaw(model, physics, native_armature=False, native_damping=False, ballast=True)
-        self._world, self._skeleton, self._root = _build(self._law.model, physics)
+        soft = physics.ground is not None and physics.ground.stiffness is not None
+        self._law = JointLaw(
+            model, physics, native_armature=False, native_damping=False, native_ground=not soft, ballast=not soft
+        )
+        self._world, self._skeleton, self._root = _build(
+            self._law.model, replace(physics, ground=None) if soft else physics
+        )
         self._offset = o = 6 if model.floating else 0
         names = [self._skeleton.getDof(o + i).getName() for i in range(n)]
         order = [names.index(joint.name) for joint in model.joints]
         self._joints = slice(o, None) if order == list(range(n)) else np.array(order) + o
         self._forces = np.zeros(o + n)
-        self._ballasted = bool(o) and self._law.ballasted
+        self._pushed = bool(o) and (soft or self._law.ballasted)
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
         solver = self._world.getConstraintSolver()
         self.settings = {
@@ -64,6 +71,7 @@ class DartSimulation(Simulation):
             "limits enforced": [j.name for j in model.joints if np.isfinite(j.lower) or np.isfinite(j.upper)],
             "armature, damping, dry friction": "emulated by engines.joints",
             "ballast": self._law.ballasted,
+            "soft ground": "emulated by engines.joints" if soft else None,
         }
         self.reset(State(np.zeros(n), np.zeros(n)))
 
@@ -97,7 +105,7 @@ class DartSimulation(Simulation):
         if not isfinite(effort.sum()):
             raise self._diverged(effort, "effort is not finite")
         self._forces[self._joints] = effort
-        if self._ballasted:
+        if self._pushed:
             self._forces[:3], self._forces[3:6] = self._law.wrench[3:], self._law.wrench[:3]
         self._skeleton.setForces(self._forces)
         self._world.step(False)
@@ -244,15 +252,13 @@ class DartEngine(Engine):
             "joint_friction": Capability("emulated", "engines.joints"),
             "joint_limits": Capability("native", "rows of the contact problem, without velocity limits"),
             "rigid_ground": Capability("native", "complementarity, exact Coulomb cones"),
-            "soft_ground": Capability("no", "DART's contacts have no stiffness"),
+            "soft_ground": Capability(
+                "emulated", "engines.joints: implicit spring and damper per point, Coulomb's law"
+            ),
             "solver_iterations": Capability("native", "sweeps over the contacts, at most"),
         }
 
     def open(self, model: Model, physics: Physics) -> DartSimulation:
-        if physics.ground is not None and physics.ground.stiffness is not None:
-            raise Unsupported(
-                "dart has no contact stiffness, so it cannot stand on soft ground; use rigid ground or another engine"
-            )
         return DartSimulation(model, physics)
 
 

@@ -12,7 +12,7 @@ from numba import njit
 
 
 @njit(cache=True)
-def stick_slip(matrix, factor, ancestor, right, change, residual, speed, friction, h, stick, dry):
+def stick_slip(matrix, factor, ancestor, right, change, residual, speed, friction, h, aim, stick, dry):
     """Solve matrix @ change = right + h * dry for the change of velocity and the dry friction of all joints.
 
     Args:
@@ -25,6 +25,7 @@ def stick_slip(matrix, factor, ancestor, right, change, residual, speed, frictio
         speed: the velocity before. Shape (nv,); the joints are the last n coordinates.
         friction: bound of the dry friction. Shape (n,).
         h: the step [s].
+        aim: the velocity that a stuck joint is given. Shape (n,).
         stick: in, a first guess, and out: 0 for a stuck joint, the sign of its velocity for a sliding one. Shape (n,).
         dry: out: the dry friction. Shape (n,).
     """
@@ -34,7 +35,7 @@ def stick_slip(matrix, factor, ancestor, right, change, residual, speed, frictio
     for _ in range(8 * n + 8):
         for i in range(nv):
             stuck = i >= first and friction[i - first] > 0 and stick[i - first] == 0
-            change[i] = -speed[i] if stuck else 0.0
+            change[i] = aim[i - first] - speed[i] if stuck else 0.0
         _multiply(matrix, ancestor, change, residual)
         for i in range(nv):
             residual[i] = right[i] - residual[i]

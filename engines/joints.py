@@ -14,11 +14,12 @@ armature of the joints before them, and is handed E (v' - v)/h more, on the base
 from the law is A - E then, which is small where contact is felt. An engine opts in with `ballast=True`; without
 ground there is none.
 
-*Ground.* It has to be foreseen: a rigid contact point at rest stays (it gets the inertia of `FIRM` robots), one that
-comes down stops at the surface, a soft one has its spring and damper; a sliding one is foreseen without its friction.
+*Ground.* It has to be foreseen (`engines.ground`): what presses, sticks and slides decides how much a torque moves a
+joint. An engine without soft ground gets it from here, as forces; then nothing is left to be foreseen.
 
 *Momentum.* Where the engine moved otherwise than foreseen (an impact, a foot that leaves the ground, sliding), what
-A + h D - E should have had of it is handed over in the next step. So an error lasts for one step and does not add up.
+A + h D - E should have had of it is handed over in the next step, and on soft ground a stuck joint that was moved goes
+back. So an error lasts for one step and does not add up.
 
 Which joints are stuck is solved exactly (`engines.friction`).
 """
@@ -31,14 +32,22 @@ import numpy as np
 from numba import njit
 
 from engines.dynamics import Dynamics
-from engines.engine import Physics
+from engines.engine import Ground, Physics
 from engines.friction import stick_slip
+from engines.ground import begin, press, push, settle
 from engines.model import Array, Model
 
 TOUCH = 1e-4
-"""A rigid contact point or a joint limit nearer than this [m, rad] is touched."""
+"""A joint limit nearer than this [rad or m], approached or left slower than this [rad/s or m/s], is touched."""
 FIRM = 1e4
 """Inertia of a point that stays, in units of the robot's mass [kg] and, for limits, of as many kg·m²."""
+GUESSES, PASSES = 4, 40
+"""Passes over the ground at most, where it is the engine's and only foreseen, and where it is this law's."""
+RETURN = 0.2
+"""What a stuck joint undoes in a step of how far it was moved, on soft ground. On rigid ground stuck joints and points
+close loops, in which any aim but rest asks for any force."""
+SETTLED = 1e-8
+"""Change of an impulse on a point, of the largest, below which no further pass is made."""
 
 
 class JointLaw:
@@ -54,7 +63,14 @@ class JointLaw:
     """
 
     def __init__(
-        self, model: Model, physics: Physics, *, native_armature: bool, native_damping: bool, ballast: bool = False
+        self,
+        model: Model,
+        physics: Physics,
+        *,
+        native_armature: bool,
+        native_damping: bool,
+        native_ground: bool = True,
+        ballast: bool = False,
     ) -> None:
         """Set up the law for one model.
 
@@ -63,6 +79,7 @@ class JointLaw:
             physics: the settings of the simulation.
             native_armature: the engine itself adds the model's armature.
             native_damping: the engine itself adds the step's damping.
+            native_ground: the engine itself has the ground; otherwise it has none, and applies `wrench`.
             ballast: the engine simulates `model` of this object, not the one given, and applies `wrench`.
         """
         n, ground = len(model.joints), physics.ground
@@ -83,24 +100,21 @@ class JointLaw:
         carrier = np.flatnonzero(weight)
         self._ballast = (carrier, weight[carrier], first - 1 + carrier)
 
-        stiffness = ground.stiffness if ground is not None else None
-        self._settings = np.array(
-            [
-                physics.timestep,
-                self._lacks_armature,
-                self._lacks_damping,
-                FIRM * model.mass,
-                ground is not None,
-                stiffness is not None,
-                stiffness or 0.0,
-                (ground.damping if ground is not None else None) or 0.0,
-                0.5 * float(np.linalg.norm(self._gravity)) * physics.timestep,
-            ],
-            dtype=float,
-        )
+        h, fall = physics.timestep, float(np.linalg.norm(self._gravity)) * physics.timestep
+        self._carries_ground = not native_ground and ground is not None
+        self._settings = np.array([h, self._lacks_armature, self._lacks_damping, self._carries_ground, FIRM])
+        soil = ground or Ground()
+        stiffness, soil_damping = np.inf if soil.stiffness is None else soil.stiffness, soil.damping or 0.0
+        # what is slower than half of what a free fall gains in a step is at rest
+        self._soil = np.array([h, stiffness, soil_damping, soil.friction, FIRM * model.mass, 0.5 * fall])
+        points = len(d.height) if ground is not None else 0
+        self._near = np.zeros(points, dtype=np.int64)
+        self._points = np.zeros((points, 8))
+        self._rows = np.zeros((points, 3, first + n))
         self._armature = np.append(np.zeros(first), model.armature)
         self._limits = np.array([[j.lower, j.upper] for j in model.joints]).reshape(n, 2)
         self._stick = np.zeros(n, dtype=np.int64)
+        self._anchor = np.zeros((2, n))
         self._known = np.zeros(1, dtype=np.bool_)
         self._work = np.zeros((6, first + n))
         self._matrices = np.zeros((2, first + n, first + n))
@@ -113,6 +127,7 @@ class JointLaw:
         self.dry[:] = 0.0
         self._given[:] = 0.0
         self._stick[:] = 0
+        self._points[:] = 0.0
         self._known[0] = False
 
     def effort(
@@ -128,7 +143,8 @@ class JointLaw:
             damping: as in `Simulation.step`.
             friction: as in `Simulation.step`.
         """
-        if not (self._lacks_armature or friction.any() or (self._lacks_damping and damping.any())):
+        needed = self._lacks_armature or self._carries_ground
+        if not (needed or friction.any() or (self._lacks_damping and damping.any())):
             self.reset()
             return effort
         d = self._dynamics
@@ -137,7 +153,8 @@ class JointLaw:
             position, velocity, base, effort, damping, friction,
             d.inertia, d.bias, d.ancestor, d.motion, d.swing, d.point, d.height, d.point_end,
             self._armature, self._limits, self._settings, *self._ballast,
-            self._known, self._stick, self.dry, self._given, self._work, self._matrices,
+            self._soil, self._near, self._rows, self._points,
+            self._known, self._stick, *self._anchor, self.dry, self._given, self._work, self._matrices,
         )  # fmt: skip
         return self._out
 
@@ -174,11 +191,12 @@ def _solve(
     position, velocity, base, effort, damping, friction,
     inertia, bias, ancestor, motion, swing, point, height, point_end,
     armature, limits, settings, carrier, ballast, carrier_end,
-    known, stick, dry, given, work, matrices,
+    soil, near, rows, points,
+    known, stick, anchor, aim, dry, given, work, matrices,
 ):  # fmt: skip
     n, nv = len(position), len(bias)
     first = nv - n
-    h, lacks_armature, lacks_damping = settings[0], settings[1], settings[2]
+    h, lacks_armature, lacks_damping, carries_ground = settings[0], settings[1], settings[2], settings[3]
     foreseen, speed, change, right, free = work[0], work[1], work[2], work[3], work[4]
     matrix, factor = matrices[0], matrices[1]
     for i in range(first):
@@ -198,18 +216,32 @@ def _solve(
         for i in range(len(carrier)):
             _swing(motion, ancestor, carrier_end[i], -ballast[i], change, swing[carrier[i]], 0.0, given)
 
-    for i in range(nv):
-        j = i
-        while j >= 0:
-            matrix[i, j] = inertia[i, j]
-            j = ancestor[j]
-        matrix[i, i] += armature[i]
-        right[i] = h * (given[i] - bias[i])
-    for i in range(n):
-        matrix[first + i, first + i] += h * damping[i]
-        right[first + i] -= h * damping[i] * velocity[i]
-    _touch(position, speed, limits, settings, ancestor, motion, point, height, point_end, matrix, right, free)
-    stick_slip(matrix, factor, ancestor, right, change, free, speed, friction, h, stick, dry)
+    for i in range(n):  # a stuck joint goes back to where it stuck
+        if not known[0] or stick[i] != 0 or friction[i] == 0:
+            anchor[i] = position[i]
+        aim[i] = RETURN * (anchor[i] - position[i]) / h if soil[1] < np.inf else 0.0
+
+    count = begin(speed, height, soil, ancestor, motion, point, point_end, near, rows, points) if len(points) else 0
+    for turn in range(PASSES if carries_ground > 0 else GUESSES):
+        for i in range(nv):
+            j = i
+            while j >= 0:
+                matrix[i, j] = inertia[i, j]
+                j = ancestor[j]
+            matrix[i, i] += armature[i]
+            right[i] = h * (given[i] - bias[i])
+        for i in range(n):
+            matrix[first + i, first + i] += h * damping[i]
+            right[first + i] -= h * damping[i] * velocity[i]
+        _limit(position, velocity, limits, settings, matrix, right)
+        press(speed, height, soil, ancestor, point_end, near, count, rows, points, matrix, right)
+        stick_slip(matrix, factor, ancestor, right, change, free, speed, friction, h, aim, stick, dry)
+        if count == 0:
+            break
+        careful = turn > PASSES // 4
+        moved = settle(speed, change, height, soil, ancestor, point_end, near, count, rows, points, careful)
+        if moved < SETTLED:
+            break
 
     for i in range(nv):
         foreseen[i] = speed[i] + change[i]
@@ -224,6 +256,8 @@ def _solve(
             given[j] -= armature[j] * change[j]
     for i in range(len(carrier)):
         _swing(motion, ancestor, carrier_end[i], ballast[i], change, swing[carrier[i]], 1.0, given)
+    if carries_ground > 0:
+        push(ancestor, point_end, near, count, rows, points, h, given)
     known[0] = True
 
 
@@ -244,64 +278,14 @@ def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
 
 
 @njit(cache=True)
-def _touch(position, speed, limits, settings, ancestor, motion, point, height, point_end, matrix, right, row):
-    """Add what the ground and the joint limits will do to `matrix` and `right`."""
-    h, firm, ground, soft = settings[0], settings[3], settings[4], settings[5]
-    stiffness, damping, slow = settings[6], settings[7], settings[8]
-    n = len(position)
-    first = len(speed) - n
-    # `slow` is half of what a free fall gains in a step: what is slower than that is at rest
-    for i in range(len(height)):
-        if ground == 0 or height[i] > (0.0 if soft > 0 else TOUCH):
-            continue
-        x, y, z = 0.0, 0.0, 0.0
-        j = point_end[i]
-        while j >= 0:
-            x += _reach(motion, point, i, j, 0) * speed[j]
-            y += _reach(motion, point, i, j, 1) * speed[j]
-            z += _reach(motion, point, i, j, 2) * speed[j]
-            j = ancestor[j]
-        if soft > 0:  # the spring and damper at the end of the step
-            weight = h * (damping + h * stiffness)
-            push = -h * stiffness * height[i] - weight * z
-        elif z < slow:
-            weight = firm
-            push = firm * (max(z, -max(height[i], 0.0) / h) - z)
-        else:
-            continue
-        _hold(matrix, right, row, ancestor, motion, point, point_end, i, 2, weight, push)
-        if abs(x) + abs(y) < slow:
-            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 0, firm, -firm * x)
-            _hold(matrix, right, row, ancestor, motion, point, point_end, i, 1, firm, -firm * y)
-    for i in range(n):
-        rate = speed[first + i]
-        if position[i] - limits[i, 0] < TOUCH and rate < slow:
+def _limit(position, velocity, limits, settings, matrix, right):
+    """Add what the joint limits will do to `matrix` and `right`."""
+    firm, first = settings[4], len(right) - len(position)
+    for i in range(len(position)):
+        rate = velocity[i]
+        if position[i] - limits[i, 0] < TOUCH and rate < TOUCH:
             matrix[first + i, first + i] += firm
             right[first + i] -= firm * min(rate, 0.0)
-        elif limits[i, 1] - position[i] < TOUCH and rate > -slow:
+        elif limits[i, 1] - position[i] < TOUCH and rate > -TOUCH:
             matrix[first + i, first + i] += firm
             right[first + i] -= firm * max(rate, 0.0)
-
-
-@njit(cache=True, inline="always")
-def _reach(motion, point, i, j, d):
-    """The velocity of point i along axis d that coordinate j gives."""
-    a, b = (d + 1) % 3, (d + 2) % 3
-    return motion[j, d] + motion[j, 3 + a] * point[i, b] - motion[j, 3 + b] * point[i, a]
-
-
-@njit(cache=True)
-def _hold(matrix, right, row, ancestor, motion, point, point_end, i, d, weight, push):
-    """Add the inertia `weight` [kg] of point i along axis d, and the impulse `push` [N·s] on it."""
-    j = point_end[i]
-    while j >= 0:
-        row[j] = _reach(motion, point, i, j, d)
-        j = ancestor[j]
-    j = point_end[i]
-    while j >= 0:
-        right[j] += push * row[j]
-        k = j
-        while k >= 0:
-            matrix[j, k] += weight * row[j] * row[k]
-            k = ancestor[k]
-        j = ancestor[j]

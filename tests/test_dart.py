@@ -5,7 +5,7 @@ import importlib.util
 import numpy as np
 import pytest
 
-from engines.engine import Diverged, Ground, Physics, State, Unsupported
+from engines.engine import Diverged, Ground, Physics, State
 from engines.model import Joint, Link, Model, Sphere
 
 if importlib.util.find_spec("dartpy") is None:
@@ -100,8 +100,3 @@ def test_iterations_are_sweeps_of_the_contact_solver() -> None:
     with ENGINE.open(crate(), Physics(ground=Ground(), solver_iterations=7)) as simulation:
         assert simulation.settings["solver"] == "NsgsFrictionSolver"
         assert simulation.settings["solver iterations, at most"] == 7
-
-
-def test_soft_ground_is_refused_in_words() -> None:
-    with pytest.raises(Unsupported, match="rigid ground or another engine"):
-        ENGINE.open(crate(), Physics(ground=Ground(0.8, 3000.0, 100.0)))
