@@ -147,8 +147,8 @@ def rehearse(
     took = time.monotonic() - began
     everyone, result.left_out = _chosen(problem, budget, took / 4, pool.workers)
     result.impossible = _impossible(problem)
-    say(f"planting {len(everyone)} effects and targets: looking for the smallest size that is seen")
-    result.found = visible(pool, everyone, result.quiet)
+    say(f"planting {len(everyone)} effects and targets: looking for the smallest size of each that is seen")
+    result.found = visible(pool, everyone, result.quiet, say)
     result.confusables = confusables(result.found)
     seen = [v for v in result.found if v.seen]
     say(f"{len(seen)} of {len(everyone)} can be seen; trying full searches")
@@ -223,7 +223,7 @@ def _search_all(pool: Pool, result: Rehearsal, deadline: float, say: Callable[[s
             return None
         factor = seen.factor * times if seen else 0.0
         change = planted(pool.problem, seen.suspect, factor) if seen else None
-        tried = _searched(pool, result, change, factor)
+        tried = searched(pool, result, change, factor)
         if tried is not None:
             result.tried.append(tried)
             took.append(time.monotonic() - began)
@@ -248,7 +248,7 @@ def _round_robin(seen: Sequence[Visible]) -> list[Visible]:
     return [v for row in rows for v in row]
 
 
-def _searched(pool: Pool, result: Rehearsal, change: Change | None, factor: float) -> Tried | None:
+def searched(pool: Pool, result: Rehearsal, change: Change | None, factor: float) -> Tried | None:
     """One full search on planted recordings; None where they cannot be simulated."""
     try:
         recorded = plant_recordings(

@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from harness.diagnose.rehearse import Rehearsal
 from harness.diagnose.story import render
-from harness.diagnose.story_figures import AFTER, INK, LINE, STYLE, svg
+from harness.diagnose.story_figures import AFTER, INK, LINE, PAPER, STYLE, svg
 from harness.diagnose.story_text import effect_label, listed, quantity, suspect_label
 from harness.effects import EFFECTS
 from harness.report.style import engine_label, number
@@ -52,7 +52,7 @@ def write_page(result: Rehearsal, content: dict[str, Any], out: Path) -> Path:
         runs={use: [problem.cases[i].name for i in problem.of(key)]
               for use, key in (("train", "train"), ("held_out", "held_out"))},
         left_out=result.left_out,
-        impossible=[(effect_label(e), reason) for e, reason in result.impossible.items()],
+        impossible=[(effect_label(e), reason.split(";")[0]) for e, reason in result.impossible.items()],
         notes=result.notes,
         split=problem.split,
         disturbed=[f"{n} {number(t)}" for n, t in zip(joints, result.torque, strict=True) if t],
@@ -67,9 +67,12 @@ def words(size: dict[str, dict[str, Any]] | None) -> str:
         return NEVER
     parts = []
     for name, p in size.items():
-        own = "" if p["model"] is None else f"{quantity(p['model'], p['unit'], short=True)} → "
         label = f"{name.replace('_', ' ')} " if len(size) > 1 else ""
-        parts.append(f"{label}{own}{quantity(p['value'], p['unit'], short=True)}")
+        if p["model"] is None:
+            parts.append(label + quantity(p["value"], p["unit"], short=True))
+        else:
+            own = quantity(p["model"], p["unit"], short=True, digits=4).split(" ")[0]
+            parts.append(f"{label}{own} → {quantity(p['value'], p['unit'], short=True, digits=4)}")
     return ", ".join(parts)
 
 
@@ -82,7 +85,7 @@ def _row(told: dict[str, Any], searches: list[dict[str, Any]]) -> dict[str, Any]
         "target": _target(told),
         "seen": words(told["seen_from"]) if seen else "",
         "largest": words(told["largest_tried"]),
-        "apart": words(told["told_apart_from"]),
+        "apart": "at once" if told["told_apart_from"] == told["seen_from"] else words(told["told_apart_from"]),
         "twins": [name for name, limit in others if limit == NEVER],
         "others": [(name, limit) for name, limit in others if limit != NEVER],
         "tried": [_attempt(t) for t in own],
@@ -150,9 +153,7 @@ def _matrix(result: Rehearsal) -> str:
                 axes.add_patch(Rectangle((j - 0.47, i - 0.47), 0.94, 0.94, facecolor=AFTER, alpha=value, linewidth=0))
                 if value >= 0.5:
                     text = "twin" if value > 0.998 else f"{100 * value:.0f}"
-                    axes.text(
-                        j, i, text, ha="center", va="center", fontsize=6.5, color=INK if value < 0.75 else "#ffffff"
-                    )
+                    axes.text(j, i, text, ha="center", va="center", fontsize=6.5, color=INK if value < 0.75 else PAPER)
         axes.set_xlim(-0.5, n - 0.5)
         axes.set_ylim(n - 0.5, -0.5)
         axes.set_xticks(range(n), [effect_label(e) for e in names], rotation=90)

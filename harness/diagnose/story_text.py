@@ -40,17 +40,17 @@ def listed(items: list[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
-def quantity(value: float, unit: str, *, short: bool = False) -> str:
+def quantity(value: float, unit: str, *, short: bool = False, digits: int = 3) -> str:
     """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad), in short 0.840°."""
     if unit in DEGREES and math.isfinite(value) and not short:
         return f"{_people(value, unit)} ({number(value)} {unit})"
-    return _people(value, unit)
+    return _people(value, unit, digits)
 
 
-def _people(value: float, unit: str) -> str:
+def _people(value: float, unit: str, digits: int = 3) -> str:
     if unit in DEGREES:
-        return f"{number(math.degrees(value))}{' ' * (unit != 'rad')}{DEGREES[unit]}"
-    return f"{number(value)} {unit}".strip()
+        return f"{number(math.degrees(value), digits)}{' ' * (unit != 'rad')}{DEGREES[unit]}"
+    return f"{number(value, digits)} {unit}".strip()
 
 
 def interval(low: float, high: float, unit: str) -> str:

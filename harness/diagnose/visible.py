@@ -7,7 +7,7 @@ one effect another one could explain.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,7 +34,7 @@ CLOSE = (0.85, 1.4)
 TWIN = 2e-3
 """Two signatures with less than this share of one outside the other are the same: no size tells them apart."""
 SAMPLES = 60_000
-"""Entries of a signature that are kept for comparing it with others."""
+"""Entries of a signature that are kept, about."""
 
 
 @dataclass
@@ -81,33 +81,48 @@ class Confusable:
     apart_from: float
 
 
-def visible(pool: Pool, suspects: Sequence[Suspect], quiet: tuple[float, float]) -> list[Visible]:
+def visible(
+    pool: Pool, suspects: Sequence[Suspect], quiet: tuple[float, float], say: Callable[[str], None] = lambda _: None
+) -> list[Visible]:
     """The smallest size of every suspect that a search would see.
 
     Args:
         pool: of the problem, with its floors set.
         suspects: what to plant.
         quiet: the mean squared residual without any effect, on training and on held-out runs.
+        say: told what is being done.
     """
+    problem = pool.problem
+    still = _residuals(problem, ())
     tried: dict[Suspect, list[tuple[float, float]]] = {s: [] for s in suspects}
     factor = dict.fromkeys(suspects, 1.0)
     open_ = list(suspects)
-    for _ in range(ROUNDS):
-        answers = pool.map(_strengths, [(planted(pool.problem, s, factor[s]),) for s in open_])
-        for s, (train, judge, _) in zip(open_, answers, strict=True):
-            tried[s].append((factor[s], _ratio(train, judge, quiet)))
+    for number in range(ROUNDS):
+        say(f"simulating {len(open_)} effects at their size number {number + 1}")
+        answers = pool.map(_residuals, [((planted(problem, s, factor[s]),),) for s in open_])
+        for s, answer in zip(open_, answers, strict=True):
+            tried[s].append((factor[s], _ratio(problem, _moved(answer, still), quiet)))
             factor[s] = _next(tried[s])
         open_ = [s for s in open_ if not CLOSE[0] <= tried[s][-1][1] <= CLOSE[1] and factor[s] != tried[s][-1][0]]
         if not open_:
             break
     found = {s: _nearest(tried[s]) for s in suspects}
-    answers = pool.map(_bases, [(planted(pool.problem, s, found[s][0]),) for s in suspects])
+    limit, probes = {}, {}
+    for s in suspects:
+        limit[s] = planted(problem, s, found[s][0])
+        probes[s] = _probes(problem, limit[s])
+    questions = dict.fromkeys(c for s in suspects for c in (limit[s], *(p for p, _ in probes[s])))
+    say(f"simulating {len(questions)} changes of single parameters at the smallest sizes")
+    parts = dict(zip(questions, pool.map(_residuals, [((c,),) for c in questions]), strict=True))
     out = []
-    for s, (strength, signature, basis, one_sided) in zip(suspects, answers, strict=True):
+    for s in suspects:
         size, ratio = found[s]
-        change = planted(pool.problem, s, size)
+        moved = _moved(parts[limit[s]], still)
+        basis = np.column_stack([_joined(_moved(parts[p], still)) for p, _ in probes[s]])
+        strength = float(np.mean([np.mean(m**2) for m in moved]))
         seen = size if ratio >= CLOSE[0] else np.inf
-        out.append(Visible(s, seen, change, strength, signature, basis, one_sided))
+        one_sided = np.array([only_up for _, only_up in probes[s]])
+        out.append(Visible(s, seen, limit[s], strength, _joined(moved), basis, one_sided))
     return out
 
 
@@ -135,11 +150,12 @@ def _unexplained(a: Visible, b: Visible) -> float:
     low = np.where(b.one_sided, 0.0, -np.inf)
     solution = lsq_linear(b.basis, a.signature, bounds=(low, np.inf), method="bvls", max_iter=50)
     rest = a.signature - b.basis @ solution.x
-    return float(min(rest @ rest / max(a.signature @ a.signature, 1e-30), 1.0))
+    return min(float(rest @ rest) / max(float(a.signature @ a.signature), 1e-30), 1.0)
 
 
-def _ratio(train: float, judge: float, quiet: tuple[float, float]) -> float:
+def _ratio(problem: Problem, moved: Sequence[Array], quiet: tuple[float, float]) -> float:
     """The mean square of a signature over what is needed to be seen, and to be judged on held-out runs."""
+    train, judge = (float(np.mean([np.mean(moved[i] ** 2) for i in problem.of(use)])) for use in ("train", "held_out"))
     noticed = max(train / max(AT_FLOOR - quiet[0], LEAST), judge / max(AT_FLOOR - quiet[1], LEAST))
     return min(noticed, judge / LEAST) / CLEARLY
 
@@ -162,24 +178,16 @@ def _nearest(tried: Sequence[tuple[float, float]]) -> tuple[float, float]:
     return min(enough, key=lambda t: t[1]) if enough else max(tried, key=lambda t: t[1])
 
 
-def _strengths(problem: Problem, change: Change) -> tuple[float, float, list[Array]]:
-    """What a change adds to the mean squared residual of training and held-out runs, and the change of each run's."""
-    moved = []
-    for i in range(len(problem.cases)):
-        here, there = problem.residuals([change], i), problem.residuals([], i)
-        failed = np.abs(here).max() >= WORST / 1e3
-        moved.append(np.zeros_like(here) if failed else here - there)
-    train, judge = (float(np.mean([np.mean(moved[i] ** 2) for i in problem.of(use)])) for use in ("train", "held_out"))
-    return train, judge, moved
+def _residuals(problem: Problem, changes: tuple[Change, ...]) -> list[Array]:
+    """The residual of every run, thinned where there are very many samples."""
+    runs = range(len(problem.cases))
+    stride = max(1, sum(problem.length(i) for i in runs) // SAMPLES)
+    return [problem.residuals(changes, i)[::stride] for i in runs]
 
 
-def _bases(problem: Problem, change: Change) -> tuple[float, Array, Array, Array]:
-    """Strength, signature and basis of a change at its size; see `Visible`."""
-    train, judge, moved = _strengths(problem, change)
-    signature = _joined(problem, moved)
-    probes = _probes(problem, change)
-    columns = [signature if p == change else _joined(problem, _strengths(problem, p)[2]) for p, _ in probes]
-    return 0.5 * (train + judge), signature, np.column_stack(columns), np.array([one_sided for _, one_sided in probes])
+def _moved(here: Sequence[Array], still: Sequence[Array]) -> list[Array]:
+    """The change of every run's residual; none where the simulation failed, which says nothing of the real robot."""
+    return [np.zeros_like(s) if np.abs(h).max() >= WORST / 1e3 else h - s for h, s in zip(here, still, strict=True)]
 
 
 def _probes(problem: Problem, change: Change) -> list[tuple[Change, bool]]:
@@ -199,9 +207,6 @@ def _with(change: Change, values: dict[str, float]) -> Change:
     return replace(change, values=tuple((change.parameters | values).items()))
 
 
-def _joined(problem: Problem, moved: Sequence[Array]) -> Array:
-    """The runs' residuals as one vector in which every run counts alike, thinned."""
-    stride = max(1, sum(len(m) for m in moved) // SAMPLES)
-    return np.concatenate([m[::stride] / np.sqrt(max(len(m[::stride]), 1)) for m in moved]) / np.sqrt(
-        len(problem.cases)
-    )
+def _joined(moved: Sequence[Array]) -> Array:
+    """The runs' residuals as one vector in which every run counts alike."""
+    return np.asarray(np.concatenate([m / np.sqrt(len(m) * len(moved)) for m in moved]))
