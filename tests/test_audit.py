@@ -15,7 +15,6 @@ from engines.urdf import write_urdf
 from harness.audit import Certificate, Row, audit, certify
 from harness.audit.audit import groups
 from harness.audit.check import Check, largest
-from harness.audit.ground import sink
 from harness.audit.machines import random_state, tree, velocities
 from harness.audit.oracle import Oracle
 from harness.audit.robot import load_robot
@@ -185,11 +184,6 @@ def test_what_an_engine_declares_does_not_fail_but_is_measured(level: str, verdi
     row = check.row(Blind(level))
     assert row.verdict == verdict
     assert row.measured == pytest.approx(0.0266 / 4.5e-4)
-
-
-def test_soft_ground_is_measured_where_it_is_declared_missing() -> None:
-    pytest.importorskip("dartpy")
-    assert sink(engines.load("dart")) == pytest.approx(1.0, abs=0.01)
 
 
 def test_what_is_not_a_number_fails() -> None:
