@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from engines.model import Model, rotation_between
+from engines.model import Model, axis_rotation, rotation_between
 from harness.recording.frames import angle_between, vertical
 from harness.trace import Array, Trace
 
@@ -104,13 +104,21 @@ def _of_base(signal: str, unit: str, values: Array) -> Difference:
 
 
 def _tilt(simulated: Array, imu: Array) -> Array:
-    """The angle [rad] between the verticals of two orientations, relative to their first sample. Shape (t,).
+    """The angle [rad] between the verticals of two orientations, relative to their first sample. Shape (k,).
 
-    An IMU is mounted at some angle and its heading drifts, so only the change of the vertical is compared.
+    How an IMU is mounted is not known and its heading drifts, so only the path of the vertical is compared, in the
+    axes that the base has at the first sample, turned about the vertical there to where the paths are closest.
     """
-    ours, theirs = vertical(simulated), vertical(imu)
-    mounting = rotation_between(theirs[0], ours[0])
-    chord = np.linalg.norm(ours - theirs @ mounting.T, axis=1)
+    known = np.isfinite(imu).all(axis=1)
+    if not known.any():
+        return np.empty(0)
+    ours, theirs = vertical(simulated[known]), vertical(imu[known])
+    theirs = theirs @ rotation_between(theirs[0], ours[0]).T
+    up = ours[0]
+    sine = np.sum(np.cross(theirs, ours) @ up)
+    cosine = np.sum(theirs * ours) - np.sum((theirs @ up) * (ours @ up))
+    theirs = theirs @ axis_rotation(up, float(np.arctan2(sine, cosine))).T
+    chord = np.linalg.norm(ours - theirs, axis=1)
     return np.asarray(2.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
 
 
