@@ -4,7 +4,8 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
-from harness.matrix.junit import excess, write_junit
+from harness.junit import write_junit
+from harness.matrix.junit import cases, excess
 from harness.matrix.matrix import Settings, dry_run, run_matrix
 from harness.progress import Progress
 from harness.report.folder import read_folder
@@ -18,7 +19,7 @@ def matrix_command(
     collected, page = run_matrix(path, out, settings, Progress())
     over = excess(collected, budget)
     if junit is not None:
-        write_junit(junit, path.stem, collected, over)
+        write_junit(junit, path.stem, cases(collected, over))
     counts = Counter(o.outcome for _, o in collected.cells)
     lines = [f"{len(collected.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
     lines += [s.text for s in sentences(read_folder(out))]
