@@ -41,7 +41,7 @@ def run_cluster(tasks: Sequence[Task], scheduler: str, store: str, limit: float,
                 futures[future.key] = task
                 yield future
 
-        running = as_completed(hand_out(AHEAD * threads), raise_errors=False)
+        running = as_completed(hand_out(AHEAD * threads), loop=client.loop, raise_errors=False)
         for future in running:
             task = futures.pop(future.key)
             try:
