@@ -26,7 +26,7 @@ class Progress:
         if self.quiet:
             yield lambda _: None
         elif self.console.is_terminal:
-            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+            columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
             with Bar(*columns, console=self.console, transient=True) as bar:
                 task = bar.add_task(what, total=total)
                 done = -1
@@ -43,7 +43,7 @@ class Progress:
     def say(self, text: str) -> None:
         """One line."""
         if not self.quiet:
-            self.console.print(text, highlight=False)
+            self.console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     @staticmethod
     def _lines(what: str, total: int) -> Callable[[str], None]:
