@@ -85,7 +85,8 @@ class Trace:
             elif value.ndim == 1:
                 out[name] = np.interp(time, self.time, value)
             else:
-                out[name] = np.column_stack([np.interp(time, self.time, column) for column in value.T])
+                columns = [np.interp(time, self.time, column) for column in value.T]
+                out[name] = np.column_stack(columns) if columns else np.zeros((len(time), 0))
         for name in ("base_quaternion", "imu_quaternion"):
             q = out[name]
             if q is not None:  # linear interpolation of close unit quaternions, put back on the sphere

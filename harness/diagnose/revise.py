@@ -40,7 +40,8 @@ def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Pat
     for run, original in zip(raw["recordings"]["runs"], file.raw["recordings"]["runs"], strict=True):
         own_urdf, own = revision.of(file.override(original.get("with") or {}))
         overrides = {k: v for k, v in (run.pop("with", None) or {}).items() if k.split(".")[0] != "effects"}
-        if own_urdf != urdf or any(k.split(".")[0] == "robot" for k in overrides):
+        overrides.pop("robot.urdf", None)
+        if own_urdf != urdf or "robot" in overrides:
             overrides["robot.urdf"] = own_urdf
         if own != effects:
             overrides["effects"] = own
