@@ -83,7 +83,7 @@ def press(speed, height, soil, ancestor, point_end, touching, count, rows, point
         state, row = points[i], rows[c]
         x, y, z = _velocity(row, speed, ancestor, point_end[i])
         if state[PRESS] == 0.0:
-            state[LIFT] = 0.0
+            state[LIFT] = state[FORCE] = state[OLD_X] = state[OLD_Y] = 0.0
             continue
         if stiffness == np.inf:
             state[LIFT] = state[PRESS] * (-max(height[i], 0.0) / h - z)
