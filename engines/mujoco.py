@@ -8,6 +8,7 @@ resets the state, contact friction is the larger of the pair. All of that is swi
 """
 
 from importlib.metadata import version
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -38,7 +39,7 @@ class MujocoSimulation(Simulation):
         self._d = d = mujoco.MjData(m)
         self._offset = o = 6 if model.floating else 0
         self._soft = physics.ground is not None and physics.ground.stiffness is not None
-        if self._soft:
+        if self._soft and physics.ground is not None:
             _soften(m, physics.ground)
         self._applied = d.qfrc_applied[o:]
         self._damping = m.dof_damping[o:]
@@ -169,7 +170,7 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
         spec.worldbody.add_geom(
             name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=0 if soft else 1, conaffinity=0
         )
-    bodies = []
+    bodies: list[Any] = []
     for i, link in enumerate(model.links):
         joint = model.joints[i - 1] if i else None
         if joint is None:
@@ -200,7 +201,10 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
         body.ipos = link.com
         t = link.inertia
         body.fullinertia = [t[0, 0], t[1, 1], t[2, 2], t[0, 1], t[0, 2], t[1, 2]]
-        for k, sphere in enumerate(link.spheres if ground is not None and (i or model.floating) else ()):
+        bodies.append(body)
+        if ground is None or not (i or model.floating):
+            continue  # nothing of it touches the ground
+        for k, sphere in enumerate(link.spheres):
             body.add_geom(
                 name=f"{link.name} {k}",
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -223,7 +227,6 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
                     friction=[ground.friction, ground.friction, 0, 0, 0],
                     solreffriction=[2 * physics.timestep, 1.0],
                 )
-        bodies.append(body)
     return spec
 
 

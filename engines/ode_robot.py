@@ -218,7 +218,8 @@ def _hinge(world: int, child: int, parent: int, axis: Array, anchor: Array) -> O
         motors.append(motor)
     return OdeJoint(
         joint,
-        *motors,
+        motors[0],
+        motors[1],
         _feedback(motors[1]),
         ode.dJointGetHingeAngle,
         ode.dJointGetHingeAngleRate,
@@ -232,7 +233,7 @@ def _slider(world: int, child: int, parent: int, axis: Array, _: Array) -> OdeJo
     ode.dJointAttach(joint, child, parent)
     ode.dJointSetSliderAxis(joint, *axis)
     motors = []
-    for _ in range(2):
+    for _number in range(2):
         motor = ode.dJointCreateLMotor(world, None)
         ode.dJointAttach(motor, child, parent)
         ode.dJointSetLMotorNumAxes(motor, 1)
@@ -240,7 +241,8 @@ def _slider(world: int, child: int, parent: int, axis: Array, _: Array) -> OdeJo
         motors.append(motor)
     return OdeJoint(
         joint,
-        *motors,
+        motors[0],
+        motors[1],
         _feedback(motors[1]),
         ode.dJointGetSliderPosition,
         None,

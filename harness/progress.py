@@ -26,7 +26,12 @@ class Progress:
         if self.quiet:
             yield lambda _: None
         elif self.console.is_terminal:
-            columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+            columns = (
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeElapsedColumn(),
+            )
             with Bar(*columns, console=self.console, transient=True) as bar:
                 task = bar.add_task(what, total=total)
                 done = -1

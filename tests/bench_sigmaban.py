@@ -1,6 +1,6 @@
 """The whole-body figures: mean absolute position error [rad] over 18 joints in the published windows, engine by engine.
 
-    REALITYGAP_DATA=... python tests/bench_sigmaban.py [SCENARIO] [--only kick_p32,...] [--write results/reference/sigmaban.csv]
+    REALITYGAP_DATA=... python tests/bench_sigmaban.py [SCENARIO] [--only kick_p32,...] [--write FILE]
 
 The published figures are those of the authors' MuJoCo simulation with the same servo parameters.
 """

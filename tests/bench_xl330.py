@@ -2,8 +2,8 @@
 
     REALITYGAP_DATA=... python tests/bench_xl330.py [--write results/reference/xl330_supply.csv]
 
-Mean absolute position error [rad] of two recordings: the supply as recorded (it sags and rises) or constant at its mean,
-the published friction (model M1) or none.
+Mean absolute position error [rad] of two recordings: the supply as recorded (it sags and rises) or constant at its
+mean, the published friction (model M1) or none.
 """
 
 import argparse

@@ -314,7 +314,10 @@ COMMANDS = {
     "out of JUnit": (["run", "scenario.yaml", "--junit", "arm.urdf/j.xml"], "--junit: arm.urdf cannot be made"),
     "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
     "no results": (["report", "none"], "none: found no gaps.csv"),
-    "results that are no table": (["report", "results"], "gaps.csv: has no column scenario, robot_revision, engine_version"),
+    "results that are no table": (
+        ["report", "results"],
+        "gaps.csv: has no column scenario, robot_revision, engine_version",
+    ),
     "no URDF for an audit": (["audit", "none.urdf"], "none.urdf"),
     "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
     "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),

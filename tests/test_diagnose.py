@@ -72,7 +72,9 @@ def test_every_suspect_can_be_neutral() -> None:
 def test_a_change_keeps_its_ratio_where_runs_differ() -> None:
     problem = build_problem(load_scenario(DEMO), "mujoco")
     forearm = next(s for s in suspects(problem) if s.effect == "link_mass" and s.target == "forearm")
-    heavy = next(c for c in problem.cases if c.experiment.plant.model.mass != problem.cases[1].experiment.plant.model.mass)
+    heavy = next(
+        c for c in problem.cases if c.experiment.plant.model.mass != problem.cases[1].experiment.plant.model.mass
+    )
     reference = problem.plant
     own = reference.model.links[forearm.indices[0]].mass
     mended = changed(heavy.experiment.plant, [Change(forearm, (("mass", 1.1 * own),))], reference)

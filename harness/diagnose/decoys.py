@@ -39,10 +39,14 @@ CONTROLLER_DEAD_BAND = Effect(
 )
 
 
+def _anywhere(_plant: Plant, _index: int) -> str | None:
+    return None
+
+
 def _stop(upper: bool) -> Effect:
     field = "upper" if upper else "lower"
 
-    def own(plant: Plant, index: int) -> dict[str, float]:
+    def own(_plant: Plant, _index: int) -> dict[str, float]:
         return {"angle": math.inf if upper else -math.inf}
 
     def apply(plant: Plant, indices: list[int], values: Values) -> None:
@@ -52,9 +56,6 @@ def _stop(upper: bool) -> Effect:
             joints[i] = replace(joints[i], upper=limit) if upper else replace(joints[i], lower=limit)
         plant.model = replace(plant.model, joints=tuple(joints))
 
-    def possible(plant: Plant, index: int) -> str | None:
-        return None
-
     return Effect(
         name=f"{field}_joint_stop",
         changes="model",
@@ -63,7 +64,7 @@ def _stop(upper: bool) -> Effect:
         signals=("position",),
         own=own,
         apply=apply,
-        possible=possible,
+        possible=_anywhere,
         page=_page("Something that the joint runs against."),
     )
 

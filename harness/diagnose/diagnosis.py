@@ -70,7 +70,7 @@ class Diagnosis:
 
     def experiment(self) -> str:
         """What to record next."""
-        return experiment(self.found, self.rivals)
+        return experiment(self.rivals)
 
     def to_json(self) -> dict[str, Any]:
         """The content of `diagnosis.json`."""
@@ -165,7 +165,7 @@ def _place(place: Place) -> dict[str, Any]:
     }
 
 
-def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lambda text: None) -> Diagnosis:
+def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lambda _: None) -> Diagnosis:
     """Find, name, add and prove.
 
     Args:
@@ -183,9 +183,9 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     before = _simulated(problem, [])
     after = _simulated(problem, found.fit.changes) if found.fit.changes else before
     judge = problem.of("held_out")
-    where = locate(problem, [], before)
+    where = locate(problem, before)
     gap = max(found.fit.mean_cost(problem.of("train")), found.fit.mean_cost(judge)) > AT_FLOOR
-    left = locate(problem, found.fit.changes, after) if gap and found.fit.changes else []
+    left = locate(problem, after) if gap and found.fit.changes else []
     return Diagnosis(
         problem=problem,
         engines=[problem.engine, *others],

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.suspects import fitted, neutral, sizes
 from harness.drive import Array
-from harness.diagnose.decoys import KNOWN
 
 STEP = 0.02
 """Step of a numerical derivative, as a part of the parameter's size."""
@@ -100,8 +100,10 @@ def fit(
     """Fit changes jointly to the training motions and judge them on others.
 
     Args:
+        problem: with its floors set.
         changes: with first guesses.
-        train, judge: indices of cases.
+        train: cases to fit to.
+        judge: cases to judge on.
         budget: iterations of the solver at most.
     """
     if not changes:
@@ -119,7 +121,7 @@ def fit(
         return np.concatenate([memo[key], PRIOR * (x - space.first)])
 
     def jacobian(x: Array) -> Array:
-        return _differences(residual, x, *space.bounds())
+        return _differences(residual, x, space.bounds()[1])
 
     before = residual(space.first)
     scale = max(1.0, 1.5 * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
@@ -151,11 +153,11 @@ def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
 
 def _weighted(residual: Array) -> Array:
     """A motion's residual so that its squares sum to their mean: every motion counts alike, however long."""
-    return residual / np.sqrt(len(residual))
+    return np.asarray(residual / np.sqrt(len(residual)))
 
 
-def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
-    base = function(x)  # type: ignore[operator]
+def _differences(function: Callable[[Array], Array], x: Array, high: Array) -> Array:
+    base = function(x)
     out = np.empty((len(base), len(x)))
     for k in range(len(x)):
         step = STEP * max(abs(x[k]), 0.3)
@@ -163,7 +165,7 @@ def _differences(function: object, x: Array, low: Array, high: Array) -> Array:
             step = -step
         moved = x.copy()
         moved[k] += step
-        out[:, k] = (function(moved) - base) / step  # type: ignore[operator]
+        out[:, k] = (function(moved) - base) / step
     return out
 
 
@@ -181,7 +183,7 @@ def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[
             return problem.residuals(space.at(y), c)
 
         base = residual(space.first)
-        slope = _differences(residual, space.first, *space.bounds())
+        slope = _differences(residual, space.first, space.bounds()[1])
         robust = 1.0 / np.sqrt(1.0 + (base / (3 * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale

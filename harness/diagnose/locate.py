@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.problem import Case, Change, Problem
+from harness.diagnose.problem import Case, Problem
 from harness.drive import Array
 from harness.gap import unit_of
 
@@ -39,13 +39,12 @@ class Place:
     weight: float
 
 
-def locate(problem: Problem, changes: Sequence[Change], simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
+def locate(problem: Problem, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
     """Every joint and signal whose gap stands above its floors, the largest first.
 
     Args:
         problem: with its floors set.
-        changes: what the simulation has beside the scenario's model.
-        simulated: signals by case, simulated with these changes.
+        simulated: signals by case.
     """
     names = problem.plant.model.joint_names
     out = []

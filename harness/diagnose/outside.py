@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from harness.diagnose.decoys import DECOYS
+from harness.diagnose.fit import Fit, assess, costs
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Problem
 from harness.diagnose.search import Search, rms
-from harness.diagnose.fit import Fit, assess, costs
 
 
 def set_aside(pool: Pool, found: Search, say: Callable[[str], None]) -> list[str]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from engines import Diverged, Unsupported
 from harness.comparison import Motion, motions, on_first_clock
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
 from harness.drive import Array
-from harness.diagnose.decoys import KNOWN
 from harness.errors import InputError
 from harness.experiment import Experiment, experiments, simulate
 from harness.plant import Plant
@@ -55,8 +55,9 @@ class Change:
 class Case:
     """One motion with its noise: what was measured in the mean, and how far every sample can be trusted.
 
-    By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition, `spread` that between repetitions where there were any,
-    `floor` the numerical floor per sample, and `disturbed` how far disturbing torques move each sample.
+    By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition,
+    `spread` that between repetitions where there were any, `floor` the numerical floor per sample, and `disturbed` how
+    far disturbing torques move each sample.
     """
 
     name: str
@@ -179,13 +180,14 @@ class Problem:
 
     def _jumps(self, changes: Sequence[Change], case: int) -> Array:
         """How much the effort jumps within a step of each sample: a command moves it at once, and which side of the
-        jump a sample saw is not known. Shape (t, n)."""
+        jump a sample saw is not known. Shape (t, n).
+        """
         c = self.cases[case]
         plant = self.changed_plant(changes, case)
         trace = simulate(c.experiment.with_plant(plant), self.engine).trace
         h = c.experiment.scenario.timestep
         before, after = (np.asarray(trace.at(c.measured.time + d).effort) for d in (-h, h))
-        return np.abs(after - before)
+        return np.asarray(np.abs(after - before))
 
 
 def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:

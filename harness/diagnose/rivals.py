@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import fit
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.search import Search, name
-from harness.diagnose.decoys import KNOWN
 
 MOST = 3
 """Rivals that are listed at most."""
@@ -110,7 +110,7 @@ SEPARATES = {
 """The recording that separates two effects."""
 
 
-def experiment(found: Search, listed: dict[Suspect, list[Rival]]) -> str:
+def experiment(listed: dict[Suspect, list[Rival]]) -> str:
     """What to record to settle what cannot be told apart; empty where nothing is open."""
     advice = []
     for owner, others in listed.items():

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import start
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.suspects import neutral, sizes, whole
 from harness.drive import Array
-from harness.diagnose.decoys import KNOWN
 from harness.effects import Effect
 
 FURTHEST = 12.0
@@ -45,8 +45,8 @@ def screen(
     residual = [problem.residuals(accepted, c) for c in train]
     tangent = _tangent(pool, accepted, train)
     many = int(problem.judged.sum()) > MANY_JOINTS
-    alone = [s for s in suspects if not (many and _single(problem, s))]
-    shared = [s for s in suspects if many and _single(problem, s)]
+    alone = [s for s in suspects if not (many and _single(s))]
+    shared = [s for s in suspects if many and _single(s)]
     tries = {s: probes(problem, s, residual) for s in alone}
     questions = [((*accepted, p), tuple(train)) for s in alone for group in tries[s] for p in group]
     combined = _combined(problem, shared)
@@ -157,7 +157,7 @@ def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | Non
     return [float(grid[k]) for k in best] or [5.0]
 
 
-def _single(problem: Problem, suspect: Suspect) -> bool:
+def _single(suspect: Suspect) -> bool:
     return KNOWN[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
 
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import Fit, assess, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.suspects import LATER, neutral, suspects
-from harness.diagnose.decoys import KNOWN
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -66,7 +66,7 @@ class Search:
     refused: list[str] = field(default_factory=list)
 
 
-def search(pool: Pool, say: Callable[[str], None] = lambda text: None) -> Search:
+def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     """Find the effects that explain the gap, by forward selection with exchange and removal."""
     problem = pool.problem
     train, judge = problem.of("train"), problem.of("held_out")
@@ -75,9 +75,8 @@ def search(pool: Pool, say: Callable[[str], None] = lambda text: None) -> Search
     found = Search(base, base)
     everyone = suspects(problem)
     while len(found.fit.changes) < MOST:
-        say(
-            f"gap {rms(found.fit.mean_cost(train)):.2f} on training runs, {rms(found.fit.mean_cost(judge)):.2f} held out"
-        )
+        now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
+        say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
         if max(found.fit.mean_cost(train), found.fit.mean_cost(judge)) <= AT_FLOOR:
             break
         possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]

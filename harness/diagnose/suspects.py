@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.diagnose.problem import Problem, Suspect
 from harness.diagnose.decoys import DECOYS, KNOWN
+from harness.diagnose.problem import Problem, Suspect
 from harness.effects import Effect, Parameter
 from harness.plant import Plant, match_joints
 
