@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, build_problem, changed
 from harness.diagnose.search import search
 from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.workflow import run_diagnosis, summary
-from harness.effects import EFFECTS
 from harness.progress import Progress
 from harness.scenario_file import load_scenario
 
@@ -62,10 +62,10 @@ def test_every_suspect_can_be_neutral() -> None:
     assert {s.effect for s in everyone} >= {"coulomb_friction", "backlash", "link_mass", "command_delay"}
     for suspect in everyone:
         zero = neutral(problem.plant, suspect)
-        assert set(zero) == {p.name for p in EFFECTS[suspect.effect].parameters}
+        assert set(zero) == {p.name for p in KNOWN[suspect.effect].parameters}
         plant = changed(problem.plant, [Change(suspect, tuple(zero.items()))], problem.plant)
-        same = {n: v for n, v in zero.items() if EFFECTS[suspect.effect].parameter(n).absent is None}
-        own = EFFECTS[suspect.effect].own(plant, suspect.indices[0])
+        same = {n: v for n, v in zero.items() if KNOWN[suspect.effect].parameter(n).absent is None}
+        own = KNOWN[suspect.effect].own(plant, suspect.indices[0])
         assert {n: own[n] for n in same if n in own} == pytest.approx({n: same[n] for n in same if n in own})
 
 

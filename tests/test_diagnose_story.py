@@ -72,7 +72,7 @@ def told(judged):
         flat = [replace(f, cost=dict.fromkeys(base.cost, c)) for f, c in ((base, was), (done if named else base, left))]
         found = Search(*flat, refused=["controller_gain at elbow: makes most held-out runs worse"])
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), "its own fit differs from this one by 0.41 floors")
-        where = locate(problem, [], before) if verdict != "no gap" else []
+        where = locate(problem, before) if verdict != "no gap" else []
         result = Diagnosis(
             problem=problem,
             engines=["mujoco", "dart", "drake"],

@@ -25,7 +25,15 @@ MASS, LENGTH, INERTIA, ARMATURE = 0.5, 0.15, 1e-3, 0.0266
 LINK = MASS * LENGTH**2 + INERTIA
 TORQUE_CONSTANT, RESISTANCE, SUPPLY = 2.19, 2.96, 15.0
 
+AT_REST = 1e-11
+"""A joint that nothing moves stays within this [rad]: rounding."""
+
 everywhere = pytest.mark.parametrize("engine", engines.available())
+
+
+def solves_exactly(engine: str) -> bool:
+    """Whether an engine's step is forward dynamics to rounding, or bodies held together by constraints."""
+    return engines.load(engine).capabilities()["forward_dynamics"].level != "no"
 
 
 def wheel(n: int = 1) -> Plant:
@@ -134,7 +142,8 @@ def test_viscous_friction_decays_exponentially(engine: str) -> None:
     out = run(plant, 0.0, engine=engine, velocity=2.0)
     rate = 0.4 / (LINK + ARMATURE)
     exact = 2.0 * np.exp(-rate * out.time) * 0.5 * (1 + np.exp(-rate * H))
-    assert_allclose(out.velocity[:, 0], exact, rtol=1e-9, err_msg="the law makes a free decay exact")
+    rounding = 1e-9 if solves_exactly(engine) else 1e-5
+    assert_allclose(out.velocity[:, 0], exact, rtol=rounding, err_msg="the law makes a free decay exact")
 
 
 @pytest.mark.parametrize("mass", [0.1, 95.0])
@@ -203,7 +212,7 @@ def test_compliance_rings_at_its_resonance(engine: str) -> None:
     """√(k·(1/I₁ + 1/I₂)) of a free rotor and link, and their common speed stays."""
     plant = added(effort_servo(wheel()), "joint_compliance", stiffness=100.0)
     out = run(plant, 0.0, 1.0, engine=engine, velocity=0.0)
-    assert not out.position.any()
+    assert np.abs(out.position).max() < AT_REST
     plant.drive["constant"] = 0.05  # pushes the link, which pulls the rotor
     out = run(plant, 0.0, 1.0, engine=engine)
     steady = 0.05 / (LINK + ARMATURE)
@@ -253,7 +262,7 @@ def test_backlash_rests_in_its_dead_zone_and_lands_at_its_end(engine: str) -> No
     # from the middle, the free rotor crosses half of the width; the link rests meanwhile
     alone = torque / ARMATURE
     first = np.sqrt(width / alone)
-    assert not out.position[out.time < first - 2 * H].any()
+    assert np.abs(out.position[out.time < first - 2 * H]).max() < AT_REST
     # an impact without rebound: the momentum is shared
     speed = alone * first * ARMATURE / (ARMATURE + LINK)
     landed = int(np.searchsorted(out.time, first)) + 3

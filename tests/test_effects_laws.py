@@ -151,8 +151,10 @@ def test_without_dry_friction_engines_agree_to_rounding(name: str) -> None:
         plant = planted(effect)
         plant.drive["coulomb"] = plant.drive["static"] = 0.0
         traces.append(simulate(plant, engine, duration=0.8).position)
-    for other in traces[1:]:
-        assert np.abs(other - traces[0]).max() < 1e-8
+    for engine, other in zip(ENGINES[1:], traces[1:], strict=True):
+        # an engine whose bodies are held together by constraints does not solve to rounding, and says so
+        exact = engines.load(engine).capabilities()["forward_dynamics"].level != "no"
+        assert np.abs(other - traces[0]).max() < (1e-8 if exact else 1e-6)
 
 
 @pytest.mark.parametrize("name", [e.name for e in EFFECTS.values() if e.dissipative])

@@ -80,7 +80,7 @@ def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path):
         ("axes: {revision: [new]}", "axes.revision: found new; .* has under revisions: none"),
         ("axes: {step_rate: [500, 500]}", "axes.step_rate: a value stands twice"),
         ("axes: {robot.urdf: [arm.urdf]}", r"axes: robot.urdf is set by recordings.runs\[0\].with"),
-        ("axes: {servos.arm.gain: [1]}", "no arm there; known: drive"),
+        ("axes: {servos.arm.gain: [1]}", "there is no arm; expected one of drive"),
         ("axes: {physics.rate: [1]}", "physics.rate: unknown key; known here: solver_iterations, step_rate"),
         ("leave_out: [{rate: 3}]", r"leave_out\[0\]: rate is no axis of this matrix"),
         ("engines: [havok]", "engines: found havok; expected one of"),

@@ -186,7 +186,6 @@ def test_without_recordings_there_are_traces_and_no_gaps(tmp_path: Path) -> None
     ("stated", "options", "status", "said"),
     [
         (None, [], 0, []),
-        ({"position": 5.0}, [], 0, []),
         ({"position": 0.01}, [], 1, ["over budget: mujoco, chirp_1: position"]),
         ({"position": 0.01}, ["--max-gap", "5"], 0, []),
         ({"position": 5.0}, ["--max-gap", "effort=0.001"], 1, ["over budget: mujoco, chirp_1: effort"]),
