@@ -214,12 +214,12 @@ def _impossible(problem: Problem) -> dict[str, str]:
 
 
 def _search_all(pool: Pool, result: Rehearsal, deadline: float, say: Callable[[str], None]) -> None:
-    """Full searches while there is time: nothing planted, then every effect, then the sizes around what was found."""
-    took = [0.0]
+    """Full searches: nothing planted in any case, then while there is time every effect, and the sizes around."""
+    took: list[float] = []
 
     def attempt(seen: Visible | None, times: float) -> Tried | None:
         began = time.monotonic()
-        if began + float(np.median(took)) > deadline:
+        if seen is not None and began + (float(np.median(took)) if took else 0.0) > deadline:
             return None
         factor = seen.factor * times if seen else 0.0
         change = planted(pool.problem, seen.suspect, factor) if seen else None
