@@ -273,6 +273,18 @@ def links(file: Bench, out: Out = None) -> None:
     _tell(procedure(file, _bench_folder(file, out)))
 
 
+@bench.command()
+def ground(file: Bench, out: Out = None) -> None:
+    """Find friction and compliance of the ground from tosses.
+
+    Fitted in every engine on tosses for training, judged on those held out.
+    """
+    from harness.bench.ground import run as procedure
+    from harness.progress import Progress
+
+    _tell(procedure(file, _bench_folder(file, out), Progress()))
+
+
 def _bench_folder(file: Path, out: Path | None) -> Path:
     return _folder(out, f"{file.resolve().parent.name}_{file.stem}")
 

@@ -1,0 +1,156 @@
+"""`realitygap bench ground`: friction, stiffness and damping of the ground from tosses, for every engine.
+
+Fitted on the tosses that are for training, judged on the others. What a ground parameter means is physics, the same in
+every engine; what the best one is differs, because every engine resolves an impact in its own way.
+"""
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+import engines
+from engines import Ground, Unsupported
+from engines.model import Array
+from harness.bench.summary import Summary
+from harness.bench.toss import toss_errors
+from harness.errors import InputError
+from harness.experiment import Experiment, experiments
+from harness.progress import Progress
+from harness.scenario import Patterns, Positive, Section
+from harness.scenario_file import load_scenario, resolve_path
+from harness.validation import validate
+from harness.yaml_file import load_yaml
+
+Bounds = tuple[Positive, Positive]
+
+
+class GroundBench(Section):
+    """What is fitted, within which bounds, and what others published."""
+
+    scenario: str = Field(description="scenario of a free body with recordings for training and held out")
+    engines: Patterns | None = Field(default=None, description="engines (default: all installed)")
+    friction: Bounds = Field(default=(0.05, 1.0), description="bounds of the pair's coefficient")
+    stiffness: Bounds = Field(default=(200.0, 5e4), description="bounds, N/m per contact point")
+    damping: Bounds = Field(default=(2.0, 500.0), description="bounds, N·s/m per contact point")
+    tosses: Annotated[int, Field(gt=0)] = Field(default=80, description="tosses that the search looks at")
+    samples: Annotated[int, Field(gt=0)] = Field(default=32, description="grounds that are tried before the descent")
+    published: dict[str, Positive] = Field(default={}, description="e_q of others by engine, to stand beside")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The ground found for one engine, and the mean e_q of tosses: for training, held out, and on rigid ground."""
+
+    engine: str
+    ground: Ground
+    train: float
+    held_out: float
+    rigid: float
+    compliant: bool
+
+
+def run(bench: Path, out: Path, progress: Progress | None = None) -> Summary:
+    """Fit the ground in every engine and write the table of grounds.
+
+    Raises:
+        InputError: one sentence on what cannot be used.
+    """
+    spec = validate(bench, GroundBench, load_yaml(bench))
+    train, held_out = _tosses(bench, spec)
+    names = spec.engines or engines.available()
+    fits = []
+    with (progress or Progress(quiet=True)).task("fitting the ground", len(names)) as advance:
+        for engine in names:
+            advance(engine)
+            fits.append(fit(engine, spec, train, held_out))
+    summary = Summary()
+    summary.section("Ground from tosses: e_q, mean over tosses")
+    summary.lines.append(
+        f"{len(train)} tosses to fit, {len(held_out)} held out; rigid: friction of the fit, no compliance"
+    )
+    header = ["engine", "friction", "stiffness N/m", "damping N·s/m", "rigid", "fitted", "held out", "published"]
+    rows = [[*_cells(f), f"{p:.3f}" if (p := spec.published.get(f.engine)) else "-"] for f in fits]
+    summary.table(header, rows)
+    for f in fits:
+        if not f.compliant:
+            summary.lines.append(f"{f.engine} has no soft ground: its friction alone was fitted")
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerows([header[:-1], *map(_cells, fits)])
+    summary.write(out / "ground.csv", table.getvalue())
+    summary.write(out / "summary.txt", "\n".join(summary.lines) + "\n")
+    return summary
+
+
+def _tosses(bench: Path, spec: GroundBench) -> tuple[list[Experiment], list[Experiment]]:
+    path = resolve_path(bench, spec.scenario, "scenario")
+    file = load_scenario(path)
+    if file.scenario.robot.base != "free":
+        raise InputError(f"{path}: robot.base: found {file.scenario.robot.base}; expected free, a body that is thrown")
+    found = experiments(file)
+    parts = [e for e in found if e.use == "train"], [e for e in found if e.use == "held_out"]
+    for use, part in zip(("train", "held_out"), parts, strict=True):
+        if not part:
+            raise InputError(
+                f"{path}: recordings.runs: found none with use: {use}; expected some to fit and some to judge"
+            )
+    return parts
+
+
+def _cells(f: Fit) -> list[str]:
+    soft = [f"{f.ground.stiffness:.4g}", f"{f.ground.damping:.4g}"] if f.compliant else ["-", "-"]
+    return [f.engine, f"{f.ground.friction:.4g}", *soft, f"{f.rigid:.3f}", f"{f.train:.3f}", f"{f.held_out:.3f}"]
+
+
+def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: Sequence[Experiment]) -> Fit:
+    """The ground of one engine with the smallest mean e_q of training tosses."""
+    rate = train[0].scenario.physics.step_rate
+    part = train[:: max(len(train) // spec.tosses, 1)]
+
+    def error(ground: Ground, tosses: Sequence[Experiment]) -> float:
+        return float(np.mean(toss_errors(engine, ground, tosses, rate)))
+
+    bounds = [spec.friction, spec.stiffness, spec.damping]
+    try:
+        best = descend(bounds, lambda x: error(Ground(*x), part), spec.samples)
+        compliant = True
+    except Unsupported:
+        best = descend(bounds[:1], lambda x: error(Ground(*x), part), spec.samples)
+        compliant = False
+    ground = Ground(*best)
+    return Fit(
+        engine,
+        ground,
+        error(ground, train),
+        error(ground, held_out),
+        error(Ground(ground.friction), held_out),
+        compliant,
+    )
+
+
+def descend(bounds: Sequence[Bounds], error: Callable[[list[float]], float], samples: int) -> list[float]:
+    """The parameters with the smallest error: an even sample of the logarithms, then Nelder and Mead from its best."""
+    low, high = np.log(np.array(bounds)).T
+
+    def of(x: Array, /) -> float:
+        return error([float(v) for v in np.exp(np.clip(x, low, high))])
+
+    points = qmc.scale(qmc.Sobol(len(bounds), seed=0).random(samples), low, high)
+    errors = [of(x) for x in points]
+    start: Array = points[int(np.argmin(errors))]
+    simplex = np.vstack([start, start + np.diag(np.minimum(0.3, 0.1 * (high - low)))])
+    found = minimize(
+        of,
+        start,
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 0.01, "fatol": 5e-4, "maxfev": 40 * len(bounds)},
+    )
+    return [float(v) for v in np.exp(np.clip(found.x, low, high))]
