@@ -174,7 +174,8 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
     for i, link in enumerate(model.links):
         joint = model.joints[i - 1] if i else None
         if joint is None:
-            body = spec.worldbody.add_body(name=link.name)
+            # MuJoCo has a body "world" of its own, and a URDF's root is often called that too
+            body = spec.worldbody.add_body(name="world link" if link.name == "world" else link.name)
             if model.floating:
                 body.add_freejoint()
         else:
