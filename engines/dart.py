@@ -102,7 +102,7 @@ class DartSimulation(Simulation):
     def step(self, effort: Array, damping: Array, friction: Array) -> None:
         self._steps += 1
         effort = self._law.effort(self._position, self._velocity, self._base, effort, damping, friction)
-        if not isfinite(effort.sum()):
+        if not isfinite(effort.dot(effort)):
             raise self._diverged(effort, "effort is not finite")
         self._forces[self._joints] = effort
         if self._pushed:
@@ -113,7 +113,7 @@ class DartSimulation(Simulation):
 
     def _fetch(self) -> None:
         position, velocity = self._skeleton.getPositions(), self._skeleton.getVelocities()
-        if not velocity @ velocity < RUNAWAY**2:
+        if not velocity.dot(velocity) < RUNAWAY * RUNAWAY:
             raise self._diverged(velocity[self._joints], "velocity runs away")
         self._position, self._velocity = position[self._joints], velocity[self._joints]
         if self._offset:

@@ -108,7 +108,7 @@ class DrakeSimulation(Simulation):
     def step(self, effort: Array, damping: Array, friction: Array) -> None:
         self._steps += 1
         if self._actuation is not None:
-            if (damping != self._damping).any():
+            if damping.tobytes() != self._damped:
                 self._set_damping(damping)
             effort = self._law.effort(self._position, self._velocity, self._base, effort, damping, friction)
             self._actuation.GetMutableData().get_mutable_value().get_mutable_value()[self._inputs] = effort
@@ -123,6 +123,7 @@ class DrakeSimulation(Simulation):
         for i in np.flatnonzero(damping != self._damping):
             self._joints[i].SetDampingVector(self._plant_context, damping[i : i + 1])
         self._damping[:] = damping
+        self._damped = damping.tobytes()
 
     def _fetch(self) -> None:
         x = self._plant.GetPositionsAndVelocities(self._plant_context)  # a view: to be copied

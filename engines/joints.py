@@ -143,9 +143,10 @@ class JointLaw:
             damping: as in `Simulation.step`.
             friction: as in `Simulation.step`.
         """
-        needed = self._lacks_armature or self._carries_ground
-        if not (needed or friction.any() or (self._lacks_damping and damping.any())):
-            self.reset()
+        needed = self._lacks_armature or self._carries_ground or np.count_nonzero(friction)
+        if not (needed or (self._lacks_damping and np.count_nonzero(damping))):
+            if self._known[0]:
+                self.reset()
             return effort
         d = self._dynamics
         d.update(position, velocity, base, self._gravity)

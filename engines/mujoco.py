@@ -107,10 +107,11 @@ class MujocoSimulation(Simulation):
             base[10:] = _rotate(base[3:7], base[10:])
 
     def dry_friction(self) -> Array:
-        d = self._d
-        out = np.zeros(len(self.model.joints))
-        rows = slice(d.ne, d.ne + d.nf)
-        out[d.efc_id[rows] - self._offset] = d.efc_force[rows]
+        d, n = self._d, len(self._qvel)
+        if d.nf == n:  # a row for every joint, in their order, before those of limits and contacts
+            return np.array(d.efc_force[:n])
+        out = np.zeros(n)
+        out[d.efc_id[: d.nf] - self._offset] = d.efc_force[: d.nf]
         return out
 
     def mass_matrix(self) -> Array:

@@ -52,6 +52,7 @@ class PybulletSimulation(Simulation):
         self._client, self._body = _open(self._law.model, physics)
         self._joints = list(range(n))
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
+        self._twist = self._base[7:]
         info = pybullet.getDynamicsInfo(self._body, -1, physicsClientId=self._client)
         # Bullet's frame of the base is in the centre of mass, along the principal axes
         x, y, z, w = info[4]
@@ -103,10 +104,11 @@ class PybulletSimulation(Simulation):
 
     def _fetch(self) -> None:
         body, client = self._body, self._client
+        speed = 0.0
         if self._joints:
             states = pybullet.getJointStates(body, self._joints, physicsClientId=client)
-            self._position[:] = [s[0] for s in states]
-            self._velocity[:] = [s[1] for s in states]
+            self._position[:], self._velocity[:], *_ = zip(*states, strict=True)
+            speed = self._velocity.dot(self._velocity)
         if self.model.floating:
             com, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
             linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
@@ -119,7 +121,7 @@ class PybulletSimulation(Simulation):
                 *(linear[0] - swept[0], linear[1] - swept[1], linear[2] - swept[2]),
                 *angular,
             )
-        speed = self._velocity @ self._velocity + self._base[7:] @ self._base[7:]
+            speed += self._twist.dot(self._twist)
         if not speed < RUNAWAY**2:
             wrong = np.flatnonzero(~(np.abs(self._velocity) < RUNAWAY))
             joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
