@@ -75,10 +75,13 @@ def sentences(table: pd.DataFrame) -> list[str]:
         f"{kp} is {rows.kp_mx64.iloc[0]:.0f} N·m/rad (MX-64) to {rows.kp_mx106.iloc[0]:.0f} N·m/rad (MX-106)"
         for kp, rows in real.groupby("kp", sort=False)
     )
+    failed_real = as_simulated[as_simulated.kp.str.startswith("P ") & (as_simulated.outcome != "stands")]
+    where = ", ".join(dict.fromkeys(failed_real.solver))
     out = [
         f"**Units.** At 15 V {ranges}: about the simulation's 50 N·m/rad. With these gains "
         f"and the simulation's derivative gains (0.1 to 1 N·m·s/rad) the robot stands in "
-        f"{share(as_simulated[as_simulated.kp.str.startswith('P ')])} cells; with the number 850 taken for N·m/rad in "
+        f"{share(as_simulated[as_simulated.kp.str.startswith('P ')])} cells"
+        f"{f' (not in: {where})' if where else ''}; with the number 850 taken for N·m/rad in "
         f"{share(as_simulated[as_simulated.kp.str.startswith('850')])}.",
     ]
     for rotor in (False, True):
@@ -94,8 +97,9 @@ def sentences(table: pd.DataFrame) -> list[str]:
     out.append(
         f"**The limit.** λmax is 2 at a derivative gain of {limits[False]:.2g} N·m·s/rad without rotor inertia and "
         f"of {limits[True]:.2g} with it, at 1 ms and with nothing else that damps: {limits[True] / limits[False]:.0f} "
-        f"times as much. A foot that is pressed on the ground cannot turn freely, so that a robot may stand beyond the "
-        f"limit until something lifts a foot."
+        f"times as much. The number of a servo's D, up to 2800, taken for N·m·s/rad would exceed it "
+        f"{2800 / limits[False]:.0f} and {2800 / limits[True]:.0f} times. A foot that is pressed on the ground "
+        "cannot turn freely, so that a robot may stand beyond the limit until something lifts a foot."
     )
     damped = {d: share(table[(table.damping == d) & ~table.rotor]) for d in dict.fromkeys(table.damping)}
     out.append(
