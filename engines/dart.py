@@ -12,7 +12,7 @@ from `engines.joints`; on soft ground its own contact solver has nothing to do.
 
 from dataclasses import replace
 from importlib.metadata import version
-from math import cos, isfinite, sin, sqrt
+from math import cos, hypot, isfinite, sin, sqrt
 
 import dartpy
 import numpy as np
@@ -113,7 +113,7 @@ class DartSimulation(Simulation):
 
     def _fetch(self) -> None:
         position, velocity = self._skeleton.getPositions(), self._skeleton.getVelocities()
-        if not velocity.dot(velocity) < RUNAWAY * RUNAWAY:
+        if not hypot(*velocity.tolist()) < RUNAWAY:
             raise self._diverged(velocity[self._joints], "velocity runs away")
         self._position, self._velocity = position[self._joints], velocity[self._joints]
         if self._offset:

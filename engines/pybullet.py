@@ -13,6 +13,7 @@ import tempfile
 from contextlib import closing
 from dataclasses import replace
 from importlib.metadata import version
+from math import hypot
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -51,8 +52,9 @@ class PybulletSimulation(Simulation):
         self._law = JointLaw(model, physics, native_armature=False, native_damping=False, ballast=True)
         self._client, self._body = _open(self._law.model, physics)
         self._joints = list(range(n))
-        self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
-        self._twist = self._base[7:]
+        self._joint_state, self._base = np.zeros(2 * n), np.zeros(13)
+        self._position, self._velocity = self._joint_state[:n], self._joint_state[n:]
+        self._pushed = model.floating and self._law.ballasted
         info = pybullet.getDynamicsInfo(self._body, -1, physicsClientId=self._client)
         # Bullet's frame of the base is in the centre of mass, along the principal axes
         x, y, z, w = info[4]
@@ -94,7 +96,7 @@ class PybulletSimulation(Simulation):
             pybullet.setJointMotorControlArray(
                 body, self._joints, pybullet.TORQUE_CONTROL, forces=forces, physicsClientId=client
             )
-        if self._law.ballasted and self.model.floating:
+        if self._pushed:
             wrench = self._law.wrench.tolist()
             origin, world = self._base[:3].tolist(), pybullet.WORLD_FRAME
             pybullet.applyExternalForce(body, -1, wrench[:3], origin, world, physicsClientId=client)
@@ -107,8 +109,9 @@ class PybulletSimulation(Simulation):
         speed = 0.0
         if self._joints:
             states = pybullet.getJointStates(body, self._joints, physicsClientId=client)
-            self._position[:], self._velocity[:], *_ = zip(*states, strict=True)
-            speed = self._velocity.dot(self._velocity)
+            position, velocity, *_ = zip(*states, strict=True)
+            self._joint_state[:] = position + velocity
+            speed = hypot(*velocity)
         if self.model.floating:
             com, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
             linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
@@ -121,8 +124,8 @@ class PybulletSimulation(Simulation):
                 *(linear[0] - swept[0], linear[1] - swept[1], linear[2] - swept[2]),
                 *angular,
             )
-            speed += self._twist.dot(self._twist)
-        if not speed < RUNAWAY**2:
+            speed += hypot(*linear, *angular)
+        if not speed < RUNAWAY:
             wrong = np.flatnonzero(~(np.abs(self._velocity) < RUNAWAY))
             joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
             raise Diverged(self._steps * self.physics.timestep, joint, "velocity runs away")

@@ -149,8 +149,7 @@ def mujoco_loop(simulation: engines.Simulation, tape: Tape) -> None:
             b1[:7] = pose
             b1[7:] = twist
         if loaded:
-            rows = slice(d.ne, d.ne + d.nf)
-            d1[d.efc_id[rows] - o] = d.efc_force[rows]
+            d1[:] = d.efc_force[:n]
     if o:  # MuJoCo's angular velocity is in the axes of the base
         tape.base[1:, 10:] = Rotation.from_quat(tape.base[1:, 3:7], scalar_first=True).apply(tape.base[1:, 10:])
 
@@ -198,13 +197,13 @@ def drake_loop(simulation: engines.Simulation, tape: Tape) -> None:
     floating = simulation.model.floating
     x = plant.GetPositionsAndVelocities(context)
     tape.q[0], tape.w[0] = x[qi], x[vi]
-    set_damping = np.full(len(joints), np.nan)
+    damped = b""
     for k, (c, c1, qk, wk, dk, lk, q1, w1, b1, d1) in enumerate(tape.rows()):
         drive_effort(drive, state, c, c1, qk, wk, dk, inertia, 0.0, k * H, H, effort, damping, friction, lk)
-        if (damping != set_damping).any():
-            for i in np.flatnonzero(damping != set_damping):
-                joints[i].SetDampingVector(context, damping[i : i + 1])
-            set_damping[:] = damping
+        if damping.tobytes() != damped:
+            for i, joint in enumerate(joints):
+                joint.SetDampingVector(context, damping[i : i + 1])
+            damped = damping.tobytes()
         torque = simulation._actuation.GetMutableData().get_mutable_value().get_mutable_value()
         torque[inputs] = law.effort(qk, wk, b, effort, damping, friction)
         diagram.CalcForcedDiscreteVariableUpdate(root, update)
