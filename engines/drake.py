@@ -1,9 +1,10 @@
 """Drake: generalized coordinates, discrete updates whose contact is a convex problem solved to convergence.
 
 How it solves: contact, joint limits and joint damping are parts of one implicit velocity problem in the metric
-M + h·D (Castro et al. 2022); positions follow from the new velocities. Rigid ground is its `lagged` approximation
-with a stiffness far above any weight; soft ground is `sap`, whose contact is exactly the linear spring and damper
-that the scenario asks for, `max(0, k·depth + b·depth rate)`.
+M + h·D (Castro et al. 2022); positions follow from the new velocities. The ground is its `sap` approximation, whose
+contact is exactly the linear spring and damper that the scenario asks for, `max(0, k·depth + b·depth rate)`; rigid
+ground has a stiffness far above any weight, and a damper. (`lagged` and `similar` bound friction by what the stiff
+spring would press with at the step's start: at an impact the one sticks, and the other has half of Coulomb's friction.)
 Where it lies by default: the default contact stiffness sinks a robot by a visible fraction of a millimetre, `sap`
 softens contacts beyond a threshold that grows with the step, output ports are copied at every step, friction of a
 pair is the harmonic mean, and a URDF's friction, effort limits and mimic joints need care: the plant is built here,
@@ -38,12 +39,15 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from engines.engine import Capability, Diverged, Engine, Ground, Physics, Simulation, State
+from engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
 from engines.joints import JointLaw
 from engines.model import Array, Model, rotation_from_quaternion
 
 RIGID = 1e8
 """Stiffness [N/m] of a rigid contact point: 10 kg sink by a micrometre."""
+RELAXATION = 5.0
+"""Steps in which a rigid point that got below the surface comes up again. Without, it comes up within one step, at the
+speed at which it fell: it bounces."""
 
 
 class DrakeSimulation(Simulation):
@@ -80,7 +84,7 @@ class DrakeSimulation(Simulation):
             "sap_near_rigid_threshold": plant.get_sap_near_rigid_threshold(),
             "use_sampled_output_ports": plant.has_sampled_output_ports(),
             "solver iterations": "not applicable: iterates until converged",
-            **_material(physics.ground),
+            **_material(physics),
             "rotor inertia": model.armature.tolist(),
             "effort limits": "none",
             "dry friction": "emulated by engines.joints",
@@ -169,16 +173,21 @@ def _run(indices: list[int]) -> slice | Array:
     return np.array(indices)
 
 
-def _material(ground: Ground | None) -> dict[str, float]:
+def _material(physics: Physics) -> dict[str, float]:
     """Contact properties of every geometry, such that the combination of two equal ones is the ground asked for.
 
-    Stiffnesses combine like springs in series, relaxation times (damping/stiffness) add, dissipations of rigid
-    contacts are without effect at that stiffness, and the friction of equals is their own.
+    Stiffnesses combine like springs in series, relaxation times (damping/stiffness) add, and the friction of equals is
+    their own.
     """
+    ground = physics.ground
     if ground is None:
         return {}
     if ground.stiffness is None:
-        return {"point_contact_stiffness": 2 * RIGID, "friction": ground.friction}
+        return {
+            "point_contact_stiffness": 2 * RIGID,
+            "relaxation_time": RELAXATION * physics.timestep / 2,
+            "friction": ground.friction,
+        }
     return {
         "point_contact_stiffness": 2 * ground.stiffness,
         "relaxation_time": (ground.damping or 0.0) / ground.stiffness / 2,
@@ -193,7 +202,7 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
     config = MultibodyPlantConfig(
         time_step=physics.timestep,
         contact_model="point",
-        discrete_contact_approximation="lagged" if ground is None or ground.stiffness is None else "sap",
+        discrete_contact_approximation="sap",
         sap_near_rigid_threshold=0.0,
         use_sampled_output_ports=False,
     )
@@ -221,7 +230,7 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
         motor.set_default_gear_ratio(1.0)
         motor.set_default_rotor_inertia(joint.armature)
     if ground is not None:
-        _add_contact(model, ground, plant, scene, bodies)
+        _add_contact(model, physics, plant, scene, bodies)
     log = logging.getLogger("drake")
     level = log.level
     log.setLevel(logging.ERROR)  # it warns that half spaces do not touch deformable bodies; there are none
@@ -231,14 +240,13 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
 
 
 def _add_contact(
-    model: Model, ground: Ground, plant: MultibodyPlant, scene: SceneGraph, bodies: list[RigidBody]
+    model: Model, physics: Physics, plant: MultibodyPlant, scene: SceneGraph, bodies: list[RigidBody]
 ) -> None:
-    values = _material(ground)
+    values = _material(physics)
     material = ProximityProperties()
     friction = CoulombFriction(values["friction"], values["friction"])
     AddContactMaterial(material, point_stiffness=values["point_contact_stiffness"], friction=friction)
-    if "relaxation_time" in values:
-        material.AddProperty("material", "relaxation_time", values["relaxation_time"])
+    material.AddProperty("material", "relaxation_time", values["relaxation_time"])
     plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", material)
     spheres = []
     for i, (link, body) in enumerate(zip(model.links, bodies, strict=True)):
@@ -268,7 +276,7 @@ class DrakeEngine(Engine):
             "joint_damping": Capability("native", "implicit, in the metric of the contact problem"),
             "joint_friction": Capability("emulated", "engines.joints"),
             "joint_limits": Capability("native", "constraints of the contact problem"),
-            "rigid_ground": Capability("native", f"lagged approximation with {RIGID:g} N/m per point"),
+            "rigid_ground": Capability("native", f"sap with {RIGID:g} N/m per point, damped over {RELAXATION:g} steps"),
             "soft_ground": Capability("native", "sap: linear spring and damper per point, implicit"),
             "solver_iterations": Capability("no", "iterates until converged"),
         }

@@ -74,7 +74,7 @@ class OdeSimulation(Simulation):
             "contact friction": None if self._contacts is None else self._contacts.friction,
             "contact ERP": None if self._contacts is None else self._contacts.erp,
             "contact CFM": None if self._contacts is None else self._contacts.cfm,
-            "friction law": "pyramid along the slip, bounded by the load (dContactApprox1)",
+            "friction law": "against the slip; at rest a pyramid; bounded by the load (dContactApprox1)",
             "auto-disable": bool(ode.dWorldGetAutoDisableFlag(world)),
             "gyroscopic mode, finite rotation mode": "on",
             "limits enforced": self._robot.limited,
@@ -188,7 +188,9 @@ class OdeEngine(Engine):
             "joint_damping": Capability("native", "the same motor: implicit"),
             "joint_friction": Capability("native", "a motor of limited torque"),
             "joint_limits": Capability("native", "stops of the joint; of a hinge within half a turn only"),
-            "rigid_ground": Capability("native", "pyramid along the slip; a point at rest holds up to 1.4 times askew"),
+            "rigid_ground": Capability(
+                "native", "cone where it slides; a point at rest has a pyramid and holds up to 1.4 times askew"
+            ),
             "soft_ground": Capability("native", "ERP and CFM per point: implicit spring and damper"),
             "solver_iterations": Capability("native", "sweeps of quickStep; without a number, pivoting (dWorldStep)"),
         }

@@ -2,9 +2,9 @@
 
 ODE's own sphere and plane give the same one point, at the sphere's surface, with the same depth; calling its collision
 detection back from Python would cost more than the step. ERP = h k/(h k + d) and CFM = 1/(h k + d) are Gazebo's mapping
-of stiffness k and damping d: the force of the spring and damper at the end of the step. Friction is a pyramid whose
-first axis lies along the slip, so that a sliding point has the cone's friction in every direction; one at rest holds up
-to 1.4 times as much between the world's axes.
+of stiffness k and damping d: the force of the spring and damper at the end of the step. A point that slides has the
+cone's friction, against its slip and none across it: across it, friction would hold the point where an impact turns the
+body, with 1.4 times the cone's force. One that creeps or rests has a pyramid and holds up to 1.4 times as much askew.
 """
 
 import ctypes
@@ -20,7 +20,9 @@ from engines.ode_robot import OdeLink, ode
 LAYER = 1e-5
 """Depth of rigid contacts that is not corrected [m], so that they do not come and go."""
 SLIP = 1e-6
-"""A contact point that is slower does not slide [m/s]."""
+"""A contact point that is slower has no direction of slip [m/s]."""
+SLIDES = 0.01
+"""A contact point that is slower may come to rest within a step, and is held in every direction [m/s]."""
 
 
 class ContactPoints:
@@ -43,7 +45,7 @@ class ContactPoints:
         self._contact = contact = Contact()
         self._pointer = ctypes.byref(contact)
         surface = contact.surface
-        surface.mode = ode_library.FDIR1 | ode_library.APPROX_1
+        surface.mode = ode_library.FDIR1 | ode_library.MU2 | ode_library.APPROX_1
         surface.mu = ground.friction
         if ground.stiffness is not None:
             spring, damper = physics.timestep * ground.stiffness, ground.damping or 0.0
@@ -78,6 +80,7 @@ class ContactPoints:
                 speed = hypot(ux, uy)
                 position[0], position[1], position[2] = px + rx, py + ry, pz + rz
                 direction[0], direction[1] = (ux / speed, uy / speed) if speed > SLIP else (1.0, 0.0)
+                contact.surface.mu2 = 0.0 if speed > SLIDES else self.friction
                 contact.geometry.depth = -(pz + rz)
                 ode.dJointAttach(ode.dJointCreateContact(self._world, self._group, self._pointer), link.body, None)
 
