@@ -11,6 +11,7 @@ from `engines.joints`; on soft ground its own contact solver has nothing to do.
 """
 
 from dataclasses import replace
+from functools import cached_property
 from importlib.metadata import version
 from math import cos, hypot, isfinite, sin, sqrt
 
@@ -240,7 +241,7 @@ class DartEngine(Engine):
 
     name = "dart"
 
-    @property
+    @cached_property
     def version(self) -> str:
         return version("dartpy")
 

@@ -13,6 +13,7 @@ there is no iteration count.
 """
 
 import logging
+from functools import cached_property
 from importlib.metadata import version
 from math import sqrt
 
@@ -265,7 +266,7 @@ class DrakeEngine(Engine):
 
     name = "drake"
 
-    @property
+    @cached_property
     def version(self) -> str:
         return version("drake")
 

@@ -7,6 +7,7 @@ Where it lies by default: the root is welded and fused, small inertias are lifte
 resets the state, contact friction is the larger of the pair. All of that is switched off here.
 """
 
+from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
@@ -273,7 +274,7 @@ class MujocoEngine(Engine):
 
     name = "mujoco"
 
-    @property
+    @cached_property
     def version(self) -> str:
         return version("mujoco")
 

@@ -12,6 +12,7 @@ import os
 import tempfile
 from contextlib import closing
 from dataclasses import replace
+from functools import cached_property
 from importlib.metadata import version
 from math import hypot
 from pathlib import Path
@@ -323,7 +324,7 @@ class PybulletEngine(Engine):
 
     name = "pybullet"
 
-    @property
+    @cached_property
     def version(self) -> str:
         return version("pybullet")
 

@@ -52,15 +52,18 @@ class ScenarioFile:
         """
         recordings = self.scenario.recordings
         cases: list[RunCase] = []
+        known: set[tuple[str, str, str]] = set()
         for i, run in enumerate(recordings.runs if recordings else []):
             scenario = self._scenario_of(run, f"recordings.runs[{i}].with")
             for path in self._paths(run, f"recordings.runs[{i}].path"):
                 case = RunCase(path.stem if path.is_file() else path.name, path, run, scenario)
-                if any(_same(case, other) for other in cases):
+                same = str(path.resolve()), repr(run.window), repr(sorted(run.overrides.items()))
+                if same in known:
                     raise InputError(
                         f"{self.path}: recordings.runs[{i}]: {path} stands twice with the same window and overrides; "
                         "expected every recording once"
                     )
+                known.add(same)
                 cases.append(case)
         return _distinct(cases)
 
@@ -83,11 +86,6 @@ class ScenarioFile:
         if not found:
             raise InputError(f"{self.path}: {key}: nothing matches {path}; expected at least one recording")
         return [self.path.parent / p for p in found]
-
-
-def _same(a: RunCase, b: RunCase) -> bool:
-    same_run = a.run.window == b.run.window and a.run.overrides == b.run.overrides
-    return same_run and a.path.resolve() == b.path.resolve()
 
 
 def _distinct(cases: list[RunCase]) -> list[RunCase]:

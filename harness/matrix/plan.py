@@ -34,8 +34,9 @@ def plan(matrix: MatrixFile) -> list[Task]:
     for path in matrix.scenario_paths():
         file = load_scenario(path)
         for axes, revision, found in _variants(matrix, file):
-            for motion, engine in product(found[1], engine_names):
-                task = _task(matrix, found[0], motion, engine, revision, axes, digest)
+            contents = [digest.of(_content(motion, digest)) for motion in found[1]]
+            for (motion, content), engine in product(zip(found[1], contents, strict=True), engine_names):
+                task = _task(matrix, found[0], motion, content, engine, revision, axes, digest)
                 if _left_out(matrix, task):
                     continue
                 name = slug(task.cell)
@@ -127,10 +128,17 @@ class Reader:
 
 
 def _task(
-    matrix: MatrixFile, file: ScenarioFile, motion: Motion, engine: str, revision: str, axes: dict[str, Any], d: Digest
+    matrix: MatrixFile,
+    file: ScenarioFile,
+    motion: Motion,
+    content: str,
+    engine: str,
+    revision: str,
+    axes: dict[str, Any],
+    d: Digest,
 ) -> Task:
     m = matrix.matrix
-    parts = [_content(motion, d), engine, engines.load(engine).version, revision, m.floors, m.traces, code_version()]
+    parts = [content, engine, engines.load(engine).version, revision, m.floors, m.traces, code_version()]
     return Task(d.of(parts)[:32], file, motion, engine, revision, axes, m.floors, m.traces)
 
 

@@ -81,7 +81,7 @@ def _shift(first: Run, run: Run) -> float | None:
         return None
     if a.trace.joints != b.trace.joints or a.command_kind != b.command_kind:
         return None
-    late = delay(a, b)
+    late = delay(a, b) if a.command_kind is not None else 0.0
     if first.window != run.window:
         length = min(first.window[1] - first.window[0], run.window[1] - run.window[0])
         if not abs(first.window[0] + late - run.window[0]) <= 0.1 * length:
@@ -97,9 +97,9 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     """
     a, b = reference.trace, other.trace
     lengths = a.time[-1] - a.time[0], b.time[-1] - b.time[0]
-    moving = moving_commands(reference) | moving_commands(other)
     if reference.command_kind is None:
         return min(lengths) >= 0.9 * max(lengths) and _start_alike(a, b)
+    moving = moving_commands(reference) | moving_commands(other)
     start, end = max(a.time[0], b.time[0] - late), min(a.time[-1], b.time[-1] - late)
     if end - start < 0.9 * min(lengths):
         return False
