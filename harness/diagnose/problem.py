@@ -155,10 +155,12 @@ class Problem:
             parts.append(np.nan_to_num(scaled.T, nan=0.0, posinf=WORST, neginf=-WORST).ravel())
         return np.clip(np.concatenate(parts), -WORST, WORST)
 
-    def residuals(self, changes: Sequence[Change], case: int, *, engine: str | None = None) -> Array:
+    def residuals(
+        self, changes: Sequence[Change], case: int, *, engine: str | None = None, finer: float = 1.0
+    ) -> Array:
         """The residual of one motion with a changed plant; a failed simulation is very wrong everywhere."""
         try:
-            return self.residual(case, self.simulated(changes, case, engine=engine))
+            return self.residual(case, self.simulated(changes, case, engine=engine, finer=finer))
         except (Diverged, Unsupported):
             return np.full(self.length(case), WORST)
 

@@ -22,7 +22,11 @@ WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
 WHOLE_SECOND = (1.0, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 MANY_JOINTS = 6
-"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
+"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own, ..."""
+COARSE = (0.25, 0.5)
+"""... and the first tries are simulated at the least of these shares of the step rate ..."""
+FAITHFUL = 1.0
+"""... that moves the traces by no more than this, in standard deviations (rms): what counts is the change."""
 
 
 @dataclass(frozen=True)
@@ -44,24 +48,25 @@ def screen(
     problem = pool.problem
     residual = [problem.residuals(accepted, c) for c in train]
     tangent = _tangent(pool, accepted, train)
-    many = int(problem.judged.sum()) > MANY_JOINTS
+    many = _crowded(problem)
     alone = [s for s in suspects if not (many and _single(s))]
     shared = [s for s in suspects if many and _single(s)]
     tries = {s: probes(problem, s, residual) for s in alone}
-    questions = [((*accepted, p), tuple(train)) for s in alone for group in tries[s] for p in group]
-    combined = _combined(problem, shared)
-    questions += [((*accepted, *(p for _, p in column)), tuple(train)) for column in combined]
-    answers = iter(pool.map(_signature, questions))
     base = np.concatenate([r / np.sqrt(len(r)) for r in residual])
+    rate, without = _rate(problem, accepted, train, base) if many else (1.0, base)
+    questions = [((*accepted, p), tuple(train), rate) for s in alone for group in tries[s] for p in group]
+    combined = _combined(problem, shared)
+    questions += [((*accepted, *(p for _, p in column)), tuple(train), rate) for column in combined]
+    answers = iter(pool.map(_signature, questions))
     robust = 1.0 / np.sqrt(1.0 + (base / (3 * np.sqrt(np.mean(base**2)) + 1e-12)) ** 2)
     found: dict[Suspect, list[list[tuple[Change, Array]]]] = {
-        s: [[(p, next(answers) - base) for p in group] for group in tries[s]] for s in alone
+        s: [[(p, next(answers) - without) for p in group] for group in tries[s]] for s in alone
     }
     masks = {s.indices[0]: _joint_mask(problem, train, s.indices[0]) for s in shared}
     for column in combined:
-        answer = next(answers) - base
+        change = next(answers) - without
         for suspect, probe in column:
-            own = np.where(masks[suspect.indices[0]], answer, 0.0)
+            own = np.where(masks[suspect.indices[0]], change, 0.0)
             found.setdefault(suspect, [[]])[0].append((probe, own))
     guesses = [_guess(problem, s, group, base, tangent, robust) for s, groups in found.items() for group in groups]
     ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
@@ -88,7 +93,7 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
         one, two = first.free[:2]
         return [
             [_with(first, {one: first.parameters[one] * a, two: first.parameters[two] * b})]
-            for a in WHOLE_FIRST
+            for a in (WHOLE_FIRST[::2] if effect.sits_at == "joint" and _crowded(problem) else WHOLE_FIRST)
             for b in WHOLE_SECOND
         ]
     if effect.name.endswith("_joint_stop"):
@@ -157,6 +162,10 @@ def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | Non
     return [float(grid[k]) for k in best] or [5.0]
 
 
+def _crowded(problem: Problem) -> bool:
+    return int(problem.judged.sum()) > MANY_JOINTS
+
+
 def _single(suspect: Suspect) -> bool:
     return KNOWN[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
 
@@ -174,9 +183,18 @@ def _combined(problem: Problem, shared: Sequence[Suspect]) -> list[list[tuple[Su
     return out
 
 
-def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...]) -> Array:
-    parts = [problem.residuals(changes, c) for c in train]
+def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...], rate: float = 1.0) -> Array:
+    parts = [problem.residuals(changes, c, finer=rate) for c in train]
     return np.concatenate([r / np.sqrt(len(r)) for r in parts])
+
+
+def _rate(problem: Problem, accepted: Sequence[Change], train: Sequence[int], base: Array) -> tuple[float, Array]:
+    """The share of the step rate that first tries may be simulated at, and the residual without them at that rate."""
+    for share in COARSE:
+        coarse = _signature(problem, tuple(accepted), tuple(train), share)
+        if np.sqrt(np.sum((coarse - base) ** 2) / len(train)) <= FAITHFUL:
+            return share, coarse
+    return 1.0, base
 
 
 def _explained(problem: Problem, accepted: tuple[Change, ...], change: Change, train: tuple[int, ...]) -> list[Array]:

@@ -206,11 +206,15 @@ def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]
 
 
 def _doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
-    """Why an assessed fit is not believed although it helps; None where it is, or where it was not assessed."""
+    """Why a fit is not believed although it helps; None where it is. What it rests on is known once it is assessed."""
+    newest = assessed.changes[-1]
+    absurd = KNOWN[newest.suspect.effect].absurd
+    if absurd is not None and (reason := absurd(newest.parameters)) is not None:
+        return reason
     if not len(assessed.deviation):
         return None
     last = [k for k, (i, _) in enumerate(assessed.names) if i == len(assessed.changes) - 1]
-    zero = neutral(problem.plant, assessed.changes[-1].suspect)
+    zero = neutral(problem.plant, newest.suspect)
     if not any(_certain(assessed, k, zero) for k in last):
         return "its size cannot be told from none"
     if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):

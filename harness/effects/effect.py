@@ -63,6 +63,7 @@ class Effect:
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
+        absurd: (values) -> a reason in words why these values are not this effect, or None.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Effect:
     scaled: Callable[[Plant, int], dict[str, float]] | None = None
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
+    absurd: Callable[[Values], str | None] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

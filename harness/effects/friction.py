@@ -74,6 +74,10 @@ def _more_stribeck(plant: Plant, index: int) -> dict[str, float]:
     return {"static": 2.0 * coulomb, "coulomb": coulomb, "velocity": 0.1 * speed_scale(plant, index)}
 
 
+def _rising(values: Values) -> str | None:
+    return "it would grow with speed" if values["static"] <= values["coulomb"] else None
+
+
 STRIBECK_FRICTION = Effect(
     name="stribeck_friction",
     changes="torque",
@@ -102,6 +106,7 @@ STRIBECK_FRICTION = Effect(
     ),
     excludes=("coulomb_friction",),
     dissipative=True,
+    absurd=_rising,
 )
 
 
