@@ -22,11 +22,13 @@ WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
 WHOLE_SECOND = (1.0, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 MANY_JOINTS = 6
-"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own, ..."""
+"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
 COARSE = (0.25, 0.5)
-"""... and the first tries are simulated at the least of these shares of the step rate ..."""
+"""First tries are simulated at the least of these shares of the step rate ..."""
 FAITHFUL = 1.0
 """... that moves the traces by no more than this, in standard deviations (rms): what counts is the change."""
+NEARLY = 0.9
+"""A guess that explains this share of what the straight line promises is not tried at half its size."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ def screen(
     shared = [s for s in suspects if many and _single(s)]
     tries = {s: probes(problem, s, residual) for s in alone}
     base = np.concatenate([r / np.sqrt(len(r)) for r in residual])
-    rate, without = _rate(problem, accepted, train, base) if many else (1.0, base)
+    rate, without = _rate(problem, accepted, train, base)
     questions = [((*accepted, p), tuple(train), rate) for s in alone for group in tries[s] for p in group]
     combined = _combined(problem, shared)
     questions += [((*accepted, *(p for _, p in column)), tuple(train), rate) for column in combined]
@@ -71,14 +73,9 @@ def screen(
     guesses = [_guess(problem, s, group, base, tangent, robust) for s, groups in found.items() for group in groups]
     ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
     ranked, rest = ordered[:deep], ordered[deep:]
-    checked = pool.map(_explained, [(tuple(accepted), g.change, tuple(train)) for g in ranked])
-    total = float(np.sum((robust * base) ** 2))
-    out = []
-    for guess in rest:
-        out.append(Screened(guess.change, UNSEEN * guess.explained))
-    for guess, answer in zip(ranked, checked, strict=True):
-        left = min(float(np.sum((robust * a) ** 2)) for a in answer)
-        truly = 1.0 - left / total
+    checked = pool.map(_explained, [(tuple(accepted), g, tuple(train), base, robust) for g in ranked])
+    out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
+    for guess, truly in zip(ranked, checked, strict=True):
         out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
     return sorted(out, key=lambda s: -s.explained)
 
@@ -197,14 +194,32 @@ def _rate(problem: Problem, accepted: Sequence[Change], train: Sequence[int], ba
     return 1.0, base
 
 
-def _explained(problem: Problem, accepted: tuple[Change, ...], change: Change, train: tuple[int, ...]) -> list[Array]:
-    """Residuals at the guess and at half of it: a straight line may lead too far."""
+def _explained(
+    problem: Problem,
+    accepted: tuple[Change, ...],
+    guess: Screened,
+    train: tuple[int, ...],
+    base: Array,
+    robust: Array,
+) -> float:
+    """What a guess explains when it is simulated, or half of it: a straight line may lead too far."""
+    total = float(np.sum((robust * base) ** 2))
+
+    def truly(change: Change) -> float:
+        answer = _signature(problem, (*accepted, change), train)
+        return 1.0 - float(np.sum((robust * answer) ** 2)) / total
+
+    change = guess.change
     zero = neutral(problem.plant, change.suspect)
-    tries = [change]
-    if not whole(KNOWN[change.suspect.effect]) and np.isfinite(list(zero.values())).all():
-        half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
-        tries.append(_with(change, {n: v for n, v in half.items() if np.isfinite(v)}))
-    return [_signature(problem, (*accepted, t), train) for t in tries]
+    here = truly(change)
+    if here >= NEARLY * guess.explained or whole(KNOWN[change.suspect.effect]) or not _finite(zero):
+        return here
+    half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
+    return max(here, truly(_with(change, {n: v for n, v in half.items() if np.isfinite(v)})))
+
+
+def _finite(values: dict[str, float]) -> bool:
+    return bool(np.isfinite(list(values.values())).all())
 
 
 def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Array:
