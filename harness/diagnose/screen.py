@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.fit import start
 from harness.diagnose.pool import Pool
+from harness.diagnose.probes import SHAPES, combined, crowded, joint_mask, probes, single, with_values
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.suspects import neutral, sizes, whole
 from harness.drive import Array
@@ -18,14 +18,13 @@ from harness.effects import Effect
 
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
-WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
-WHOLE_SECOND = (1.0, 2.5)
-"""What the first sizes are multiplied by for effects whose parameters only mean something together."""
-MANY_JOINTS = 6
-"""With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
+UNSEEN = 0.3
+"""What a straight line promises is believed by this much."""
+KIN = 6
+"""Guesses of one effect that are simulated, at most."""
 COARSE = (0.25, 0.5)
 """First tries are simulated at the least of these shares of the step rate ..."""
-FAITHFUL = 1.0
+FAITHFUL = 0.3
 """... that moves the traces by no more than this, in standard deviations (rms): what counts is the change."""
 NEARLY = 0.9
 """A guess that explains this share of what the straight line promises is not tried at half its size."""
@@ -45,139 +44,43 @@ def screen(
     """The suspects that explain most of what is left, best first.
 
     A straight line through the change of the traces at a first size gives a guess of the size and of what it would
-    explain, beside what a change of the accepted parameters would; the `deep` best are simulated at their guess.
+    explain, beside what a change of the accepted parameters would; the `deep` best are simulated at their guess, and
+    the best joint of every effect that was tried on all joints at once.
     """
     problem = pool.problem
     residual = [problem.residuals(accepted, c) for c in train]
     tangent = _tangent(pool, accepted, train)
-    many = _crowded(problem)
-    alone = [s for s in suspects if not (many and _single(s))]
-    shared = [s for s in suspects if many and _single(s)]
+    many = crowded(problem)
+    alone = [s for s in suspects if not (many and single(s))]
+    shared = [s for s in suspects if many and single(s)]
     tries = {s: probes(problem, s, residual) for s in alone}
     base = np.concatenate([r / np.sqrt(len(r)) for r in residual])
     rate, without = _rate(problem, accepted, train, base)
     questions = [((*accepted, p), tuple(train), rate) for s in alone for group in tries[s] for p in group]
-    combined = _combined(problem, shared)
-    questions += [((*accepted, *(p for _, p in column)), tuple(train), rate) for column in combined]
+    together = combined(problem, shared, residual)
+    questions += [((*accepted, *column.values()), tuple(train), rate) for _, column in together]
     answers = iter(pool.map(_signature, questions))
     robust = 1.0 / np.sqrt(1.0 + (base / (3 * np.sqrt(np.mean(base**2)) + 1e-12)) ** 2)
     found: dict[Suspect, list[list[tuple[Change, Array]]]] = {
         s: [[(p, next(answers) - without) for p in group] for group in tries[s]] for s in alone
     }
-    masks = {s.indices[0]: _joint_mask(problem, train, s.indices[0]) for s in shared}
-    for column in combined:
+    masks = {s.indices[0]: joint_mask(problem, train, s.indices[0]) for s in shared}
+    for start_number, column in together:
         change = next(answers) - without
-        for suspect, probe in column:
-            own = np.where(masks[suspect.indices[0]], change, 0.0)
-            found.setdefault(suspect, [[]])[0].append((probe, own))
+        for suspect, probe in column.items():
+            groups = found.setdefault(suspect, [])
+            if start_number == len(groups):
+                groups.append([])
+            groups[start_number].append((probe, np.where(masks[suspect.indices[0]], change, 0.0)))
     guesses = [_guess(problem, s, group, base, tangent, robust) for s, groups in found.items() for group in groups]
     ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
-    ranked, rest = ordered[:deep], ordered[deep:]
+    ranked = _worth_simulating(ordered, set(shared), deep)
+    rest = [g for g in ordered if g not in ranked]
     checked = pool.map(_explained, [(tuple(accepted), g, tuple(train), base, robust) for g in ranked])
     out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
     for guess, truly in zip(ranked, checked, strict=True):
         out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
     return sorted(out, key=lambda s: -s.explained)
-
-
-def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None = None) -> list[list[Change]]:
-    """First tries of a suspect: per start a list of changes, each of one parameter."""
-    effect = KNOWN[suspect.effect]
-    zero = neutral(problem.plant, suspect)
-    size = sizes(problem.plant, suspect)
-    first = start(problem, suspect)
-    if whole(effect):
-        one, two = first.free[:2]
-        return [
-            [_with(first, {one: first.parameters[one] * a, two: first.parameters[two] * b})]
-            for a in (WHOLE_FIRST[::2] if effect.sits_at == "joint" and _crowded(problem) else WHOLE_FIRST)
-            for b in WHOLE_SECOND
-        ]
-    if effect.name.endswith("_joint_stop"):
-        upper = effect.name.startswith("upper")
-        seen = [problem.cases[c].value("position")[:, suspect.indices[0]] for c in problem.of("train")]
-        angle = max(float(np.nanmax(s)) for s in seen) if upper else min(float(np.nanmin(s)) for s in seen)
-        return [[_with(first, {"angle": angle})]]
-    if effect.name == "torque_ripple":
-        return [
-            [_with(first, {"amplitude": size["amplitude"], "periods": p, "phase": phase}) for phase in (0.0, np.pi / 2)]
-            for p in _periods(problem, suspect, residual)
-        ]
-    out = []
-    for name in first.free:
-        p = effect.parameter(name)
-        if name in SHAPES:
-            continue
-        values = {q: zero[q] for q in first.free if q not in SHAPES and np.isfinite(zero[q])}
-        if np.isfinite(zero[name]):
-            values[name] = zero[name] + size[name]
-            if values[name] > p.high:
-                values[name] = zero[name] - size[name]
-        else:
-            values[name] = first.parameters[name]
-        out.append(_with(first, values))
-    return [out]
-
-
-UNSEEN = 0.3
-"""What a straight line promises is believed by this much."""
-SHAPES = ("periods", "phase", "velocity", "exponent")
-"""Parameters that only shape what others do: they are not tried on their own."""
-
-
-def _with(change: Change, values: dict[str, float]) -> Change:
-    return replace(change, values=tuple((change.parameters | values).items()))
-
-
-def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None) -> list[float]:
-    """The ripple frequencies that the residual of the target shows as a function of the joint angle.
-
-    A ripple moves the joint, and the effort, by nearly the same sine of the angle: sine and cosine are fitted to the
-    residual without simulating, and the best few peaks are tried.
-    """
-    joint = suspect.indices[0]
-    train = problem.of("train")
-    grid = np.arange(1.0, 61.0, 0.25)
-    score = np.zeros(len(grid))
-    for c, r in zip(train, residual or [], strict=False):
-        angle = problem.cases[c].value("position")[:, joint]
-        mask = _joint_mask(problem, [c], joint)
-        if not mask.any():
-            continue
-        for part in np.split(r[mask], max(int(mask.sum()) // len(angle), 1)):
-            smooth = part - part.mean()
-            for k, p in enumerate(grid):
-                basis = np.column_stack([np.sin(p * angle), np.cos(p * angle), np.ones(len(angle)), angle])
-                rest = smooth - basis @ np.linalg.lstsq(basis, smooth, rcond=None)[0]
-                plain = basis[:, 2:]
-                left = smooth - plain @ np.linalg.lstsq(plain, smooth, rcond=None)[0]
-                score[k] += float(left @ left - rest @ rest)
-    if not score.any():
-        return [2.0, 5.0, 12.0, 20.0]
-    peaks = [k for k in range(1, len(grid) - 1) if score[k] >= score[k - 1] and score[k] >= score[k + 1]]
-    best = sorted(peaks, key=lambda k: -score[k])[:4]
-    return [float(grid[k]) for k in best] or [5.0]
-
-
-def _crowded(problem: Problem) -> bool:
-    return int(problem.judged.sum()) > MANY_JOINTS
-
-
-def _single(suspect: Suspect) -> bool:
-    return KNOWN[suspect.effect].sits_at == "joint" and len(suspect.indices) == 1
-
-
-def _combined(problem: Problem, shared: Sequence[Suspect]) -> list[list[tuple[Suspect, Change]]]:
-    """The same probe of one effect on all joints at once."""
-    by_effect: dict[str, list[Suspect]] = {}
-    for s in shared:
-        by_effect.setdefault(s.effect, []).append(s)
-    out = []
-    for members in by_effect.values():
-        lists = [[p for group in probes(problem, s) for p in group] for s in members]
-        for k in range(len(lists[0])):
-            out.append([(s, ps[k]) for s, ps in zip(members, lists, strict=True)])
-    return out
 
 
 def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...], rate: float = 1.0) -> Array:
@@ -215,11 +118,24 @@ def _explained(
     if here >= NEARLY * guess.explained or whole(KNOWN[change.suspect.effect]) or not _finite(zero):
         return here
     half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
-    return max(here, truly(_with(change, {n: v for n, v in half.items() if np.isfinite(v)})))
+    return max(here, truly(with_values(change, {n: v for n, v in half.items() if np.isfinite(v)})))
 
 
 def _finite(values: dict[str, float]) -> bool:
     return bool(np.isfinite(list(values.values())).all())
+
+
+def _worth_simulating(ordered: Sequence[Screened], shared: set[Suspect], deep: int) -> list[Screened]:
+    """The best `deep` guesses, few of one effect, and the best joint of every effect that was tried on all at once.
+
+    What such a try shows of a joint is only what happens at that joint; what it would do to the others is not seen.
+    """
+    out: list[Screened] = []
+    for guess in ordered:
+        kin = sum(o.change.suspect.effect == guess.change.suspect.effect for o in out)
+        if (len(out) < deep and kin < KIN) or (guess.change.suspect in shared and not kin):
+            out.append(guess)
+    return out
 
 
 def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Array:
@@ -232,29 +148,13 @@ def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Ar
             step = 0.05 * size[name]
             if change.parameters[name] + step > KNOWN[change.suspect.effect].parameter(name).high:
                 step = -step
-            moved = _with(change, {name: change.parameters[name] + step})
+            moved = with_values(change, {name: change.parameters[name] + step})
             questions.append(((*accepted[:i], moved, *accepted[i + 1 :]), tuple(train)))
             steps.append(step / size[name])
     answers = pool.map(_signature, questions)
     if not steps:
         return np.zeros((len(answers[0]), 0))
     return np.column_stack([(a - answers[0]) / s for a, s in zip(answers[1:], steps, strict=True)])
-
-
-def _joint_mask(problem: Problem, train: Sequence[int], joint: int) -> Array:
-    """Which residuals are those of one joint: they are ordered by case, signal, joint, time."""
-    column = int(np.sum(problem.judged[:joint]))
-    count = int(problem.judged.sum())
-    parts = []
-    for c in train:
-        t = len(problem.cases[c].measured.time)
-        for signal in problem.signals(c):
-            wide = {"base_position": 3, "base_quaternion": 4}.get(signal)
-            mask = np.zeros((wide or count, t), dtype=bool)
-            if wide is None and problem.judged[joint]:
-                mask[column] = True
-            parts.append(mask.ravel())
-    return np.concatenate(parts)
 
 
 def _guess(
@@ -283,7 +183,7 @@ def _guess(
     if effect.name == "torque_ripple" and len(amount) == 2:
         size = good[0][0].parameters["amplitude"]
         return Screened(
-            _with(
+            with_values(
                 good[0][0],
                 {
                     "amplitude": max(size * float(np.hypot(*amount)), 0.05 * size),
@@ -300,7 +200,7 @@ def _guess(
                 values[name] = float(np.clip(zero[name] + x * (probe.parameters[name] - zero[name]), p.low, p.high))
             else:  # a stiffness: half the stiffness gives twice as much
                 values[name] = float(np.clip(probe.parameters[name] / max(x, 1e-3), p.low, p.high))
-    return Screened(_with(good[0][0], values), explained)
+    return Screened(with_values(good[0][0], values), explained)
 
 
 def _left(matrix: Array, target: Array) -> float:

@@ -15,9 +15,9 @@ from scipy.optimize import lsq_linear
 
 from harness.diagnose.planting import planted
 from harness.diagnose.pool import Pool
+from harness.diagnose.probes import SHAPES
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.rivals import SAME_COST
-from harness.diagnose.screen import SHAPES
 from harness.diagnose.search import AT_FLOOR, LEAST
 from harness.diagnose.suspects import neutral, whole
 from harness.drive import Array

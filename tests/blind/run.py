@@ -71,12 +71,15 @@ def main() -> None:
     parser.add_argument("--engine", action="append", default=[], help="passed on to the command")
     parser.add_argument("--limit", type=float, default=1800.0, help="seconds for one case")
     parser.add_argument("--again", action="store_true", help="diagnose anew what is done")
+    parser.add_argument("--done", action="store_true", help="judge what is done, and run nothing")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
     if not COMMAND.is_file():
         parser.error(f"found no {COMMAND}; run this with the project's environment")
     work = args.work.absolute()
     chosen = [c for kind in args.only or KINDS for c in makers(kind, args.seed, args.robot)[: args.first]]
+    if args.done:
+        chosen = [c for c in chosen if (work / "diagnoses" / c[0] / "diagnosis.json").is_file()]
 
     def one(item: tuple[str, Make]) -> judge.Score:
         score = diagnose(*item, work, args.engine, args.limit, args.again)
