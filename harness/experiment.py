@@ -145,7 +145,8 @@ def _commands(
         return commands, begin, duration or length + SETTLE
     if recording is None or not len(recording.command_time):
         return Commands(np.zeros(1), np.full((1, n), np.nan)), begin, duration
-    return Commands(recording.command_time - begin, recording.command), begin, duration
+    held = motion is None or motion.held
+    return Commands(recording.command_time - begin, recording.command, held), begin, duration
 
 
 def _start(experiment: Experiment) -> State:

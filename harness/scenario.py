@@ -110,6 +110,11 @@ class Motion(Section):
     meaning: Literal["position", "duty", "effort"] = Field(
         default="position", alias="as", description="what a recorded command is"
     )
+    held: bool = Field(
+        default=True,
+        description="recorded commands hold until the next one, as on a bus; false: they are samples of a trajectory, "
+        "linear in between",
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> Motion:

@@ -1,6 +1,7 @@
 """Commands over steps: the mean over every step, after any delay, with the servo's off times kept."""
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
 from harness.commands import Commands, on_steps
+from harness.experiment import experiments
+from harness.scenario_file import load_scenario
 
 TIME = np.array([0.0, 0.013, 0.02, 0.0371, 0.05])
 VALUE = np.array([[1.0, -1.0], [3.0, 0.0], [-2.0, 0.5], [0.0, 0.5], [4.0, 0.25]])
@@ -78,3 +81,9 @@ def test_a_step_never_overshoots(held: bool) -> None:
     assert out.max() <= value.max()
     still = on_steps(Commands(time, np.full_like(value, 0.1), held), 2000, 1e-3, np.zeros(1))
     assert (still == 0.1).all(), "a constant stays what it is, bit for bit"
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_a_scenario_says_whether_recorded_commands_hold(held: bool) -> None:
+    demo = load_scenario(Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml")
+    assert [e.commands.held for e in experiments(demo.override({"motion.held": held}))][:1] == [held]
