@@ -1,6 +1,7 @@
 """Diagnosis on the bundled synthetic scenario: the planted effect is named, and nothing where nothing is missing."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,8 @@ import pytest
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Change, build_problem, changed
-from harness.diagnose.search import search
+from harness.diagnose.problem import Change, Suspect, build_problem, changed
+from harness.diagnose.search import rank, search
 from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.workflow import run_diagnosis, summary
 from harness.progress import Progress
@@ -67,6 +68,41 @@ def test_every_suspect_can_be_neutral() -> None:
         same = {n: v for n, v in zero.items() if KNOWN[suspect.effect].parameter(n).absent is None}
         own = KNOWN[suspect.effect].own(plant, suspect.indices[0])
         assert {n: own[n] for n in same if n in own} == pytest.approx({n: same[n] for n in same if n in own})
+
+
+def test_an_effect_that_the_scenario_has_is_neutral_at_its_own_value() -> None:
+    file = load_scenario(DEMO).override({"effects": [{"effect": "constant_effort", "target": "elbow", "effort": 0.2}]})
+    problem = build_problem(file, "mujoco")
+    push = next(s for s in suspects(problem) if (s.effect, s.target) == ("constant_effort", "elbow"))
+    assert neutral(problem.plant, push) == {"effort": 0.2}
+
+
+@pytest.mark.parametrize(
+    ("prismatic", "armature", "first"), [(False, 0.0, "rotor"), (True, 0.0, "mass"), (True, 0.1, "rotor")]
+)
+def test_inertia_of_a_linear_axis_is_its_mass(prismatic: bool, armature: float, first: str) -> None:
+    """Unless the model has a rotor there already."""
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    plant = problem.plant
+    plant.model = replace(plant.model, joints=tuple(replace(j, prismatic=prismatic) for j in plant.model.joints))
+    plant.drive["armature"] = armature
+    rotor, mass = Suspect("rotor_inertia", "elbow", (1,)), Suspect("link_mass", "forearm", (2,))
+    assert min((rotor, mass), key=lambda s: rank(problem, s)) == {"rotor": rotor, "mass": mass}[first]
+
+
+def test_a_gap_that_stays_is_noise_beside_the_numerical_floor() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    case = problem.cases[0]
+    case.floor = {
+        s: np.where(np.arange(len(v)) % 2, 10.0, 0.0)[:, None] * case.noise[s]
+        for s in case.noise
+        for v in [case.value(s)]
+    }
+    assert problem.levels(0, 1.0) == pytest.approx(np.ones(problem.length(0)))
+    weights = problem.levels(0, 100.0) / np.concatenate(
+        [case.sigma(s).T.ravel() / np.repeat(case.noise[s], len(case.measured.time)) for s in problem.signals(0)]
+    )
+    assert weights.max() / weights.min() == pytest.approx(1.0, abs=0.01)
 
 
 def test_a_change_keeps_its_ratio_where_runs_differ() -> None:

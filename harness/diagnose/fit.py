@@ -19,6 +19,8 @@ ELSEWHERE = (0.7, 1.4)
 """A fit is tried again from these multiples of the newest change: friction that holds a joint makes it rough."""
 BETTER = 0.99
 """It goes on from there where the loss is below this share."""
+OUTLIER = 3.0
+"""A residual beyond this many times its root mean square counts less."""
 PRIOR = 1e-3
 """Pull towards the first guess per size, so that a parameter without influence stays where it is."""
 
@@ -34,6 +36,7 @@ class Fit:
         value, deviation: fitted values and their standard deviations. Shape (p,).
         step_per_case: Shape (cases, p): how far each motion alone would move the values (Gauss-Newton).
         weight_per_case: Shape (cases, p): curvature of each motion: how much it says about each value.
+        misfit: the gap in floors that counts as noise (see `Problem.levels`).
     """
 
     changes: list[Change]
@@ -44,6 +47,7 @@ class Fit:
     step_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
     weight_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
     evaluations: int = 0
+    misfit: float = 1.0
 
     def mean_cost(self, cases: Sequence[int]) -> float:
         """Mean squared residual over some cases, each counting alike."""
@@ -114,7 +118,12 @@ class _Space:
 
 
 def fit(
-    problem: Problem, changes: Sequence[Change], train: Sequence[int], judge: Sequence[int], budget: int = 12
+    problem: Problem,
+    changes: Sequence[Change],
+    train: Sequence[int],
+    judge: Sequence[int],
+    budget: int = 12,
+    misfit: float = 1.0,
 ) -> Fit:
     """Fit changes jointly to the training motions and judge them on others.
 
@@ -124,26 +133,31 @@ def fit(
         train: cases to fit to.
         judge: cases to judge on.
         budget: iterations of the solver at most.
+        misfit: the gap in floors that counts as noise, because no model comes closer.
     """
     if not changes:
         return Fit([], costs(problem, [], [*train, *judge]))
     space = _Space(problem, changes)
     count = 0
     memo: dict[bytes, Array] = {}
+    levels = [problem.levels(c, misfit) for c in train]
 
     def residual(x: Array) -> Array:
         nonlocal count
         key = x.tobytes()
         if key not in memo:
             count += 1
-            memo[key] = np.concatenate([_weighted(problem.residuals(space.at(x), c)) for c in train])
+            memo[key] = np.concatenate(
+                [_weighted(level * problem.residuals(space.at(x), c)) for level, c in zip(levels, train, strict=True)]
+            )
         return np.concatenate([memo[key], PRIOR * (x - space.first)])
 
     def jacobian(x: Array) -> Array:
         return _differences(residual, x, space.bounds()[1])
 
     before = residual(space.first)
-    scale = max(1.0, 1.5 * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
+    reach = 1.5 if misfit == 1.0 else OUTLIER
+    scale = max(1.0, reach * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
     margin = scale / np.sqrt(_mean_length(problem, train))
 
     def solve(x: Array) -> OptimizeResult:
@@ -169,7 +183,7 @@ def fit(
             again = solve(x)
             solution = again if again.cost < solution.cost else solution
             break
-    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count)
+    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count, misfit=misfit)
     out.cost = costs(problem, out.changes, [*train, *judge])
     return out
 
@@ -210,18 +224,19 @@ def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[
     normal = np.zeros((p, p))
     out.step_per_case, out.weight_per_case = np.zeros((len(cases), p)), np.zeros((len(cases), p))
     for row, c in enumerate(cases):
+        level = problem.levels(c, result.misfit)
 
-        def residual(y: Array, c: int = c) -> Array:
-            return problem.residuals(space.at(y), c)
+        def residual(y: Array, c: int = c, level: Array = level) -> Array:
+            return level * problem.residuals(space.at(y), c)
 
         base = residual(space.first)
         slope = _differences(residual, space.first, space.bounds()[1])
-        robust = 1.0 / np.sqrt(1.0 + (base / (3 * max(1.0, np.sqrt(out.cost[c])))) ** 2)
+        robust = 1.0 / np.sqrt(1.0 + (base / (OUTLIER * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale
         out.weight_per_case[row] = np.diag(curvature) / space.scale**2
         if c in train:
-            inflation = max(out.cost[c], 1.0) * _correlation_time(base, len(problem.cases[c].measured.time))
+            inflation = max(float(np.mean(base**2)), 1.0) * _correlation_time(base, len(problem.cases[c].measured.time))
             normal += curvature / inflation
     covariance = np.linalg.pinv(normal + 1e-12 * np.eye(p) * max(float(np.trace(normal)), 1e-30))
     out.deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * space.scale

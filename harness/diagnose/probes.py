@@ -18,6 +18,8 @@ WHOLE_SECOND = (1.0, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 SOFTER = (1.0, 0.3, 0.1)
 """What the first size of a stiffness is multiplied by: a soft spring swings as no straight line tells."""
+SLIPPERIER = (0.6, 0.3, 0.15)
+"""What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
 MANY_JOINTS = 6
 """With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
 SHAPES = ("periods", "phase", "velocity", "exponent")
@@ -55,6 +57,8 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
             [with_values(first, {n: first.parameters[n] * k for n in first.free if not np.isfinite(zero[n])})]
             for k in SOFTER
         ]
+    if effect.name == "ground_friction" and zero["coefficient"] > 0:
+        return [[with_values(first, {"coefficient": zero["coefficient"] * k})] for k in SLIPPERIER]
     out = []
     for name in first.free:
         p = effect.parameter(name)

@@ -19,7 +19,8 @@ from harness.plant import Plant
 from harness.scenario_file import ScenarioFile
 from harness.trace import Trace
 
-SIGNALS = ("position", "velocity", "effort", "base_position", "base_quaternion")
+JOINT_SIGNALS = ("position", "velocity", "effort")
+SIGNALS = (*JOINT_SIGNALS, "base_position", "base_quaternion")
 NEIGHBOURS = 3
 """Samples around a step transient that share its numerical floor."""
 TINY = {"position": 1e-6, "velocity": 1e-5, "effort": 1e-5, "base_position": 1e-5, "base_quaternion": 1e-5}
@@ -119,7 +120,7 @@ class Problem:
 
     def joint_signals(self, case: int) -> list[str]:
         """The signals of joints among them."""
-        return [s for s in self.signals(case) if s in ("position", "velocity", "effort")]
+        return [s for s in self.signals(case) if s in JOINT_SIGNALS]
 
     def changed_plant(self, changes: Sequence[Change], case: int) -> Plant:
         """The plant of one motion with changes."""
@@ -150,10 +151,24 @@ class Problem:
                 flipped = simulated[signal] + c.value(signal)
                 delta = np.where(np.sum(delta**2, axis=1) > np.sum(flipped**2, axis=1), flipped.T, delta.T).T
             scaled = delta / c.sigma(signal)
-            if signal in ("position", "velocity", "effort"):
+            if signal in JOINT_SIGNALS:
                 scaled = scaled[:, self.judged]
             parts.append(np.nan_to_num(scaled.T, nan=0.0, posinf=WORST, neginf=-WORST).ravel())
         return np.clip(np.concatenate(parts), -WORST, WORST)
+
+    def levels(self, case: int, misfit: float) -> Array:
+        """What to multiply a motion's residual by where no model comes closer than `misfit` floors.
+
+        What no model explains is noise of its own kind, `misfit` times the sensors': beside it the numerical floor of a
+        sample hardly matters, and all samples count nearly alike. 1 everywhere for a misfit of 1.
+        """
+        c = self.cases[case]
+        parts = []
+        for signal in self.signals(case):
+            sigma = c.sigma(signal)
+            level = misfit * sigma / np.sqrt(sigma**2 + (misfit**2 - 1.0) * c.noise[signal] ** 2)
+            parts.append((level[:, self.judged] if signal in JOINT_SIGNALS else level).T.ravel())
+        return np.concatenate(parts)
 
     def residuals(
         self, changes: Sequence[Change], case: int, *, engine: str | None = None, finer: float = 1.0
@@ -176,13 +191,13 @@ class Problem:
         coarse = self.simulated(changes, case)
         fine = self.simulated(changes, case, finer=2.0)
         out = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in coarse}
-        if "effort" in out:
+        if "effort" in out and self.cases[case].experiment.commands.held:
             out["effort"] = np.hypot(out["effort"], self._jumps(changes, case))
         return out
 
     def _jumps(self, changes: Sequence[Change], case: int) -> Array:
-        """How much the effort jumps within a step of each sample: a command moves it at once, and which side of the
-        jump a sample saw is not known. Shape (t, n).
+        """How much the effort jumps within a step of each sample: a held command moves it at once, and which side of
+        the jump a sample saw is not known. Shape (t, n).
         """
         c = self.cases[case]
         plant = self.changed_plant(changes, case)

@@ -95,10 +95,16 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
         found.fit = _shaped(pool, found.fit, train, judge)
         found.fit = _pruned(pool, found, train, judge, say)
     if found.fit.changes:
-        found.fit = assess(problem, found.fit, train, judge)
+        found.fit = assess(problem, _settled(problem, found.fit, train, judge), train, judge)
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(found, judge)
     return found
+
+
+def _settled(problem: Problem, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """The fit with what it leaves unexplained counted as noise, where that is far more than the sensors'."""
+    left = current.mean_cost(train)
+    return current if left <= FAR else fit(problem, current.changes, train, judge, misfit=rms(left))
 
 
 def _abstain_from_fragments(found: Search, judge: Sequence[int]) -> None:
@@ -161,13 +167,22 @@ def _best(
     gains = [_gain(now, f, train, judge) for f in worthy]
     top = max(gains)
     equal = [f for f, g in zip(worthy, gains, strict=True) if g >= top - EQUAL * abs(top)]
-    order = list(KNOWN)
 
-    def simplicity(candidate: Fit) -> tuple[int, int]:
+    def simplicity(candidate: Fit) -> tuple[int, float]:
         last = candidate.changes[-1]
-        return len(last.free), order.index(last.suspect.effect)
+        return len(last.free), rank(problem, last.suspect)
 
     return min(equal, key=simplicity)
+
+
+def rank(problem: Problem, suspect: Suspect) -> float:
+    """The place of a suspect in the table; on a linear axis without a stated armature, inertia is the link's mass."""
+    order = list(KNOWN)
+    joints, drive = problem.plant.model.joints, problem.plant.drive
+    linear = suspect.effect == "rotor_inertia" and all(
+        joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
+    )
+    return order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
 
 
 def _varied(ranked: Sequence[Screened]) -> list[Screened]:

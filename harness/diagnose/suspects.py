@@ -78,12 +78,12 @@ def fitted(effect: Effect) -> list[Parameter]:
 
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
-    """The values that change nothing: the plant's own, or those of an absent effect."""
+    """The values that change nothing: the plant's own, also of an effect that the scenario has already."""
     effect = KNOWN[suspect.effect]
     own = effect.own(plant, suspect.indices[0])
     out = {}
     for p in effect.parameters:
-        value = p.absent if p.absent is not None else own.get(p.name)
+        value = own.get(p.name, p.absent)
         if value is None:
             value = p.default if p.default is not None else p.first
         out[p.name] = value
