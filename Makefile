@@ -41,7 +41,7 @@ check: lint types test  ## lint, types and tests
 
 .PHONY: blind
 blind: $(READY)  ## diagnose the whole blind suite and write results/reference/blind.csv (hours)
-	$(BIN)/python tests/blind/run.py
+	$(BIN)/python tests/blind/run.py --reference results/reference
 
 .PHONY: bench
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine

@@ -135,8 +135,8 @@ def fit(
         budget: iterations of the solver at most.
         misfit: the gap in floors that counts as noise, because no model comes closer.
     """
-    if not changes:
-        return Fit([], costs(problem, [], [*train, *judge]))
+    if not any(c.free for c in changes):
+        return Fit(list(changes), costs(problem, [], [*train, *judge]))
     space = _Space(problem, changes)
     count = 0
     memo: dict[bytes, Array] = {}

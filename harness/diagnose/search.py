@@ -8,11 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.fit import Fit, assess, fit
+from harness.diagnose.fit import Fit, assess, fit, start
 from harness.diagnose.floors import set_floors
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
+from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.suspects import LATER, neutral, suspects
 
 AT_FLOOR = 1.25
@@ -31,6 +32,8 @@ EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 FAR = 4.0
 """A mean squared residual above this is far from the floor: ..."""
+VERY_FAR = 50.0
+"""Above this no model comes near the floor, and one bad run would decide: runs count by the share they lose."""
 HALF = 0.5
 """... then all findings together must remove this share of it, or none is named."""
 GAIN = 0.10
@@ -74,6 +77,12 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     base = fit(problem, [], train, judge)
     found = Search(base, base)
     everyone = suspects(problem)
+    for change in velocity_filters(problem, everyone):  # the recordings show them and tell their size
+        was, seen = found.fit, fit(problem, [*found.fit.changes, change], train, judge)
+        if min(was.mean_cost(cases) - seen.mean_cost(cases) for cases in (train, judge)) > LEAST:
+            say(f"added {name(change.suspect)}: the recorded velocity itself shows it")
+            found.steps.append(Step(change.suspect, was.mean_cost(judge), seen.mean_cost(judge)))
+            found.fit = seen
     while len(found.fit.changes) < MOST:
         now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
         say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
@@ -95,7 +104,8 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
         found.fit = _shaped(pool, found.fit, train, judge)
         found.fit = _pruned(pool, found, train, judge, say)
     if found.fit.changes:
-        found.fit = assess(problem, _settled(problem, found.fit, train, judge), train, judge)
+        whole = _all_free(problem, found.fit, train, judge)
+        found.fit = assess(problem, _settled(problem, whole, train, judge), train, judge)
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(found, judge)
     return found
@@ -105,6 +115,12 @@ def _settled(problem: Problem, current: Fit, train: Sequence[int], judge: Sequen
     """The fit with what it leaves unexplained counted as noise, where that is far more than the sensors'."""
     left = current.mean_cost(train)
     return current if left <= FAR else fit(problem, current.changes, train, judge, misfit=rms(left))
+
+
+def _all_free(problem: Problem, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """The fit with what was told by the recordings fitted as well."""
+    free = [replace(c, free=c.free or start(problem, c.suspect).free) for c in current.changes]
+    return current if free == current.changes else fit(problem, free, train, judge)
 
 
 def _abstain_from_fragments(found: Search, judge: Sequence[int]) -> None:
@@ -210,7 +226,8 @@ def _gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -
 def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
     """Why a fitted suspect does not help enough; None where it does."""
     was, now = before.mean_cost(judge), after.mean_cost(judge)
-    if was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0):
+    little = was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0)
+    if little and not (was > VERY_FAR and _lowers_all(before, after, judge)):
         return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
     if after.mean_cost(train) > before.mean_cost(train) * (1 - 0.5 * GAIN):
         return "does not help on the training runs"
@@ -218,6 +235,12 @@ def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]
     if len(worse) * 2 > len(judge):
         return "makes most held-out runs worse"
     return None
+
+
+def _lowers_all(before: Fit, after: Fit, judge: Sequence[int]) -> bool:
+    """Whether every run's cost falls enough in the geometric mean: the worst run alone does not decide then."""
+    ratios = np.log([after.cost[c] / before.cost[c] for c in judge])
+    return bool(np.mean(ratios) < np.log(1.0 - GAIN) and np.mean(ratios < 0) > 0.5)
 
 
 def _doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
