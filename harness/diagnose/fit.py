@@ -136,7 +136,7 @@ def fit(
         misfit: the gap in floors that counts as noise, because no model comes closer.
     """
     if not any(c.free for c in changes):
-        return Fit(list(changes), costs(problem, [], [*train, *judge]))
+        return Fit(list(changes), costs(problem, changes, [*train, *judge]))
     space = _Space(problem, changes)
     count = 0
     memo: dict[bytes, Array] = {}
