@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from engines.model import Array
 from harness.commands import Commands
 from harness.effects.place import place
 from harness.errors import InputError
+from harness.flight import Launch, launch
 from harness.motion import first_goals, play, read_animation
 from harness.plant import Plant, build_plant
 from harness.recording import Recording, read_recording
@@ -59,6 +61,13 @@ class Experiment:
     def with_plant(self, plant: Plant) -> "Experiment":
         """The same motion on another plant."""
         return replace(self, plant=plant)
+
+    @cached_property
+    def thrown(self) -> Launch | None:
+        """How a free body was thrown; None for what stands or lies."""
+        if self.scenario.robot.base != "free" or self.recording is None:
+            return None
+        return launch(self.plant.model, self.recording.trace)
 
     def start(self) -> State:
         """The state at which the simulation starts."""
@@ -168,14 +177,15 @@ def _start(experiment: Experiment) -> State:
         bad = plant.model.joint_names[int(np.flatnonzero(~np.isfinite(position))[0])]
         raise InputError(f"{experiment.name}: the first measured position of {bad} is missing")
     trace = recording.trace if recording is not None and plant.model.floating else None
+    thrown = experiment.thrown
     state = start_state(
         plant,
         position,
         stand_on=scenario.robot.stand_on,
-        base_position=_first(trace, "base_position"),
-        base_quaternion=_first(trace, "base_quaternion"),
-        base_linear=_first(trace, "base_linear"),
-        base_angular=_first(trace, "base_angular"),
+        base_position=thrown.position if thrown else _first(trace, "base_position"),
+        base_quaternion=thrown.quaternion if thrown else _first(trace, "base_quaternion"),
+        base_linear=thrown.linear if thrown else _first(trace, "base_linear"),
+        base_angular=thrown.angular if thrown else _first(trace, "base_angular"),
     )
     if scenario.robot.base == "free":
         # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far

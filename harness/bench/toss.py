@@ -6,7 +6,9 @@ import numpy as np
 
 import engines
 from engines import Diverged, Ground, Physics
+from engines.model import Array
 from harness.experiment import Experiment
+from harness.flight import flying
 from harness.recording.frames import angle_between
 from harness.rollout import rollout
 from harness.trace import Trace
@@ -19,7 +21,7 @@ def toss_error(simulated: Trace, measured: Trace, half_width: float) -> float:
     """e_q = mean |Δp|² / w + mean Δθ², with positions in m, the body's half width w in m and angles in rad.
 
     As published in Acosta, Yang, Posa: Validating Robotics Simulators on Real-World Impacts (2022). There a simulation
-    starts one sample before the first contact, at a velocity fitted to the flight before it; here at the first sample.
+    starts at the last sample before the first contact; here at the first sample.
     """
     s = simulated.at(measured.time)
     assert s.base_position is not None and measured.base_position is not None
@@ -35,8 +37,8 @@ def half_width(experiment: Experiment) -> float:
     return float(max(np.abs(s.center).max() + s.radius for s in spheres))
 
 
-def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_rate: float) -> list[float]:
-    """e_q of every toss in an engine, opened once.
+def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_rate: float) -> Array:
+    """e_q of every toss in an engine, opened once: over all samples, and from the last before the impact. Shape (k, 2).
 
     Raises:
         Unsupported: where the engine does not know such a ground.
@@ -53,7 +55,7 @@ def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_
             try:
                 trace = rollout(simulation, toss.plant, toss.commands, start, length).trace
             except Diverged:
-                errors.append(BLOWN_UP)
+                errors.append((BLOWN_UP, BLOWN_UP))
                 continue
             shifted = Trace(
                 trace.time + toss.begin,
@@ -61,5 +63,15 @@ def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_
                 base_position=trace.base_position,
                 base_quaternion=trace.base_quaternion,
             )
-            errors.append(toss_error(shifted, measured, width))
-    return errors
+            late = measured.between(impact(toss), np.inf)
+            errors.append((toss_error(shifted, measured, width), toss_error(shifted, late, width)))
+    return np.array(errors)
+
+
+def impact(toss: Experiment) -> float:
+    """The recording's time of the last sample before the body touches the ground [s]; of the first where it lies."""
+    assert toss.recording is not None
+    trace = toss.recording.trace
+    assert trace.base_position is not None and trace.base_quaternion is not None
+    count = flying(toss.plant.model, trace.base_position, trace.base_quaternion)
+    return float(trace.time[max(count - 1, 0)])
