@@ -14,6 +14,7 @@ from harness.report import write_curves, write_figures, write_page
 from harness.report.curves import read_curves, unpack
 from harness.report.folder import read_folder
 from harness.report.spread import spread
+from harness.report.thesis import grounds, improvements
 
 _spec = importlib.util.spec_from_file_location("synthetic", Path(__file__).parent / "synthetic.py")
 synthetic = importlib.util.module_from_spec(_spec)
@@ -165,3 +166,24 @@ def test_figures_for_one_joint_and_for_many(tmp_path, joints):
     synthetic.write_folder(tmp_path, joints=names, cells=[synthetic.cell()], error=lambda _: 0.01)
     boxes = next(f for f in write_figures(tmp_path) if f.name == "boxes-position-swing.svg").read_text()
     assert all(n in boxes for n in names)
+
+
+def test_the_thesis_own_differences_are_those_of_its_tables():
+    """Table 5.6 as printed, made anew from tables 5.4 and 5.5."""
+    assert improvements() == [
+        ("cheering", "moving", "+0.2924", "-0.9567", "+1.7149"),
+        ("cheering", "unmoving", "+0.3951", "-0.1687", "+0.3538"),
+        ("kick", "moving", "+0.1311", "-0.3301", "+0.1088"),
+        ("kick", "unmoving", "+0.1821", "+0.3208", "+0.3139"),
+    ]
+    assert grounds()[:2] == [
+        ("moving", "flat", "0.3345", "0.6742", "1.6723"),
+        ("moving", "grass", "0.3138", "1.6838", "0.2798"),
+    ]
+
+
+def test_only_pages_of_the_thesis_robot_show_its_tables(tmp_path):
+    for name, shown in (("wolfgang_cheering", True), ("arm", False)):
+        gaps = {("mujoco", (("scenario", name),), "position", "moving"): 1.0}
+        page = write_page(synthetic.write_planted(tmp_path / name, synthetic.planted(gaps))).read_text()
+        assert ("table 6.1" in page) is shown

@@ -173,6 +173,17 @@ def test_improvement_is_old_minus_new(browser):
     assert texts(browser, "#improvement tbody td.worse")[0].startswith("▼ −")
 
 
+def test_revisions_stand_one_above_the_other_on_one_scale(browser):
+    labels = "[...document.querySelectorAll('#detail svg.plot')].map(n => n.getAttribute('aria-label'))"
+    shown = [label for label in browser.run(labels) if "revision" in label]
+    assert [label.rsplit(" ", 1)[1] for label in shown] == ["new", "old"]
+    ticks = "(n => [...n.querySelectorAll('text')].map(t => t.textContent).filter(t => /^[0-9.]+$/.test(t)))"
+    one, other = (
+        browser.run(f"{ticks}(document.querySelector('#detail svg.plot[aria-label=\"{label}\"]'))") for label in shown
+    )
+    assert one == other != []
+
+
 def test_tradeoffs_have_a_front(browser):
     assert browser.run("document.querySelectorAll('#plots svg.plot').length") == 2
     assert browser.run("document.querySelector('#plots .front').getAttribute('d').length") > 0

@@ -165,3 +165,17 @@ def test_joint_that_no_engine_closes(tmp_path):
 def test_pareto_front():
     assert pareto([1.0, 2.0, 3.0, 0.5], [10.0, 20.0, 5.0, 1.0]) == [True, True, False, True]
     assert pareto([float("inf"), 1.0], [100.0, 1.0]) == [False, True]
+
+
+def test_a_small_lead_is_told_as_a_difference(tmp_path):
+    (text,) = about(say(tmp_path, engines(mujoco=1.74, ode=1.78)), "closest")
+    assert text.endswith("ODE is 0.040° further (1.78°).")
+
+
+def test_engines_that_need_the_same_rate_share_a_sentence(tmp_path):
+    gaps = rates(0.5, 0.501, 0.5, 0.502)
+    gaps |= {("drake", *key[1:]): gap + 0.1 for key, gap in gaps.items()}
+    (text,) = about(say(tmp_path, gaps), "enough")
+    assert text.startswith(
+        "DART and Drake: no difference seen in position of moving joints from 250 Hz (0.500 to 0.600°"
+    )

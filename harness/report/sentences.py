@@ -84,7 +84,7 @@ def closest(part: pd.DataFrame, results: Results, axis: str = "engine") -> Sente
         [f"{SAME} to {_list(f'{axis_value(axis, o.value)} ({quantity(o.gap, unit)})' for o in alike)}"] if alike else []
     )
     more += [
-        f"{axis_value(axis, o.value)} is {_times(o.gap, best.gap)} as far ({quantity(o.gap, unit)})" for o in apart
+        f"{axis_value(axis, o.value)} is {_further(o.gap, best.gap, unit)} ({quantity(o.gap, unit)})" for o in apart
     ]
     return Sentence("closest", f"{name} comes closest in {where}: {text}; {'; '.join(more)}{hit}.")
 
@@ -130,8 +130,12 @@ def _verdicts(words: dict[str, list[str]]) -> str:
 
 
 def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
-    """Per engine, the lowest step rate or iteration count above which nothing is gained, in the first signal."""
+    """Per engine, the lowest step rate or iteration count above which nothing is gained, in the first signal.
+
+    Engines in which none of those tried makes a difference share a sentence.
+    """
     out = []
+    alike: dict[tuple[str, str], dict[str, Level]] = {}
     signal = next(iter(_by_signal(part)), None)
     if signal is None or axis not in results.varying:
         return []
@@ -146,12 +150,18 @@ def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
         name, here, top = engine_label(str(engine)), found[k], found[-1]
         at = f"{axis_value(axis, here.value)} ({quantity(here.gap, unit)}; {floors(here, unit)})"
         if k == 0:
-            text = f"{name}: {SAME} in {what} from {at} up to {axis_value(axis, top.value)}."
-        else:
-            low = found[k - 1]
-            how = f"at {axis_value(axis, low.value)} the gap is {_times(low.gap, here.gap)} as large"
-            gain = "above it nothing is gained" if here is not top else "it is the highest tried, and may not be enough"
-            text = f"{name}, {what}: {how} ({quantity(low.gap, unit)}) as at {at}; {gain}."
+            alike.setdefault((axis_value(axis, here.value), axis_value(axis, top.value)), {})[name] = here
+            continue
+        low = found[k - 1]
+        how = f"at {axis_value(axis, low.value)} the gap is {_times(low.gap, here.gap)} as large"
+        gain = "above it nothing is gained" if here is not top else "it is the highest tried, and may not be enough"
+        text = f"{name}, {what}: {how} ({quantity(low.gap, unit)}) as at {at}; {gain}."
+        out.append(Sentence("enough", text))
+    for (least, most), where in alike.items():
+        gaps = [level.gap for level in where.values()]
+        worst = max(where.values(), key=lambda level: level.floor)
+        span = quantity(gaps[0], unit) if len(gaps) == 1 else f"{number(min(gaps))} to {quantity(max(gaps), unit)}"
+        text = f"{_list(where)}: {SAME} in {what} from {least} ({span}; {floors(worst, unit)}) up to {most}."
         out.append(Sentence("enough", text))
     return out
 
@@ -238,6 +248,11 @@ def _what(part: pd.DataFrame) -> str:
     """The signal and whose it is: velocity of moving joints, base orientation."""
     group = str(part["group"].iloc[0])
     return _signal(part) if group == "base" else f"{_signal(part)} of {OF[group]}"
+
+
+def _further(a: float, b: float, unit: str) -> str:
+    """How much further a is than b: as a factor, or where that is near one as a difference."""
+    return f"{_times(a, b)} as far" if a > 1.2 * b else f"{quantity(a - b, unit, 2)} further"
 
 
 def _times(a: float, b: float) -> str:

@@ -1,9 +1,12 @@
 """The published figures that started this, for comparison of scale: T. Flemming, bachelor thesis, Hamburg 2019."""
 
+from decimal import Decimal
+
 from harness.report.folder import Results
 
 PUBLISHED = (
-    # motion, joints, URDF, position [°], velocity [°/s], effort [N·m]: tables 5.4 and 5.5, both on grass
+    # motion, joints, URDF, position [°], velocity [°/s], effort [N·m]: tables 5.4 and 5.5, which repeat 5.1 and 5.2;
+    # recorded on grass
     ("cheering", "moving", "old", "0.6062", "0.7271", "1.9947"),
     ("cheering", "moving", "link revised", "0.4305", "0.7071", "0.4445"),
     ("cheering", "moving", "new", "0.3138", "1.6838", "0.2798"),
@@ -17,6 +20,36 @@ PUBLISHED = (
     ("kick", "unmoving", "link revised", "0.5064", "0.0665", "0.3949"),
     ("kick", "unmoving", "new", "0.3625", "0.0651", "0.1702"),
 )
+
+
+HEAD = (
+    # table 5.3: a quick turn of the head, the one joint that moves
+    ("old", "1.1258", "39.5268", "0.8825"),
+    ("link revised", "1.2376", "44.4872", "0.7342"),
+)
+ON_FLAT_GROUND = (
+    # table 6.1: cheering with the new URDF, recorded on flat ground
+    ("moving", "0.3345", "0.6742", "1.6723"),
+    ("unmoving", "0.5512", "0.2366", "0.4414"),
+)
+
+
+def grounds() -> list[tuple[str, ...]]:
+    """Table 6.1: joints, recorded ground and gaps of the cheering with the new URDF.
+
+    Its rows of grass are printed with the kick's figures; here stand those of the cheering, from table 5.4.
+    """
+    grass = {joints: values for motion, joints, urdf, *values in PUBLISHED if (motion, urdf) == ("cheering", "new")}
+    return [
+        row for joints, *flat in ON_FLAT_GROUND for row in ((joints, "flat", *flat), (joints, "grass", *grass[joints]))
+    ]
+
+
+def improvements() -> list[tuple[str, ...]]:
+    """Table 5.6: motion, joints, and by how much the gap of the new URDF is smaller than that of the old one."""
+    found = {row[:3]: row[3:] for row in PUBLISHED}
+    pairs = [(key[:2], old, found[*key[:2], "new"]) for key, old in found.items() if key[2] == "old"]
+    return [(*key, *(f"{Decimal(a) - Decimal(b):+}" for a, b in zip(old, new, strict=True))) for key, old, new in pairs]
 
 
 def is_wolfgang(results: Results) -> bool:

@@ -14,8 +14,9 @@ async function drawDetail() {
     const shown = data.axes[engineAxis].values.map((_, e) => e)
       .map((engine) => ({ engine, cell: sameContext(cell, engine) })).filter((s) => s.cell !== undefined && data.cells[s.cell].curves);
     const curves = await Promise.all(shown.map(async (s) => ({ ...(await cellCurves(s.cell)), ...s })));
+    const stack = await Promise.all(revisions(cell).map(async (c) => ({ ...(await cellCurves(c)), cell: c })));
     if (run !== detailRun) return; // another choice was made while these loaded
-    place.replaceChildren(...head, ...detailPlots(cell, curves, place.clientWidth - 36));
+    place.replaceChildren(...head, ...detailPlots(cell, curves, stack, place.clientWidth - 36));
   } catch (error) {
     if (run === detailRun) place.replaceChildren(...head, element("p", { class: "hint" }, `No curves: ${error.message}.`));
   }
@@ -24,6 +25,14 @@ async function drawDetail() {
 // The cell of another engine that agrees in everything else.
 function sameContext(cell, engine) {
   return cellsWhere({ ...Object.fromEntries(data.cells[cell].at.map((v, a) => [a, v])), [engineAxis]: engine })[0];
+}
+
+// The cells of the robot's revisions that agree in everything else; none where there is one revision.
+function revisions(cell) {
+  const axis = switchable.find((a) => data.axes[a].key === "robot_revision");
+  if (axis === undefined) return [];
+  const at = Object.fromEntries(data.cells[cell].at.map((v, a) => [a, v]));
+  return data.axes[axis].values.map((_, v) => cellsWhere({ ...at, [axis]: v })[0]).filter((c) => c !== undefined && data.cells[c].curves);
 }
 
 function detailHead(cells) {
@@ -51,7 +60,7 @@ function recordingText(cell) {
   return valueText(axis, cell);
 }
 
-function detailPlots(cell, curves, width) {
+function detailPlots(cell, curves, stack, width) {
   const own = curves.find((c) => c.engine === state.engine) || curves[0];
   const signal = data.signals[state.signal].key;
   const available = own.simulated[signal];
@@ -61,7 +70,7 @@ function detailPlots(cell, curves, width) {
   names.forEach((name) => out.push(curveFigure(name, signal, curves, width)));
   if (!names.length) out.push(element("p", { class: "hint" }, "There are no curves of this signal."));
   const chosenJoint = own.boxes && own.boxes[signal] ? joint : null;
-  if (chosenJoint) out.push(...boxFigures(chosenJoint, signal, own, curves, width));
+  if (chosenJoint) out.push(...boxFigures(chosenJoint, signal, own, curves, stack, width));
   return out;
 }
 
@@ -145,7 +154,7 @@ function legend(series, measured, redraw) {
   return { node, outputs, time };
 }
 
-function boxFigures(joint, signal, own, curves, width) {
+function boxFigures(joint, signal, own, curves, stack, width) {
   const out = [];
   const unit = curves[0].simulated[signal] && Object.values(own.simulated[signal])[0].unit || "";
   const at = data.joints.indexOf(joint), row = at >= 0 ? cellStat(own.cell, state.signal, { joint: at }) : null;
@@ -161,11 +170,16 @@ function boxFigures(joint, signal, own, curves, width) {
     const s = data.joints.indexOf(j) >= 0 ? cellStat(own.cell, state.signal, { joint: data.joints.indexOf(j) }) : null;
     return s && s.unit === same;
   });
-  if (all.length > 1) {
-    const boxes = all.map((j) => ({ name: j, box: own.boxes[signal][j], color: data.engines[own.engine].color, strong: j === joint,
-      pick: () => select(state.engine, { joint: data.joints.indexOf(j) }) }));
-    out.push(element("figure", null, element("figcaption", null, element("b", null, "every joint"), ` in ${data.engines[own.engine].label}`),
-      boxPlot({ boxes, unit: same, width, label: `Box plots of every joint in ${data.engines[own.engine].label}` })));
+  if (all.length < 2) return out;
+  const several = stack.length > 1, axis = data.axes.findIndex((a) => a.key === "robot_revision");
+  const sets = (several ? stack : [own]).filter((c) => c.boxes && c.boxes[signal]);
+  const most = Math.max(...sets.flatMap((c) => all.map((j) => (c.boxes[signal][j] || [0])).map((b) => b[b.length - 1])));
+  for (const set of sets) { // one above the other, on one scale
+    const words = `in ${data.engines[own.engine].label}${several ? `, revision ${valueText(axis, set.cell)}` : ""}`;
+    const boxes = all.filter((j) => set.boxes[signal][j]).map((j) => ({ name: j, box: set.boxes[signal][j], color: data.engines[own.engine].color,
+      strong: j === joint, pick: () => select(state.engine, { joint: data.joints.indexOf(j) }) }));
+    out.push(element("figure", null, element("figcaption", null, element("b", null, "every joint"), ` ${words}`),
+      boxPlot({ boxes, most, unit: same, width, label: `Box plots of every joint ${words}` })));
   }
   return out;
 }

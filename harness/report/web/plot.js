@@ -86,11 +86,11 @@ function linePlot({ time, series, unit, title, floor, width, height, label, xLab
   return { svg, at, show };
 }
 
-// Boxes one above the other: [{name, box: [low, q1, median, q3, high, max], color, strong}].
-function boxPlot({ boxes, unit, width, label }) {
+// Boxes one above the other: [{name, box: [low, q1, median, q3, high, max], color, strong}]; `most` ends the scale.
+function boxPlot({ boxes, most, unit, width, label }) {
   const row = 22, left = Math.min(Math.max(...boxes.map((b) => b.name.length)) * 6.6 + 10, width * 0.38);
   const height = boxes.length * row + 46;
-  const top = Math.max(...boxes.map((b) => b.box[5]), 1e-12);
+  const top = Math.max(most ?? 0, ...boxes.map((b) => b.box[5]), 1e-12);
   const { svg, x } = frame({ width, height, xRange: [0, top * 1.03], yRange: [0, 1], xLabel: `absolute difference [${unitLabel(unit)}]`,
     label, left });
   svg.querySelectorAll(".grid, text[text-anchor=end]").forEach((n) => n.remove());
