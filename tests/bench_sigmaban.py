@@ -41,14 +41,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenario", nargs="?", type=Path, default=ROOT / "scenarios" / "sigmaban" / "scenario.yaml")
     parser.add_argument("--engine", action="append", default=[])
-    parser.add_argument("--model", default="M1", help="friction model of the published figures")
+    parser.add_argument("--model", default="M1", help="friction model of the published figures, or best")
     parser.add_argument("--only", default="")
     parser.add_argument("--write", type=Path)
     options = parser.parse_args()
     names = options.engine or engines.available()
     found = errors(options.scenario, names, set(filter(None, options.only.split(","))))
     published = pd.read_csv(Path(os.environ["REALITYGAP_DATA"]) / "sigmaban" / "published_mae.csv")
-    published = published[published["friction_model"] == options.model].set_index("recording")["mae_rad"]
+    if options.model != "best":
+        published = published[published["friction_model"] == options.model]
+    published = published.groupby("recording")["mae_rad"].min()
     found.insert(0, f"published {options.model}", published.reindex(found.index))
     print(found.round(5).to_string())
     if options.write:

@@ -32,8 +32,8 @@ EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 FAR = 4.0
 """A mean squared residual above this is far from the floor: ..."""
-VERY_FAR = 50.0
-"""Above this no model comes near the floor, and one bad run would decide: runs count by the share they lose."""
+VERY_FAR = 200.0
+"""Above this no model comes near the floor, and one run in which the robot falls would decide: the median run does."""
 HALF = 0.5
 """... then all findings together must remove this share of it, or none is named."""
 GAIN = 0.10
@@ -218,16 +218,21 @@ def _varied(ranked: Sequence[Screened]) -> list[Screened]:
 
 def _gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
     """How much of the cost is gone, on both kinds of motion, in log terms."""
-    a = np.log(before.mean_cost(judge) / after.mean_cost(judge))
-    b = np.log(before.mean_cost(train) / after.mean_cost(train))
-    return float(a + b)
+    return _lowered(before, after, judge) + _lowered(before, after, train)
+
+
+def _lowered(before: Fit, after: Fit, cases: Sequence[int]) -> float:
+    """How much lower the cost is, in log terms: of the mean, or very far from the floor of the median run."""
+    if before.mean_cost(cases) > VERY_FAR:
+        return float(np.median([np.log(before.cost[c] / after.cost[c]) for c in cases]))
+    return float(np.log(before.mean_cost(cases) / after.mean_cost(cases)))
 
 
 def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
     """Why a fitted suspect does not help enough; None where it does."""
     was, now = before.mean_cost(judge), after.mean_cost(judge)
     little = was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0)
-    if little and not (was > VERY_FAR and _lowers_all(before, after, judge)):
+    if little and not (was > VERY_FAR and _lowered(before, after, judge) > -np.log(1.0 - GAIN)):
         return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
     if after.mean_cost(train) > before.mean_cost(train) * (1 - 0.5 * GAIN):
         return "does not help on the training runs"
@@ -235,12 +240,6 @@ def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]
     if len(worse) * 2 > len(judge):
         return "makes most held-out runs worse"
     return None
-
-
-def _lowers_all(before: Fit, after: Fit, judge: Sequence[int]) -> bool:
-    """Whether every run's cost falls enough in the geometric mean: the worst run alone does not decide then."""
-    ratios = np.log([after.cost[c] / before.cost[c] for c in judge])
-    return bool(np.mean(ratios) < np.log(1.0 - GAIN) and np.mean(ratios < 0) > 0.5)
 
 
 def _doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
@@ -296,13 +295,16 @@ def _pruned(pool: Pool, found: Search, train: Sequence[int], judge: Sequence[int
     """The fit without findings that later ones made needless."""
     current = found.fit
     while len(current.changes) > 1:
-        without = [[c for c in current.changes if c is not drop] for drop in current.changes[:-1]]
+        droppable = [c for c in current.changes[:-1] if c.free]  # what the recordings told stays
+        if not droppable:
+            return current
+        without = [[c for c in current.changes if c is not drop] for drop in droppable]
         fits = pool.map(fit, [(rest, train, judge) for rest in without])
         best = min(range(len(fits)), key=lambda i: fits[i].mean_cost(judge))
         lost = fits[best].mean_cost(judge) - current.mean_cost(judge)
         if lost >= 0.5 * LEAST and lost >= 0.5 * GAIN * max(fits[best].mean_cost(judge) - 1.0, 0.0):
             return current
-        needless = current.changes[best].suspect
+        needless = droppable[best].suspect
         say(f"dropped {name(needless)}: needless now")
         found.steps = [s for s in found.steps if s.suspect != needless]
         current = fits[best]
