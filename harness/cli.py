@@ -30,6 +30,7 @@ MaxGap = Annotated[
     ),
 ]
 Junit = Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: every cell is a test")]
+Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker processes (default: one per core)")]
 Bench = Annotated[Path, typer.Argument(help="the bench file")]
 
 
@@ -188,7 +189,7 @@ def diagnose(
     scenario: Annotated[Path, typer.Argument(help="the scenario file")],
     engine: Engines = None,
     out: Out = None,
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="worker processes (default: one per core)")] = None,
+    jobs: Jobs = None,
 ) -> None:
     """Find what a model lacks, add it, prove that it helps.
 
@@ -208,7 +209,7 @@ def rehearse(
     engine: Engines = None,
     out: Out = None,
     budget: Annotated[float, typer.Option("--budget", help="seconds that it may take, about")] = 300.0,
-    jobs: Annotated[int | None, typer.Option("--jobs", "-j", help="worker processes (default: one per core)")] = None,
+    jobs: Jobs = None,
 ) -> None:
     """Say which effects recordings could reveal.
 
@@ -274,7 +275,7 @@ def links(file: Bench, out: Out = None) -> None:
 
 
 @bench.command()
-def ground(file: Bench, out: Out = None) -> None:
+def ground(file: Bench, out: Out = None, jobs: Jobs = None) -> None:
     """Find friction and compliance of the ground from tosses.
 
     Fitted in every engine on tosses for training, judged on those held out.
@@ -282,7 +283,7 @@ def ground(file: Bench, out: Out = None) -> None:
     from harness.bench.ground import run as procedure
     from harness.progress import Progress
 
-    _tell(procedure(file, _bench_folder(file, out), Progress()))
+    _tell(procedure(file, _bench_folder(file, out), Progress(), jobs))
 
 
 def _bench_folder(file: Path, out: Path | None) -> Path:

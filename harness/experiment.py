@@ -22,7 +22,7 @@ from harness.recording import Recording, read_recording
 from harness.rollout import Rollout, rollout
 from harness.scenario import DcServo, RecordedSupply, Run, Scenario
 from harness.scenario_file import ScenarioFile
-from harness.start import start_state
+from harness.start import start_integral, start_state
 from harness.trace import Trace
 
 Read = Callable[..., Recording]
@@ -213,6 +213,9 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
     recordings = scenario.recordings
     effort = recordings.effort if recordings is not None else "none"
     measures = effort if isinstance(effort, str) else effort.measures
+    integral = None
+    if recording is not None and measures == "motor":
+        integral = start_integral(plant, recording.trace, experiment.commands, experiment.begin)
     with engines.load(engine).open(plant.machine(), physics) as simulation:
         result = rollout(
             simulation,
@@ -222,6 +225,7 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
             experiment.duration + physics.timestep,
             supply=supply,
             joint_effort=measures == "joint",
+            integral=integral,
         )
     result.trace = replace(result.trace, time=result.trace.time + experiment.begin)
     return result

@@ -39,6 +39,7 @@ def rollout(
     *,
     supply: tuple[Array, Array] | None = None,
     joint_effort: bool = False,
+    integral: Array | None = None,
 ) -> Rollout:
     """Simulate from `start` for `duration` [s].
 
@@ -50,6 +51,7 @@ def rollout(
         duration: how long [s].
         supply: times [s] and recorded voltages [V], for servos whose supply was recorded.
         joint_effort: whether the trace's effort is the torque on the joint (after friction) or of the motor.
+        integral: what PID servos have gathered at time 0 [N·m or N], shape (n,); None is nothing.
 
     Raises:
         Diverged: at the first step whose state is not finite or too fast.
@@ -70,6 +72,7 @@ def rollout(
     simulation.reset(start)
     simulation.read(q[0], w[0], base[0])
     state["velocity"] = w[0]
+    state["integral"] = 0.0 if integral is None else integral
     began = clock.perf_counter()
     rows = zip(
         command,

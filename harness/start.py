@@ -1,4 +1,4 @@
-"""The state in which a simulation starts: measured joint angles, the base level on the ground."""
+"""The state in which a simulation starts: measured joint angles, the base level on the ground, charged integrals."""
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -14,13 +14,18 @@ from engines.model import (
     rotation_from_quaternion,
     rotation_from_rpy,
 )
+from harness.commands import Commands
+from harness.drive import PID
 from harness.errors import InputError
 from harness.plant import Plant
+from harness.trace import Trace
 
 SOLE = 0.005
 """Contact points that spread less than this [m] along an axis are flat."""
 FLAT = 0.02
 """Faces whose normals differ by less than this [rad] are one."""
+RECENT = 0.1
+"""An integral is told from the first readings of this time [s], in which it hardly changes."""
 
 
 def start_state(
@@ -63,6 +68,35 @@ def start_state(
     if base_angular is not None:
         state.base_angular = np.array(base_angular, dtype=float)
     return state
+
+
+def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: float) -> Array:
+    """The integral [N·m or N] that each PID servo has gathered before its recording begins. Shape (n,).
+
+    What the motor was measured to give beyond its proportional and damping part, τ − kp·e + kd·ω, in the mean over the
+    first readings for which the first command holds; 0 where there is no integral gain, command or measured effort, and
+    where the mean is within three standard errors of it.
+
+    Args:
+        plant: with its drives.
+        measured: position, and the motor's own effort.
+        commands: on the simulation's clock.
+        begin: where that clock starts in the recording [s].
+    """
+    drive = plant.drive
+    out = np.zeros(len(drive))
+    if measured.position is None or measured.effort is None or not len(commands.value):
+        return out
+    later = np.flatnonzero(np.any(commands.value != commands.value[0], axis=1))
+    until = min(commands.time[later[0]] if later.size else np.inf, RECENT)
+    first = slice(0, max(int(np.searchsorted(measured.time - begin, until)), 1))
+    speed = np.zeros_like(measured.position) if measured.velocity is None else measured.velocity
+    lag = commands.value[0] - measured.position[first]
+    rest = measured.effort[first] - drive["kp"] * lag + drive["kd"] * speed[first]
+    mean, error = rest.mean(axis=0), rest.std(axis=0) / np.sqrt(len(rest))
+    charged = (drive["kind"] == PID) & (drive["ki"] > 0.0) & (np.abs(mean) > 3.0 * error)
+    out[charged] = mean[charged]
+    return out
 
 
 def _level(model: Model, position: Array, name: str) -> Array:

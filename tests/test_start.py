@@ -16,10 +16,12 @@ from engines.model import (
     rotation_from_quaternion,
 )
 from engines.urdf import read_urdf
-from harness.drive import neutral_drive
+from harness.commands import Commands
+from harness.drive import PID, neutral_drive
 from harness.errors import InputError
 from harness.plant import Plant
-from harness.start import start_state
+from harness.start import start_integral, start_state
+from harness.trace import Trace
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 ANGLES = np.array([0.3, -0.5, 0.2, 0.4])
@@ -118,3 +120,25 @@ def test_a_fixed_base_tilts_about_its_x_and_then_its_y(tmp_path: Path) -> None:
 def test_standing_on_a_link_that_is_not_there(biped: Plant) -> None:
     with pytest.raises(InputError, match="found 'foot'; expected one of the links left_foot, left_thigh, right_foot"):
         start_state(biped, ANGLES, stand_on="foot")
+
+
+def held(plant: Plant, effort: Array, lag: float) -> Array:
+    """The integral told from 0.2 s in which every joint is held with these efforts (t, n), `lag` below its command."""
+    n = len(plant.model.joints)
+    plant.drive["kind"], plant.drive["kp"], plant.drive["ki"] = PID, 20.0, 5.0
+    time = 3.0 + np.linspace(0.0, 0.2, len(effort))
+    measured = Trace(time, tuple(plant.model.joint_names), position=np.full((len(time), n), 0.4 - lag), effort=effort)
+    return start_integral(plant, measured, Commands(np.array([0.0, 5.0]), np.array([[0.4] * n, [1.0] * n])), 3.0)
+
+
+def test_the_integral_is_what_was_measured_beyond_the_proportional_part(biped: Plant) -> None:
+    assert_allclose(held(biped, np.full((40, 4), 1.5), 0.01), np.full(4, 1.5 - 20.0 * 0.01))
+
+
+def test_noise_charges_no_integral(biped: Plant) -> None:
+    noise = np.random.default_rng(0).standard_normal((40, 4))
+    assert_allclose(held(biped, noise, 0.0), np.zeros(4))
+
+
+def test_without_measured_effort_the_integral_is_empty(biped: Plant) -> None:
+    assert_allclose(held(biped, np.full((40, 4), np.nan), 0.0), np.zeros(4))

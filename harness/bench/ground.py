@@ -6,7 +6,10 @@ every engine; what the best one is differs, because every engine resolves an imp
 
 import csv
 import io
+import multiprocessing
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -62,8 +65,14 @@ class Fit:
     compliant: bool
 
 
-def run(bench: Path, out: Path, progress: Progress | None = None) -> Summary:
+def run(bench: Path, out: Path, progress: Progress | None = None, workers: int | None = None) -> Summary:
     """Fit the ground in every engine and write the table of grounds.
+
+    Args:
+        bench: the bench file.
+        out: folder that the table is written to.
+        progress: told of every engine that is done.
+        workers: processes, one per engine at a time; None is one per core.
 
     Raises:
         InputError: one sentence on what cannot be used.
@@ -71,11 +80,7 @@ def run(bench: Path, out: Path, progress: Progress | None = None) -> Summary:
     spec = validate(bench, GroundBench, load_yaml(bench))
     train, held_out = _tosses(bench, spec)
     names = spec.engines or engines.available()
-    fits = []
-    with (progress or Progress(quiet=True)).task("fitting the ground", len(names)) as advance:
-        for engine in names:
-            advance(engine)
-            fits.append(fit(engine, spec, train, held_out))
+    fits = _fits(names, spec, train, held_out, progress or Progress(quiet=True), workers)
     summary = Summary()
     summary.section("Ground from tosses: e_q, mean over tosses")
     summary.lines.append(
@@ -95,6 +100,26 @@ def run(bench: Path, out: Path, progress: Progress | None = None) -> Summary:
     summary.write(out / "ground.csv", table.getvalue())
     summary.write(out / "summary.txt", "\n".join(summary.lines) + "\n")
     return summary
+
+
+def _fits(
+    names: Sequence[str],
+    spec: GroundBench,
+    train: Sequence[Experiment],
+    held_out: Sequence[Experiment],
+    progress: Progress,
+    workers: int | None,
+) -> list[Fit]:
+    count = min(workers or len(os.sched_getaffinity(0)), len(names))
+    # Forked before an engine is loaded; a fork afterwards would share its threads' locks.
+    with (
+        progress.task("fitting the ground", len(names)) as advance,
+        ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("fork")) as pool,
+    ):
+        asked = {pool.submit(fit, name, spec, train, held_out): name for name in names}
+        for future in as_completed(asked):
+            advance(asked[future])
+        return [future.result() for future in asked]
 
 
 def _tosses(bench: Path, spec: GroundBench) -> tuple[list[Experiment], list[Experiment]]:
