@@ -74,7 +74,8 @@ class OdeSimulation(Simulation):
             "contact friction": None if self._contacts is None else self._contacts.friction,
             "contact ERP": None if self._contacts is None else self._contacts.erp,
             "contact CFM": None if self._contacts is None else self._contacts.cfm,
-            "friction law": "against the slip; at rest a pyramid; bounded by the load (dContactApprox1)",
+            "friction law": "against the slip; at rest a pyramid; bounded by the load: "
+            + ("of the steps before" if physics.solver_iterations is None else "of the sweep before"),
             "auto-disable": bool(ode.dWorldGetAutoDisableFlag(world)),
             "gyroscopic mode, finite rotation mode": "on",
             "limits enforced": self._robot.limited,
@@ -88,6 +89,8 @@ class OdeSimulation(Simulation):
         self._base[:3], self._base[3:7] = state.base_position, state.base_quaternion
         self._seed = 0
         self._steps = 0
+        if self._contacts is not None:
+            self._contacts.reset()
         for joint in self._robot.joints:
             joint.load.force1[:] = joint.load.torque1[:] = [0.0] * 4
         self._fetch()
