@@ -13,7 +13,7 @@ from harness.experiment import experiments, simulate
 from harness.scenario_file import load_scenario
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "wolfgang_cheering" / "scenario.yaml"
-NAMES = [n for n in ("mujoco", "drake", "pybullet", "dart") if n in engines.available()]
+NAMES = engines.available()
 
 
 def spread(changes: dict[str, object], seconds: float) -> dict[tuple[str, str], float]:
@@ -41,8 +41,11 @@ def test_standing_on_grass(kd: float) -> None:
     assert max(found.values()) < 2e-4, found
 
 
-@pytest.mark.parametrize("revision", ["link_revised", "joint_revised"])
+@pytest.mark.parametrize("revision", ["old", "link_revised", "joint_revised"])
 def test_cheering_on_rigid_ground(revision: str) -> None:
-    """6e-4 rad, over the first two arm movements; dry friction of 0.1 N·m in one revision and 1 N·m in the other."""
-    found = spread({"robot.urdf": f"${{REALITYGAP_DATA}}/wolfgang_2019/urdf/wolfgang_{revision}.urdf"}, 4.0)
-    assert max(found.values()) < 6e-4, found
+    """4e-4 rad over the arm movements, with dry friction of 0.1 N·m in two revisions and of 1 N·m in the third.
+
+    At 3.5 s the robot rocks, and joints stay where dry friction then holds them.
+    """
+    found = spread({"robot.urdf": f"${{REALITYGAP_DATA}}/wolfgang_2019/urdf/wolfgang_{revision}.urdf"}, 6.0)
+    assert max(found.values()) < 4e-4, found
