@@ -1,58 +1,21 @@
 """Diagnosis of a cube that slides: what is wrong with the ground is named, also from far away."""
 
-from pathlib import Path
-
-import numpy as np
-import pandas as pd
 import pytest
+from synthetic_tosses import write_tosses
 
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Problem, build_problem
 from harness.diagnose.search import search
-from harness.experiment import experiments, simulate
 from harness.scenario_file import load_scenario
 
-CUBE = """<robot name="cube"><link name="body"><inertial><mass value="0.4"/>
-<inertia ixx="6e-4" iyy="6e-4" izz="6e-4" ixy="0" ixz="0" iyz="0"/></inertial>
-<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link></robot>"""
-SCENARIO = """
-name: tosses
-robot: {urdf: cube.urdf, base: free}
-ground: {friction: %s}
-physics: {step_rate: 1000}
-recordings:
-  runs:
-    - {path: "toss_[0-3].csv", use: train}
-    - {path: "toss_[4-5].csv", use: held_out}
-"""
 TRUE = 0.17
 """Friction of the ground that the cube was thrown on; the scenario says 0.8."""
-COLUMNS = ["x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"]
 
 
 @pytest.fixture(scope="module")
 def thrown(tmp_path_factory: pytest.TempPathFactory) -> Problem:
-    """Six tosses in DART at a finer step, with noise, and the scenario that believes in a rougher ground."""
-    folder: Path = tmp_path_factory.mktemp("tosses")
-    (folder / "cube.urdf").write_text(CUBE)
-    rng = np.random.default_rng(4)
-    time = np.arange(0.0, 0.5, 1 / 150)
-    path = folder / "scenario.yaml"
-    for n in range(6):
-        start = [*rng.uniform(-1, 1, 2), 0.051, 1, 0, 0, 0]  # flat: it slides and does not tumble
-        first = [*start, *rng.uniform(0.5, 1.5, 2), 0, 0, 0, 0]
-        pd.DataFrame(np.column_stack([time, np.tile(first, (len(time), 1))]), columns=["time", *COLUMNS]).to_csv(
-            folder / f"toss_{n}.csv", index=False
-        )
-    path.write_text(SCENARIO % TRUE)
-    for experiment in experiments(load_scenario(path)):
-        trace = simulate(experiment, "dart", step_rate=4000).trace.at(time)
-        columns = (trace.base_position, trace.base_quaternion, trace.base_linear, trace.base_angular)
-        values = np.hstack([c for c in columns if c is not None])
-        values[1:, :7] += 1e-3 * rng.normal(size=values[1:, :7].shape)
-        frame = pd.DataFrame(np.column_stack([time, values]), columns=["time", *COLUMNS])
-        frame.to_csv(folder / f"{experiment.name}.csv", index=False)
-    path.write_text(SCENARIO % 0.8)
+    """Six tosses and the scenario that believes in a rougher ground."""
+    path = write_tosses(tmp_path_factory.mktemp("tosses"), TRUE)
     return build_problem(load_scenario(path), "mujoco")
 
 

@@ -1,12 +1,11 @@
 """The page of a diagnosis: every verdict tells its story in one offline file that a person and a machine can read."""
 
-import importlib.util
 import re
-import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
+import chromium
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
@@ -30,17 +29,6 @@ DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 FRICTION = Suspect("coulomb_friction", "elbow", (1,))
 VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (1.0, 1.0), "unexplained": (9.0, 9.0)}
 """Mean squared residuals before and after that lead to each verdict."""
-
-
-def _beside(name):
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).parent / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-chromium = _beside("chromium")
 
 
 @pytest.fixture(scope="module")

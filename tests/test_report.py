@@ -1,13 +1,12 @@
 """The page and its parts as files: a pure function of the result folder."""
 
-import importlib.util
 import json
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
+import synthetic
 
 from harness.errors import InputError
 from harness.report import write_curves, write_figures, write_page
@@ -15,10 +14,6 @@ from harness.report.curves import read_curves, unpack
 from harness.report.folder import read_folder
 from harness.report.spread import spread
 from harness.report.thesis import grounds, improvements
-
-_spec = importlib.util.spec_from_file_location("synthetic", Path(__file__).parent / "synthetic.py")
-synthetic = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(synthetic)
 
 JOINTS = ("hip", "knee", "ankle", "toe")
 

@@ -1,25 +1,15 @@
 """The page in a real browser: it loads without complaint, and keyboard, pointer, switches and sorting work."""
 
-import importlib.util
 import shutil
-import sys
 from pathlib import Path
 
+import chromium
 import numpy as np
 import pytest
+import synthetic
 
 from harness.report import write_curves, write_page
 
-
-def _beside(name):
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).parent / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-synthetic, chromium = _beside("synthetic"), _beside("chromium")
 pytestmark = pytest.mark.skipif(
     chromium.PROGRAM is None, reason="needs Chromium: install it (Debian: apt install chromium)"
 )

@@ -1,17 +1,11 @@
 """Sentences from planted tables: what they must say, and what they must not."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
+import synthetic
 
 from harness.report.folder import read_folder
 from harness.report.levels import pareto
 from harness.report.sentences import sentences
-
-_spec = importlib.util.spec_from_file_location("synthetic", Path(__file__).parent / "synthetic.py")
-synthetic = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(synthetic)
 
 NONE = ()
 

@@ -43,7 +43,7 @@ class GroundBench(Section):
     scenario: str = Field(description="scenario of a free body with recordings for training and held out")
     engines: Patterns | None = Field(default=None, description="engines (default: all installed)")
     friction: Bounds = Field(default=(0.05, 1.0), description="bounds of the pair's coefficient")
-    stiffness: Bounds = Field(default=(200.0, 5e4), description="bounds, N/m per contact point")
+    stiffness: Bounds = Field(default=(100.0, 5e4), description="bounds, N/m per contact point")
     damping: Bounds = Field(default=(2.0, 500.0), description="bounds, N·s/m per contact point")
     tosses: Annotated[int, Field(gt=0)] = Field(default=80, description="tosses that the search looks at")
     samples: Annotated[int, Field(gt=0)] = Field(default=32, description="grounds that are tried before the descent")
@@ -52,14 +52,22 @@ class GroundBench(Section):
 
 @dataclass(frozen=True)
 class Fit:
-    """The ground found for one engine, and the mean e_q of tosses: for training, held out, held out from the last
-    sample before the impact on, and held out on rigid ground.
+    """The ground found for one engine, and e_q of tosses.
+
+    Attributes:
+        engine: its name.
+        ground: fitted to the tosses for training.
+        train: e_q of every toss for training.
+        held_out: and of every toss held out.
+        impact: mean over those held out, judged from the last sample before the impact on.
+        rigid: mean over those held out, on rigid ground.
+        compliant: whether the engine has soft ground.
     """
 
     engine: str
     ground: Ground
-    train: float
-    held_out: float
+    train: Array
+    held_out: Array
     impact: float
     rigid: float
     compliant: bool
@@ -80,23 +88,25 @@ def run(bench: Path, out: Path, progress: Progress | None = None, workers: int |
     spec = validate(bench, GroundBench, load_yaml(bench))
     train, held_out = _tosses(bench, spec)
     names = spec.engines or engines.available()
-    fits = _fits(names, spec, train, held_out, progress or Progress(quiet=True), workers)
+    fits, swapped = _fits(names, spec, train, held_out, progress or Progress(quiet=True), workers)
     summary = Summary()
     summary.section("Ground from tosses: e_q, mean over tosses")
     summary.lines.append(
         f"{len(train)} tosses to fit, {len(held_out)} held out; rigid: held out, friction of the fit, no compliance; "
-        "from impact: held out, judged from the last sample before the impact on"
+        "from impact: held out, judged from the last sample before the impact on; both ways: all tosses, each on the "
+        "ground fitted to the part that it is not in, ± one standard error"
     )
     header = ["engine", "friction", "stiffness N/m", "damping N·s/m", "fitted", "held out", "from impact", "rigid"]
-    header += ["published"]
-    rows = [[*_cells(f), f"{p:.3f}" if (p := spec.published.get(f.engine)) else "-"] for f in fits]
+    header += ["both ways", "±", "published"]
+    lines = [_cells(f, s) for f, s in zip(fits, swapped, strict=True)]
+    rows = [[*x, f"{p:.3f}" if (p := spec.published.get(x[0])) else "-"] for x in lines]
     summary.table(header, rows)
     for f in fits:
         if not f.compliant:
             summary.lines.append(f"{f.engine} has no soft ground: its friction alone was fitted")
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerows([header[:-1], *map(_cells, fits)])
+    writer.writerows([header[:-1], *lines])
     summary.write(out / "ground.csv", table.getvalue())
     summary.write(out / "summary.txt", "\n".join(summary.lines) + "\n")
     return summary
@@ -109,17 +119,19 @@ def _fits(
     held_out: Sequence[Experiment],
     progress: Progress,
     workers: int | None,
-) -> list[Fit]:
-    count = min(workers or len(os.sched_getaffinity(0)), len(names))
+) -> tuple[list[Fit], list[Fit]]:
+    """The fits, and those with the two parts of the tosses swapped."""
+    count = min(workers or len(os.sched_getaffinity(0)), 2 * len(names))
     # Forked before an engine is loaded; a fork afterwards would share its threads' locks.
     with (
-        progress.task("fitting the ground", len(names)) as advance,
+        progress.task("fitting the ground", 2 * len(names)) as advance,
         ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("fork")) as pool,
     ):
-        asked = {pool.submit(fit, name, spec, train, held_out): name for name in names}
-        for future in as_completed(asked):
-            advance(asked[future])
-        return [future.result() for future in asked]
+        fits = [pool.submit(fit, name, spec, train, held_out) for name in names]
+        swapped = [pool.submit(fit, name, spec, held_out, train) for name in names]
+        for future in as_completed([*fits, *swapped]):
+            advance(future.result().engine)
+        return [f.result() for f in fits], [f.result() for f in swapped]
 
 
 def _tosses(bench: Path, spec: GroundBench) -> tuple[list[Experiment], list[Experiment]]:
@@ -137,14 +149,11 @@ def _tosses(bench: Path, spec: GroundBench) -> tuple[list[Experiment], list[Expe
     return parts
 
 
-def _cells(f: Fit) -> list[str]:
+def _cells(f: Fit, swapped: Fit) -> list[str]:
     soft = [f"{f.ground.stiffness:.4g}", f"{f.ground.damping:.4g}"] if f.compliant else ["-", "-"]
-    return [
-        f.engine,
-        f"{f.ground.friction:.4g}",
-        *soft,
-        *(f"{e:.3f}" for e in (f.train, f.held_out, f.impact, f.rigid)),
-    ]
+    unseen = np.concatenate([f.held_out, swapped.held_out])
+    means = [f.train.mean(), f.held_out.mean(), f.impact, f.rigid, unseen.mean(), unseen.std() / np.sqrt(len(unseen))]
+    return [f.engine, f"{f.ground.friction:.4g}", *soft, *(f"{e:.3f}" for e in means)]
 
 
 def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: Sequence[Experiment]) -> Fit:
@@ -152,8 +161,11 @@ def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: S
     rate = train[0].scenario.physics.step_rate
     part = train[:: max(len(train) // spec.tosses, 1)]
 
+    def errors(ground: Ground, tosses: Sequence[Experiment]) -> Array:
+        return toss_errors(engine, ground, tosses, rate)[:, 0]
+
     def error(ground: Ground, tosses: Sequence[Experiment]) -> float:
-        return float(toss_errors(engine, ground, tosses, rate)[:, 0].mean())
+        return float(errors(ground, tosses).mean())
 
     few = part[:: max(len(part) // FEW, 1)]
     bounds = [spec.friction, spec.stiffness, spec.damping]
@@ -165,13 +177,13 @@ def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: S
         spec.samples,
     )
     ground = Ground(*best)
-    whole, late = toss_errors(engine, ground, held_out, rate).mean(axis=0)
+    judged = toss_errors(engine, ground, held_out, rate)
     return Fit(
         engine,
         ground,
-        error(ground, train),
-        float(whole),
-        float(late),
+        errors(ground, train),
+        judged[:, 0],
+        float(judged[:, 1].mean()),
         error(Ground(ground.friction), held_out),
         compliant,
     )
