@@ -45,6 +45,8 @@ class Experiment:
         duration: of the simulation [s].
         use: train, held_out or None.
         window: what is judged, on the recording's clock [s].
+        overrides: the scenario's keys that this run sets, as JSON.
+        notes: sentences on what the recording shows to be wrong in the model, and was changed.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Experiment:
     use: str | None = None
     window: tuple[float, float] = (-np.inf, np.inf)
     overrides: str = ""
+    notes: tuple[str, ...] = ()
 
     def with_plant(self, plant: Plant) -> "Experiment":
         """The same motion on another plant."""
@@ -102,10 +105,12 @@ def _prepare(
         plant = place(plant, scenario.effects)
     except InputError as error:
         raise InputError(f"{file.path}: {error}") from None
-    recording = None
+    recording, notes = None, list[str]()
     if path is not None:
         recording = read(path, scenario, plant.model.joint_names, file=file.path)
         _check_supply(file, scenario, recording)
+        if recording.trace.position is not None:
+            plant, notes = plant.passing(recording.trace.position)
     commands, begin, duration = _commands(file, scenario, plant, recording)
     experiment = Experiment(
         name=name,
@@ -118,6 +123,7 @@ def _prepare(
         use=run.use if run else None,
         window=(run.window if run and run.window else (-np.inf, np.inf)),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
+        notes=tuple(notes),
     )
     try:
         experiment.start()

@@ -48,7 +48,7 @@ def write_manifest(
             notes.setdefault("model", list(e.plant.model.notes))
             if e.recording is not None:
                 sources.append(e.recording.path)
-                notes[f"recording {e.name}"] = [*e.recording.notes]
+                notes[f"recording {e.name}"] = [*e.recording.notes, *e.notes]
             for path in sources:
                 if str(path) not in inputs:
                     inputs[str(path)] = digest(path)

@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from engines import Ground
-from engines.model import Model
+from engines.model import Joint, Model
 from engines.urdf import read_urdf
 from harness.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
 from harness.errors import InputError
 from harness.scenario import AnyServo, DcServo, GroundSpec, PidServo, RecordedSupply, Scenario
 from harness.scenario_file import ScenarioFile
+
+PAST = 0.01
+"""A position further than this [rad or m] beyond a limit has passed it."""
 
 
 @dataclass
@@ -50,6 +53,21 @@ class Plant:
             setattr(out, name, getattr(self, name).copy())
         out.efforts = list(self.efforts)
         return out
+
+    def passing(self, position: Array) -> tuple[Plant, list[str]]:
+        """This plant without the limits that measured positions (t, n) pass, and a sentence on each: where a robot has
+        been, it has no stop.
+        """
+        joints, notes = list(self.model.joints), []
+        reach = position[np.isfinite(position).all(axis=1)]
+        for i, joint in enumerate(joints if len(reach) else []):
+            if reach[:, i].min() < joint.lower - PAST:
+                joints[i] = replace(joints[i], lower=-np.inf)
+                notes.append(_passed(joint, "lower", joint.lower))
+            if reach[:, i].max() > joint.upper + PAST:
+                joints[i] = replace(joints[i], upper=np.inf)
+                notes.append(_passed(joint, "upper", joint.upper))
+        return (replace(self, model=replace(self.model, joints=tuple(joints))) if notes else self), notes
 
     def machine(self) -> Model:
         """The model as an engine gets it: with the rotor inertia of every drive that is rigid to its joint."""
@@ -150,3 +168,11 @@ def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
     else:
         d["kind"] = CASCADE
         d["gain"], d["kv"], d["kp"] = servo.gain, servo.kv, servo.kp
+
+
+def _passed(joint: Joint, side: str, limit: float) -> str:
+    unit, scale = (" m", 1.0) if joint.prismatic else ("°", 180 / np.pi)
+    return (
+        f"{joint.name} was measured past the URDF's {side} limit of {limit * scale:.4g}{unit}: the stop is elsewhere; "
+        "simulated without that limit"
+    )

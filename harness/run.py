@@ -49,6 +49,8 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     chosen = engine_names(names)
     file = load_scenario(path)
     found = motions(experiments(file))
+    for note in dict.fromkeys(note for motion in found for e in motion.experiments for note in e.notes):
+        progress.say(note)
     result = RunResult(out, file.scenario.name, stated_budget(file.scenario.budget), table([]))
     with progress.task("simulating", len(found) * len(chosen)) as advance:
         for engine in chosen:

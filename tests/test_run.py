@@ -17,7 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 import engines
 from harness.cli import main
 from harness.errors import InputError
-from harness.experiment import experiments
+from harness.experiment import experiments, simulate
 from harness.progress import Progress
 from harness.results import COLUMNS, read_gaps
 from harness.run import RunResult, engine_names, judge, run, summary
@@ -214,3 +214,22 @@ def test_engines_can_be_chosen() -> None:
     assert "mujoco" in engine_names([])
     with pytest.raises(InputError, match="found gazebo; expected one of dart, drake, mujoco"):
         engine_names(["gazebo"])
+
+
+def test_a_limit_that_the_recording_passes_does_not_stop_the_simulation(tmp_path: Path) -> None:
+    path = variant(tmp_path)
+    arm = tmp_path / "arm.urdf"
+    before = experiments(load_scenario(path))[0]
+    assert before.notes == ()
+    reached = before.recording.trace.position[:, 1]
+    tight = f'lower="-0.2" upper="{reached.max() + 1:.3f}"'
+    assert reached.min() < -0.25
+    text, n = re.subn(
+        r'(<joint name="elbow".*?)lower="[^"]*" upper="[^"]*"', rf"\g<1>{tight}", arm.read_text(), flags=re.S
+    )
+    assert n == 1
+    arm.write_text(text)
+    after = experiments(load_scenario(path))[0]
+    assert len(after.notes) == 1
+    assert after.notes[0].startswith("elbow was measured past the URDF's lower limit of -11.46°: the stop is elsewhere")
+    assert_allclose(simulate(after, ENGINE).trace.position, simulate(before, ENGINE).trace.position)

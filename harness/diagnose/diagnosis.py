@@ -198,7 +198,7 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
         faults=told,
         before=before,
         after=after,
-        notes=[*outside, *artefacts],
+        notes=[*dict.fromkeys(n for c in problem.cases for n in c.experiment.notes), *outside, *artefacts],
     )
 
 
