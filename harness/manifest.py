@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import platform
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -50,8 +51,8 @@ def write_manifest(
                 sources.append(e.recording.path)
                 notes[f"recording {e.name}"] = [*e.recording.notes, *e.notes]
             for path in sources:
-                if str(path) not in inputs:
-                    inputs[str(path)] = digest(path)
+                if (name_there := portable(path)) not in inputs:
+                    inputs[name_there] = digest(path)
     used = {cell.engine: cell.engine_version for cell, _ in settings}
     manifest = {
         "schema": 1,
@@ -103,3 +104,14 @@ def digest(path: Path) -> str:
             out.update(file.name.encode())
             out.update(file.read_bytes())
     return out.hexdigest()
+
+
+def portable(path: Path) -> str:
+    """A path that means the same elsewhere, where there is one: below ${REALITYGAP_DATA} or below where we are."""
+    whole = path.resolve()
+    data = os.environ.get("REALITYGAP_DATA")
+    roots = [("${REALITYGAP_DATA}/", Path(data).resolve())] if data else []
+    for prefix, root in [*roots, ("", Path.cwd())]:
+        if whole.is_relative_to(root):
+            return prefix + whole.relative_to(root).as_posix()
+    return str(whole)

@@ -127,7 +127,7 @@ def page(table: pd.DataFrame) -> str:
         for row in own[own["quantity"].str.startswith("finding")].itertuples():
             known = "" if pd.isna(row.known) else f"{row.known:g} ({100 * (row.after / row.known - 1):+.1f} %)"
             between = "fixed" if row.low == row.high else f"{row.low:.4g} to {row.high:.4g}"
-            value = f"{row.after:.4g} {row.unit}".strip()
+            value = f"{row.after:.4g} {'' if pd.isna(row.unit) else row.unit}".strip()
             lines.append(f"| {row.effect} | {row.target} | {row.name} | {value} | {between} | {known} |")
         judged = own[own["quantity"].isin(["gap", "rms"])]
         wide = judged.assign(

@@ -21,7 +21,8 @@ from harness.diagnose.rivals import Rival
 from harness.diagnose.search import Search
 from harness.diagnose.story import write_story
 from harness.diagnose.story_figures import Curves, Pair, draw_curves, draw_pairs
-from harness.diagnose.story_text import quantity, unit_there
+from harness.diagnose.story_text import quantity
+from harness.diagnose.units import unit_there
 from harness.effects import EFFECTS
 from harness.scenario_file import load_scenario
 

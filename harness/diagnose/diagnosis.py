@@ -15,7 +15,8 @@ from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
-from harness.diagnose.search import AT_FLOOR, Search, name, rms, search
+from harness.diagnose.search import Search, enough, name, rms, search
+from harness.diagnose.units import unit_there
 from harness.drive import Array
 from harness.effects import EFFECTS
 from harness.gap import unit_of
@@ -119,7 +120,7 @@ class Diagnosis:
                     "value": _round(value, 5),
                     "low": _round(max(value - wide, p.low), 5),
                     "high": _round(min(value + wide, p.high), 5),
-                    "unit": p.unit,
+                    "unit": unit_there(self.problem, suspect, p),
                 }
         for parameter, value in change.values:
             if parameter not in parameters:
@@ -127,7 +128,7 @@ class Diagnosis:
                     "value": value,
                     "low": value,
                     "high": value,
-                    "unit": effect.parameter(parameter).unit,
+                    "unit": unit_there(self.problem, suspect, effect.parameter(parameter)),
                 }
         done = self.confirmed[suspect]
         return {
@@ -184,7 +185,8 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     after = _simulated(problem, found.fit.changes) if found.fit.changes else before
     judge = problem.of("held_out")
     where = locate(problem, before)
-    gap = max(found.fit.mean_cost(problem.of("train")), found.fit.mean_cost(judge)) > AT_FLOOR
+    parts = (problem.of("train"), judge)
+    gap = any(found.fit.mean_cost(part) > enough(found.base.mean_cost(part)) for part in parts)
     left = locate(problem, after) if gap and found.fit.changes else []
     return Diagnosis(
         problem=problem,

@@ -13,8 +13,9 @@ from harness.diagnose.planting import FINER, planted
 from harness.diagnose.problem import Change, Suspect
 from harness.diagnose.rehearse import Rehearsal, Tried, said
 from harness.diagnose.rehearse_page import label, sentence, words, write_page
-from harness.diagnose.story_text import listed, unit_there
+from harness.diagnose.story_text import listed
 from harness.diagnose.suspects import neutral
+from harness.diagnose.units import unit_there
 from harness.diagnose.visible import LARGEST, Confusable, Visible
 from harness.effects import EFFECTS
 from harness.results import write_whole

@@ -18,6 +18,8 @@ from harness.diagnose.suspects import LATER, neutral, suspects
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
+CLOSE = (0.002, 0.4)
+"""Nor is what is left of a gap, up to this share of it and this much, to be explained: no model is as exact."""
 MOST = 6
 """Findings at most."""
 MANY = 120
@@ -86,7 +88,7 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     while len(found.fit.changes) < MOST:
         now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
         say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
-        if max(found.fit.mean_cost(train), found.fit.mean_cost(judge)) <= AT_FLOOR:
+        if all(found.fit.mean_cost(part) <= enough(base.mean_cost(part)) for part in (train, judge)):
             break
         possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
         say(f"screening {len(possible)} suspects")
@@ -109,6 +111,12 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(found, judge)
     return found
+
+
+def enough(base: float) -> float:
+    """The mean squared residual at which nothing is left to explain, of a gap that was `base`."""
+    share, most = CLOSE
+    return AT_FLOOR + min(share * max(base - 1.0, 0.0), most)
 
 
 def _settled(problem: Problem, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:

@@ -23,9 +23,9 @@ from harness.diagnose.story_text import (
     quantity,
     suspect_label,
     target_label,
-    unit_there,
     verdict,
 )
+from harness.diagnose.units import unit_there
 from harness.effects import EFFECTS
 from harness.gap import unit_of
 from harness.report.style import engine_label, number, unit_label

@@ -9,7 +9,7 @@ from harness.diagnose.locate import Place
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.search import rms
 from harness.diagnose.suspects import neutral
-from harness.drive import PID
+from harness.diagnose.units import unit_there
 from harness.effects import EFFECTS, Parameter
 from harness.report.style import number
 
@@ -58,30 +58,6 @@ def interval(low: float, high: float, unit: str) -> str:
     if unit in DEGREES:
         return f"{number(math.degrees(low))} to {_people(high, unit)}"
     return f"{number(low)} to {_people(high, unit)}"
-
-
-LINEAR = {
-    "N·m": "N",
-    "N·m·s/rad": "N·s/m",
-    "N·m/rad": "N/m",
-    "N·m/A": "N/A",
-    "duty/rad": "duty/m",
-    "rad": "m",
-    "rad/s": "m/s",
-    "kg·m²": "kg",
-}
-"""Units of a prismatic joint, in place of those of a revolute one."""
-
-
-def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
-    """The unit of a parameter at its target: that of the servo's kind, and of the joint's."""
-    unit = parameter.unit
-    if EFFECTS[suspect.effect].sits_at != "joint":
-        return unit
-    j = suspect.indices[0]
-    if " or " in unit:
-        unit = unit.split(" or ")[int(problem.plant.drive["kind"][j] == PID)]
-    return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit
 
 
 def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:

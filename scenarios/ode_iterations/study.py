@@ -34,7 +34,9 @@ def joint_motion(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def cheering() -> pd.DataFrame:
     """Distance from the finest simulation and speed of the robot that has come to rest."""
-    collected, _ = run_matrix(HERE / "cheering.yaml", RESULTS / "runs" / "ode_cheering", Settings(retry_crashed=True), Progress())
+    collected, _ = run_matrix(
+        HERE / "cheering.yaml", RESULTS / "runs" / "ode_cheering", Settings(retry_crashed=True), Progress()
+    )
     traces = RESULTS / "runs" / "ode_cheering" / "traces"
     done = {
         (o.cell.solver_iterations, o.cell.step_rate): joint_motion(traces / f"{slug(o.cell)}.mcap")
@@ -57,7 +59,9 @@ def cheering() -> pd.DataFrame:
 
 def kicks() -> pd.DataFrame:
     """Mean gap to the measured joint angles, over the recordings."""
-    collected, _ = run_matrix(HERE / "kicks.yaml", RESULTS / "runs" / "ode_kicks", Settings(retry_crashed=True), Progress())
+    collected, _ = run_matrix(
+        HERE / "kicks.yaml", RESULTS / "runs" / "ode_kicks", Settings(retry_crashed=True), Progress()
+    )
     gaps = collected.gaps
     gaps = gaps[(gaps.signal == "position") & gaps.group.isin(["moving", "unmoving"])]
     keys = ["solver_iterations", "step_rate"]
