@@ -20,6 +20,8 @@ AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
 CLOSE = (0.002, 0.4)
 """Nor is what is left of a gap, up to this share of it and this much, to be explained: no model is as exact."""
+FITTED = 1.1
+"""Training runs with a mean squared residual up to this tell nothing more, whatever the others leave."""
 MOST = 6
 """Findings at most."""
 MANY = 120
@@ -88,7 +90,8 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     while len(found.fit.changes) < MOST:
         now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
         say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
-        if all(found.fit.mean_cost(part) <= enough(base.mean_cost(part)) for part in (train, judge)):
+        left = [found.fit.mean_cost(part) - enough(base.mean_cost(part)) for part in (train, judge)]
+        if max(left) <= 0.0 or (found.fit.changes and found.fit.mean_cost(train) <= FITTED):
             break
         possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
         say(f"screening {len(possible)} suspects")
