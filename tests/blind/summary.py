@@ -104,17 +104,20 @@ def write_confusion(scores: list[Score], folder: Path) -> None:
     rows = [*TABLE, NOTHING]
     columns = [*TABLE, NOTHING, OTHER_PLACE]
     rows = [r for r in rows if any(k[0] == r for k in counts)]
+    if not rows:
+        return
     grid = np.array([[counts[r, c] for c in columns] for r in rows]).reshape(len(rows), len(columns))
     with (folder / "blind_confusion.csv").open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["planted", *columns])
         writer.writerows([[r, *line] for r, line in zip(rows, grid.tolist(), strict=True)])
     fig, ax = plt.subplots(figsize=(10, 0.33 * len(rows) + 3.2), layout="constrained")
-    ax.imshow(grid, cmap="Blues", vmin=0, vmax=max(1, int(grid.max(initial=1))))
+    share = grid / np.maximum(grid.sum(axis=1, keepdims=True), 1)
+    ax.imshow(share, cmap="Blues", vmin=0, vmax=1, aspect="auto")
     ax.set_xticks(range(len(columns)), [c.replace("_", " ") for c in columns], rotation=90)
     ax.set_yticks(range(len(rows)), [r.replace("_", " ") for r in rows])
     for i, j in zip(*np.nonzero(grid), strict=True):
-        ax.text(j, i, str(grid[i, j]), ha="center", va="center", color="white" if grid[i, j] > 2 else "black")
+        ax.text(j, i, str(grid[i, j]), ha="center", va="center", color="white" if share[i, j] > 0.6 else "black")
     ax.set_xlabel("first named, or in its list of what cannot be told apart")
     ax.set_ylabel("planted")
     fig.savefig(folder / "blind_confusion.png", dpi=120, metadata={"Software": None})
