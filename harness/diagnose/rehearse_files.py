@@ -90,7 +90,7 @@ def _values(result: Rehearsal, change: Change) -> dict[str, dict[str, Any]]:
             absent = p.absent is not None and not (math.isfinite(own) and own)
             moved = value if absent or not math.isfinite(own) else value - own
             unit = unit_there(result.problem, change.suspect, p)
-            model = None if absent else _round(own)
+            model = _round(own) if math.isfinite(own) and not absent else None
             out[p.name] = {"value": _round(value), "change": _round(moved), "model": model, "unit": unit}
     return out
 
