@@ -3,10 +3,12 @@
 import csv
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import yaml
+from synthetic_tosses import write_tosses
 from typer.testing import CliRunner
 
 from harness.cli import app
@@ -15,7 +17,7 @@ from harness.diagnose.planting import plant_recordings, planted
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import build_problem
 from harness.diagnose.rehearse import Rehearsal, Tried, rehearse, searched
-from harness.diagnose.rehearse_files import COLUMNS, searched_from, summary, to_json, write_rehearsal
+from harness.diagnose.rehearse_files import COLUMNS, searched_from, size, summary, to_json, write_rehearsal
 from harness.diagnose.search import AT_FLOOR
 from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.visible import confusables, visible
@@ -216,3 +218,11 @@ def test_no_time_is_an_error_and_writes_nothing(scenario, tmp_path):
     assert isinstance(result.exception, InputError)
     assert "--budget: found 0, expected seconds above 0" in str(result.exception)
     assert not out.exists()
+
+
+def test_a_rigid_ground_has_no_stiffness_to_write_down(tmp_path):
+    problem = build_problem(load_scenario(write_tosses(tmp_path, 0.17)), "mujoco")
+    soft = next(s for s in suspects(problem) if s.effect == "soft_ground")
+    written = size(SimpleNamespace(problem=problem), soft, 1.0)
+    assert written["stiffness"]["model"] is None
+    json.dumps(written, allow_nan=False)
