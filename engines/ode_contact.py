@@ -49,7 +49,8 @@ class ContactPoint:
 
     def expected(self, *, smooth: bool) -> float:
         """The normal force to expect in this step, 0 where that is not known: the line through the last two where they
-        change smoothly; the smaller of them on rigid ground, where an impact takes one step.
+        change smoothly; the smaller of them on rigid ground, where an impact takes one step. Asked once per step: the
+        last load becomes the earlier one.
         """
         last: float = self.load.force1[2]
         earlier = self.earlier

@@ -36,23 +36,20 @@ def write_manifest(
         failures: what became of the cells that did not, by their slug.
         traces: names of the trace files below the folder.
     """
-    inputs: dict[str, str] = {}
+    sources: set[Path] = set()
     notes: dict[str, list[str]] = {}
     virtual = False
     for file, motion in motions:
         recordings = file.scenario.recordings
         virtual |= bool(recordings and recordings.virtual)
         for e in motion.experiments:
-            sources = [file.path, file.resolve(e.scenario.robot.urdf, "robot.urdf")]
+            sources |= {file.path, file.resolve(e.scenario.robot.urdf, "robot.urdf")}
             if e.scenario.motion is not None and e.scenario.motion.keyframes is not None:
-                sources.append(file.resolve(e.scenario.motion.keyframes, "motion.keyframes"))
+                sources.add(file.resolve(e.scenario.motion.keyframes, "motion.keyframes"))
             notes.setdefault("model", list(e.plant.model.notes))
             if e.recording is not None:
-                sources.append(e.recording.path)
+                sources.add(e.recording.path)
                 notes[f"recording {e.name}"] = [*e.recording.notes, *e.notes]
-            for path in sources:
-                if (name_there := portable(path)) not in inputs:
-                    inputs[name_there] = digest(path)
     used = {cell.engine: cell.engine_version for cell, _ in settings}
     manifest = {
         "schema": 1,
@@ -66,7 +63,7 @@ def write_manifest(
             engine: {k: {"level": v.level, "how": v.how} for k, v in engines.load(engine).capabilities().items()}
             for engine in sorted(used)
         },
-        "inputs": dict(sorted(inputs.items())),
+        "inputs": dict(sorted((_portable(path), digest(path)) for path in sources)),
         "notes": notes,
         "virtual": virtual,
         "failures": dict(sorted(failures.items())),
@@ -106,7 +103,7 @@ def digest(path: Path) -> str:
     return out.hexdigest()
 
 
-def portable(path: Path) -> str:
+def _portable(path: Path) -> str:
     """A path that means the same elsewhere, where there is one: below ${REALITYGAP_DATA} or below where we are."""
     whole = path.resolve()
     data = os.environ.get("REALITYGAP_DATA")

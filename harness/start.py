@@ -84,17 +84,19 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
         begin: where that clock starts in the recording [s].
     """
     drive = plant.drive
-    out = np.zeros(len(drive))
-    if measured.position is None or measured.effort is None or not len(commands.value):
+    out, gathers = np.zeros(len(drive)), (drive["kind"] == PID) & (drive["ki"] > 0.0)
+    if measured.position is None or measured.effort is None or not gathers.any():
         return out
-    later = np.flatnonzero(np.any(commands.value != commands.value[0], axis=1))
+    told = commands.value[:, gathers]
+    same = (told == told[0]) | (np.isnan(told) & np.isnan(told[0]))  # NaN is a servo that is off
+    later = np.flatnonzero(~same.all(axis=1))
     until = min(commands.time[later[0]] if later.size else np.inf, RECENT)
     first = slice(0, max(int(np.searchsorted(measured.time - begin, until)), 1))
     speed = np.zeros_like(measured.position) if measured.velocity is None else measured.velocity
     lag = commands.value[0] - measured.position[first]
     rest = measured.effort[first] - drive["kp"] * lag + drive["kd"] * speed[first]
     mean, error = rest.mean(axis=0), rest.std(axis=0) / np.sqrt(len(rest))
-    charged = (drive["kind"] == PID) & (drive["ki"] > 0.0) & (np.abs(mean) > 3.0 * error)
+    charged = gathers & (np.abs(mean) > 3.0 * error)
     out[charged] = mean[charged]
     return out
 

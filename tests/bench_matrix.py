@@ -12,8 +12,6 @@ import tempfile
 import time
 from pathlib import Path
 
-from distributed import LocalCluster
-
 ROOT = Path(__file__).parents[1]
 COMMAND = Path(sys.executable).with_name("realitygap")
 
@@ -36,6 +34,8 @@ def main() -> None:
     first = None
     for jobs in args.jobs:
         if args.scheduler:
+            from distributed import LocalCluster  # an extra that only this needs
+
             with LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None) as cluster:
                 took = seconds(args.matrix, "--scheduler", cluster.scheduler_address)
         else:

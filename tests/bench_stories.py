@@ -22,6 +22,7 @@ from harness.diagnose.problem import Change
 from harness.diagnose.workflow import run_diagnosis, summary
 from harness.drive import Array
 from harness.progress import Progress
+from harness.recording.frames import angle_between
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 STORIES = {
@@ -100,8 +101,7 @@ def errors(result: Diagnosis, changes: list[Change], engine: str) -> dict[str, f
         for signal, value in simulated.items():
             measured = problem.cases[case].value(signal)
             if signal == "base_quaternion":
-                turned = 2 * np.arccos(np.clip(np.abs(np.sum(value * measured, axis=1)), 0.0, 1.0))
-                squares.setdefault(signal, []).append(turned**2)
+                squares.setdefault(signal, []).append(angle_between(value, measured) ** 2)
             else:
                 squares.setdefault(signal, []).append(np.sum((value - measured) ** 2, axis=1))
     means = {signal: float(np.sqrt(np.nanmean(np.concatenate(parts)))) for signal, parts in squares.items()}

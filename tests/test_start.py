@@ -122,17 +122,24 @@ def test_standing_on_a_link_that_is_not_there(biped: Plant) -> None:
         start_state(biped, ANGLES, stand_on="foot")
 
 
-def held(plant: Plant, effort: Array, lag: float) -> Array:
-    """The integral told from 0.2 s in which every joint is held with these efforts (t, n), `lag` below its command."""
+def held(plant: Plant, effort: Array, lag: float, told: Commands | None = None) -> Array:
+    """The integral told from 0.2 s in which every joint is held with these efforts (t, n), `lag` below 0.4 rad."""
     n = len(plant.model.joints)
     plant.drive["kind"], plant.drive["kp"], plant.drive["ki"] = PID, 20.0, 5.0
     time = 3.0 + np.linspace(0.0, 0.2, len(effort))
     measured = Trace(time, tuple(plant.model.joint_names), position=np.full((len(time), n), 0.4 - lag), effort=effort)
-    return start_integral(plant, measured, Commands(np.array([0.0, 5.0]), np.array([[0.4] * n, [1.0] * n])), 3.0)
+    told = told or Commands(np.array([0.0, 5.0]), np.array([[0.4] * n, [1.0] * n]))
+    return start_integral(plant, measured, told, 3.0)
 
 
 def test_the_integral_is_what_was_measured_beyond_the_proportional_part(biped: Plant) -> None:
     assert_allclose(held(biped, np.full((40, 4), 1.5), 0.01), np.full(4, 1.5 - 20.0 * 0.01))
+
+
+def test_a_servo_that_is_never_commanded_does_not_shorten_the_look(biped: Plant) -> None:
+    told = Commands(np.array([0.0, 0.01]), np.array([[0.4, 0.4, 0.4, np.nan]] * 2))
+    noise = np.random.default_rng(0).standard_normal((40, 4))
+    assert_allclose(held(biped, noise, 0.0, told), np.zeros(4))
 
 
 def test_noise_charges_no_integral(biped: Plant) -> None:

@@ -43,7 +43,7 @@ class GroundBench(Section):
     scenario: str = Field(description="scenario of a free body with recordings for training and held out")
     engines: Patterns | None = Field(default=None, description="engines (default: all installed)")
     friction: Bounds = Field(default=(0.05, 1.0), description="bounds of the pair's coefficient")
-    stiffness: Bounds = Field(default=(100.0, 5e4), description="bounds, N/m per contact point")
+    stiffness: Bounds = Field(default=(200.0, 5e4), description="bounds, N/m per contact point")
     damping: Bounds = Field(default=(2.0, 500.0), description="bounds, N·s/m per contact point")
     tosses: Annotated[int, Field(gt=0)] = Field(default=80, description="tosses that the search looks at")
     samples: Annotated[int, Field(gt=0)] = Field(default=32, description="grounds that are tried before the descent")
