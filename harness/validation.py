@@ -77,7 +77,7 @@ def _key(raw: Any, loc: Sequence[Part]) -> str:
     out = ""
     for i, part in enumerate(loc):
         inside = isinstance(raw, list) if isinstance(part, int) else isinstance(raw, dict)
-        if inside and (isinstance(part, int) or part in raw):
+        if inside and (part < len(raw) if isinstance(part, int) else part in raw):
             raw = raw[part]
         elif i < len(loc) - 1 or not inside:
             continue

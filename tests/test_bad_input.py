@@ -172,6 +172,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     "copy of a run": (copied, "holds the same measurement as"),
     "window outside": (changed(**{RUN + "window": [100, 200]}), "window [100.0, 200.0] holds 0 samples"),
     "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
+    "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
     "override of nothing": (
         changed(**{RUN + "with": {"servos.leg.gain": 2}}),
         "recordings.runs[0].with: servos.leg.gain: there is no leg; expected one of drive, *",

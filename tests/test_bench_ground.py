@@ -1,5 +1,6 @@
 """The ground bench gives back the friction of synthetic tosses, in another engine than the one that made them."""
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -44,3 +45,18 @@ def test_tosses_without_a_part_to_judge_are_refused(bench: Path, tmp_path: Path)
     (tmp_path / "bench.yaml").write_text(BENCH)
     with pytest.raises(InputError, match="none with use: held_out; expected some to fit and some to judge"):
         ground.run(tmp_path / "bench.yaml", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("friction: [0.1]", "friction[1]: is missing; expected bounds of the pair's coefficient"),
+        ("friction: [0.5, 0.1]", "friction: found [0.5, 0.1]; bounds [0.5, 0.1] end before they start"),
+    ],
+)
+def test_bounds_that_are_none_are_refused(line: str, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "bench.yaml"
+    path.write_text(f"{BENCH}{line}\n")
+    with pytest.raises(InputError, match=re.escape(said)):
+        ground.run(path, tmp_path / "out")
+    assert not (tmp_path / "out").exists()

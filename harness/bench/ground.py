@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
@@ -32,7 +32,14 @@ from harness.scenario_file import load_scenario, resolve_path
 from harness.validation import validate
 from harness.yaml_file import load_yaml
 
-Bounds = tuple[Positive, Positive]
+
+def _increasing(bounds: tuple[float, float]) -> tuple[float, float]:
+    if not bounds[0] < bounds[1]:
+        raise ValueError(f"bounds {list(bounds)} end before they start")
+    return bounds
+
+
+Bounds = Annotated[tuple[Positive, Positive], AfterValidator(_increasing)]
 FEW = 50
 """Tosses that the sample is judged by, from which the search starts."""
 
