@@ -51,6 +51,9 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     found = motions(experiments(file))
     for note in dict.fromkeys(note for motion in found for e in motion.experiments for note in e.notes):
         progress.say(note)
+    garbled = sum(len(e.recording.outliers) for motion in found for e in motion.experiments if e.recording is not None)
+    if garbled:
+        progress.say(f"readings that jump far away and back, and are not taken: {garbled} (listed in manifest.json)")
     result = RunResult(out, file.scenario.name, stated_budget(file.scenario.budget), table([]))
     with progress.task("simulating", len(found) * len(chosen)) as advance:
         for engine in chosen:

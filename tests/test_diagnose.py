@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
+from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
 from harness.diagnose.pool import Pool
+from harness.diagnose.probes import probes
 from harness.diagnose.problem import Change, Suspect, build_problem, changed
 from harness.diagnose.search import rank, search
 from harness.diagnose.suspects import neutral, suspects
@@ -127,6 +128,23 @@ def test_noise_of_a_signal_and_of_repetitions() -> None:
     assert repetition_noise(values)[0] == pytest.approx(0.01, rel=0.1)
     quantum = 0.002
     assert own_noise(np.round(clean / quantum) * quantum)[0] >= quantum / np.sqrt(12) * 0.99
+
+
+def test_a_sensor_that_never_moves_is_as_noisy_as_its_kind() -> None:
+    moving, resting = np.array([0.01, 0.03, 0.0]), np.array([0.02, 0.0, 0.0])
+    first, second = shared_noise([moving, resting])
+    assert first.tolist() == pytest.approx([0.01, 0.03, 0.02])  # never seen to move: the median of the others
+    assert second.tolist() == pytest.approx([0.02, 0.03, 0.02])
+    assert shared_noise([np.zeros(2)])[0].tolist() == [0.0, 0.0]
+
+
+def test_what_may_have_either_sign_is_tried_to_both_sides() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    offset = next(s for s in suspects(problem) if s.effect == "joint_offset")
+    angles = [change.parameters["angle"] for (change,) in probes(problem, offset)]
+    assert min(angles) < 0.0 < max(angles)
+    mass = next(s for s in suspects(problem) if s.effect == "link_mass")
+    assert len(probes(problem, mass)) == 1
 
 
 def test_local_maximum_looks_to_both_sides() -> None:

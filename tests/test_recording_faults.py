@@ -16,6 +16,7 @@ from harness.recording.faults import (
     repeated_readings,
     velocity_faults,
 )
+from harness.recording.outliers import without_outliers
 from harness.trace import Trace
 
 PERIOD = 0.01
@@ -101,6 +102,39 @@ def test_a_step_is_not_a_glitch():
     command[812:] += 0.5
     command[900:] = np.nan
     assert command_glitches(replace(sound, command=command)) == []
+
+
+@pytest.mark.parametrize(
+    ("signal", "joint", "value"), [("velocity", 0, -381.95), ("velocity", 1, 40.0), ("position", 0, 12)]
+)
+def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal, joint, value):
+    sound = recording()
+    garbled = getattr(sound.trace, signal).copy()
+    garbled[730, joint] = value
+    trace, outliers = without_outliers(replace(sound.trace, **{signal: garbled}))
+    (fault,) = faults(replace(sound, trace=trace, outliers=outliers))
+    assert fault.kind == "outlier"
+    assert f"1 {signal} reading of {sound.trace.joints[joint]} jumps far away and back" in fault.sentence
+    assert f"({value:.4g} at {sound.trace.time[730]:.3f} s)" in fault.sentence
+    mended, before = getattr(trace, signal), getattr(sound.trace, signal)
+    assert mended[730, joint] == pytest.approx(before[[729, 731], joint].mean())
+    assert np.array_equal(np.delete(mended, 730, axis=0), np.delete(before, 730, axis=0))
+
+
+def test_an_impact_is_not_an_outlier():
+    """One reading of a speed that the positions before and after bear out."""
+    sound = recording()
+    position, velocity = np.zeros((2000, 2)), np.zeros((2000, 2))
+    position[1000:], velocity[1000] = 0.2, 20.0
+    trace = replace(sound.trace, position=position, velocity=velocity)
+    assert without_outliers(trace) == (trace, ())
+
+
+def test_noise_is_no_outlier():
+    sound = recording()
+    noise = np.random.default_rng(3).standard_normal((2000, 2))
+    trace = replace(sound.trace, position=sound.trace.position + 1e-3 * noise, velocity=0.5 * noise)
+    assert without_outliers(trace)[1] == ()
 
 
 @pytest.mark.parametrize("rate", [2e-3, -1e-3])

@@ -23,7 +23,7 @@ from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.visible import confusables, visible
 from harness.effects import EFFECTS
 from harness.errors import InputError
-from harness.recording.align import quantum
+from harness.recording.quantum import quantum
 from harness.scenario_file import load_scenario
 
 URDF = """<robot name="pendulum"><link name="base"/>

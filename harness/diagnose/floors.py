@@ -47,6 +47,7 @@ def _set_noise(problem: Problem, modelled: bool) -> None:
             single = np.sqrt(np.maximum(white, seen - pushed))
         else:
             single = np.sqrt(seen)
+        single = np.where(seen > 0, single, repeated[0].white[signal])
         for c in problem.cases:
             if signal in c.noise:
                 c.noise[signal] = np.maximum(single / np.sqrt(c.repetitions), TINY[signal])

@@ -14,7 +14,7 @@ from harness.diagnose.suspects import neutral, whole
 from harness.drive import Array
 from harness.effects import EFFECTS
 from harness.experiment import simulate
-from harness.recording.align import quantum
+from harness.recording.quantum import quantum
 from harness.trace import Trace
 
 FINER = 4.0

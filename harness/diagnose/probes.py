@@ -10,8 +10,9 @@ import numpy as np
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import start
 from harness.diagnose.problem import Change, Problem, Suspect
-from harness.diagnose.suspects import neutral, sizes, whole
+from harness.diagnose.suspects import fitted, neutral, sizes, whole
 from harness.drive import Array
+from harness.effects import Effect
 
 WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
 WHOLE_SECOND = (1.0, 2.5)
@@ -20,6 +21,8 @@ SOFTER = (1.0, 0.3, 0.1)
 """What the first size of a stiffness is multiplied by: a soft spring swings as no straight line tells."""
 SLIPPERIER = (0.6, 0.3, 0.15)
 """What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
+TO_BOTH_SIDES = (1.0, -1.0, 3.0, -3.0)
+"""What the first size is multiplied by where it may have either sign: play and friction that holds answer unevenly."""
 MANY_JOINTS = 6
 """With more joints than this, an effect is tried on all joints at once and each joint's answer is its own."""
 SHAPES = ("periods", "phase", "velocity", "exponent")
@@ -59,17 +62,21 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
         ]
     if effect.name == "ground_friction" and zero["coefficient"] > 0:
         return [[with_values(first, {"coefficient": zero["coefficient"] * k})] for k in SLIPPERIER]
+    named = [n for n in first.free if n not in SHAPES]
+    ranges = {n: effect.parameter(n) for n in named}
+    still = {n: zero[n] for n in named}
     out = []
-    for name in first.free:
-        p = effect.parameter(name)
-        if name in SHAPES:
-            continue
-        values = {q: zero[q] for q in first.free if q not in SHAPES}
-        values[name] = zero[name] + size[name]
-        if values[name] > p.high:
-            values[name] = zero[name] - size[name]
-        out.append(with_values(first, values))
-    return [out]
+    for factor in TO_BOTH_SIDES if signed(effect) else (1.0,):
+        steps = {n: factor * size[n] for n in named}
+        inside = {n: ranges[n].low <= zero[n] + steps[n] <= ranges[n].high for n in named}
+        moved = {n: zero[n] + (steps[n] if inside[n] else -steps[n]) for n in named}
+        out.append([with_values(first, still | {n: moved[n]}) for n in named])
+    return out
+
+
+def signed(effect: Effect) -> bool:
+    """Whether an effect is absent at zero and may have either sign."""
+    return all(p.absent == 0.0 and p.low < 0.0 for p in fitted(effect))
 
 
 def single(suspect: Suspect) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from engines import Diverged, Unsupported
 from harness.comparison import Motion, motions, on_first_clock
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.noise import local_maximum, own_noise, repetition_noise
+from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
 from harness.drive import Array
 from harness.errors import InputError
 from harness.experiment import Experiment, experiments, simulate
@@ -243,6 +243,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
         raise InputError(f"{file.path}: recordings.runs: found none; a diagnosis needs recordings")
     cases = [_case(m) for m in found]
     split = _split(cases)
+    _hear(cases)
     pooled = _pooled(cases)
     for case in cases:
         case.noise = {signal: _noise(case, signal, pooled) for signal in case.noise}
@@ -283,6 +284,16 @@ def _until(experiment: Experiment, end: float) -> Experiment:
     return replace(experiment, duration=duration)
 
 
+def _hear(cases: Sequence[Case]) -> None:
+    """Give channels that never change, as a velocity sensor at rest, the noise of those that do."""
+    joints = np.array([j.prismatic for j in cases[0].experiment.plant.model.joints], dtype=bool)
+    for signal in SIGNALS:
+        heard = [c.noise[signal] for c in cases if signal in c.noise]
+        for alike in (joints, ~joints) if signal in JOINT_SIGNALS else (slice(None),):
+            for noise, shared in zip(heard, shared_noise([n[alike] for n in heard]) if heard else [], strict=True):
+                noise[alike] = shared
+
+
 def _pooled(cases: Sequence[Case]) -> dict[str, Array]:
     """How much a single repetition differs from the next, by signal, over all motions that were repeated."""
     out: dict[str, Array] = {}
@@ -294,8 +305,9 @@ def _pooled(cases: Sequence[Case]) -> dict[str, Array]:
 
 
 def _noise(case: Case, signal: str, pooled: Mapping[str, Array]) -> Array:
-    """Standard deviation of the mean of a motion's repetitions."""
+    """Standard deviation of the mean of a motion's repetitions; what never changed in them is as noisy as its kind."""
     single = pooled.get(signal, case.noise[signal])
+    single = np.where(single > 0, single, case.noise[signal])
     return np.asarray(np.maximum(single / np.sqrt(case.repetitions), TINY[signal]))
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import lsq_linear
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.pool import Pool
-from harness.diagnose.probes import SHAPES, combined, crowded, joint_mask, probes, single, with_values
+from harness.diagnose.probes import SHAPES, combined, crowded, joint_mask, probes, signed, single, with_values
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.suspects import neutral, sizes, whole
 from harness.drive import Array
@@ -39,7 +39,7 @@ class Screened:
 
 
 def screen(
-    pool: Pool, suspects: Sequence[Suspect], accepted: Sequence[Change], train: Sequence[int], deep: int = 16
+    pool: Pool, suspects: Sequence[Suspect], accepted: Sequence[Change], train: Sequence[int], deep: int = 20
 ) -> list[Screened]:
     """The suspects that explain most of what is left, best first.
 
@@ -80,7 +80,18 @@ def screen(
     out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
     for guess, truly in zip(ranked, checked, strict=True):
         out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
-    return sorted(out, key=lambda s: -s.explained)
+    return _once(sorted(out, key=lambda s: -s.explained))
+
+
+def _once(ranked: Sequence[Screened]) -> list[Screened]:
+    """Of an effect that was tried to both sides, the better one: the sides are no different things."""
+    seen: set[Suspect] = set()
+    out = []
+    for s in ranked:
+        if s.change.suspect not in seen or not signed(KNOWN[s.change.suspect.effect]):
+            out.append(s)
+        seen.add(s.change.suspect)
+    return out
 
 
 def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...], rate: float = 1.0) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from harness.recording.commands import held_at
 from harness.recording.delay import MOVING, command_difference, delay, moving_commands
 from harness.recording.frames import angle_between, unit_quaternions, vertical
+from harness.recording.quantum import quantum
 from harness.recording.recording import Recording
 from harness.trace import Array, Trace
 
@@ -192,14 +193,3 @@ def _mean_over_time(value: Array) -> Array:
     known = np.isfinite(value)
     count = known.sum(axis=(0, 1))
     return np.asarray(np.where(count > 0, np.where(known, value, 0.0).sum(axis=(0, 1)) / np.maximum(count, 1), np.nan))
-
-
-def quantum(value: Array) -> Array:
-    """The smallest step that a sensor was seen to make, per column. Shape (t, n), gives (n,); 0 for a constant.
-
-    Steps below 1e-5 of the largest value are rounding of a file, not the sensor.
-    """
-    steps = np.abs(np.diff(value, axis=0))
-    rounding = 1e-5 * np.nanmax(np.abs(value), axis=0, initial=0.0)
-    smallest = np.where(steps > rounding, steps, np.inf).min(axis=0, initial=np.inf)
-    return np.asarray(np.where(np.isfinite(smallest), smallest, 0.0))

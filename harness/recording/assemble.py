@@ -8,6 +8,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.recording.commands import held_at, in_force, usual_period
 from harness.recording.frames import unit_quaternions
+from harness.recording.outliers import told, without_outliers
 from harness.recording.recording import Recording
 from harness.recording.streams import Request, Samples, Streams
 from harness.trace import Array, Trace
@@ -44,8 +45,11 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if streams.supply is not None:
         supply_time, supply = streams.supply.time, streams.supply.signals["supply"]
         signals["supply"] = np.interp(clock.time, supply_time, supply)
-    trace = replace(Trace(clock.time, request.joints), **signals)  # type: ignore[arg-type]
-    return Recording(path, trace, command_time, command, kind, supply_time, supply, clock.receive, tuple(notes))
+    trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
+    notes += told(outliers).values()
+    return Recording(
+        path, trace, command_time, command, kind, supply_time, supply, clock.receive, tuple(notes), outliers
+    )
 
 
 def _from(zero: float, streams: Streams) -> Streams:

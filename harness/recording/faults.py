@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import lfilter
 
-from harness.recording.align import quantum
 from harness.recording.delay import delay, moving_commands
+from harness.recording.outliers import told
+from harness.recording.quantum import quantum
 from harness.recording.recording import Recording
 from harness.trace import Array
 
@@ -31,6 +32,7 @@ def faults(recording: Recording) -> list[Fault]:
     """Every fault that is seen in one recording."""
     found = [*velocity_faults(recording), *command_glitches(recording), repeated_readings(recording)]
     found.append(clock_drift(recording))
+    found += [Fault("outlier", (joint,), sentence) for (joint, _), sentence in told(recording.outliers).items()]
     return [fault for fault in found if fault is not None]
 
 
@@ -73,7 +75,7 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     travel: Array = np.asarray(cumulative_trapezoid(v, even, initial=0), dtype=float)
     by_velocity = travel[span:] - travel[:-span]
     step = float(quantum(position[:, None])[0])
-    if np.abs(q[span:] - q[:-span]).max(initial=0.0) < 20.0 * step or not by_velocity.any():
+    if np.abs(q[span:] - q[:-span]).max(initial=0.0) <= 20.0 * step or not by_velocity.any():
         return None
     best: tuple[float, float, float, float] | None = None
     for constant in TIMES:

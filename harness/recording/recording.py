@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from harness.recording.outliers import Outlier
 from harness.trace import Array, Trace
 
 
@@ -24,6 +25,7 @@ class Recording:
         supply: Shape (k,) [V].
         receive_time: Shape (t,) [s], when the recorder got the samples of the trace; None for tables.
         notes: sentences on what was found and decided while reading.
+        outliers: readings that no motion explains, and that are not in the trace any more.
     """
 
     path: Path
@@ -35,6 +37,7 @@ class Recording:
     supply: Array
     receive_time: Array | None = None
     notes: tuple[str, ...] = field(default=())
+    outliers: tuple[Outlier, ...] = field(default=())
 
     @property
     def name(self) -> str:
