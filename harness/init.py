@@ -207,15 +207,10 @@ def _recordings(contents: Contents, roles: Roles) -> list[str]:
 
 
 def _runs(bags: list[Path], out: Path) -> list[str]:
-    """One run per recording; of several, the first two thirds are for fitting and the rest to judge on."""
-    if len(bags) == 1:
-        return ["  runs:", f"    - {{path: {_quoted(_relative(bags[0], out))}}}"]
-    lines = ["  runs:  # GUESS: the first two thirds are for fitting, the rest to judge on"]
-    train = round(2 * len(bags) / 3)
-    for i, bag in enumerate(bags):
-        use = "train" if i < train else "held_out"
-        lines.append(f"    - {{path: {_quoted(_relative(bag, out))}, use: {use}}}")
-    return lines
+    """One run per recording; which are fitted is left to the diagnosis, which keeps repetitions together."""
+    hint = "  # add use: train or use: held_out; without them a diagnosis keeps every third motion to judge on"
+    lines = ["  runs:" + (hint if len(bags) > 1 else "")]
+    return lines + [f"    - {{path: {_quoted(_relative(bag, out))}}}" for bag in bags]
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -1,11 +1,14 @@
 """Diagnosis on the bundled synthetic scenario: the planted effect is named, and nothing where nothing is missing."""
 
 import json
+import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
@@ -15,6 +18,7 @@ from harness.diagnose.problem import Change, Suspect, build_problem, changed
 from harness.diagnose.search import rank, search
 from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.workflow import run_diagnosis, summary
+from harness.errors import InputError
 from harness.progress import Progress
 from harness.scenario_file import load_scenario
 
@@ -136,6 +140,71 @@ def test_a_sensor_that_never_moves_is_as_noisy_as_its_kind() -> None:
     assert first.tolist() == pytest.approx([0.01, 0.03, 0.02])  # never seen to move: the median of the others
     assert second.tolist() == pytest.approx([0.02, 0.03, 0.02])
     assert shared_noise([np.zeros(2)])[0].tolist() == [0.0, 0.0]
+
+
+def variant(tmp_path: Path, change: Callable[[list[dict]], object], **recordings: object) -> Path:
+    """The demo's scenario with other runs."""
+    raw = yaml.safe_load(DEMO.read_text(encoding="utf-8"))
+    raw["robot"]["urdf"] = str(DEMO.parent / raw["robot"]["urdf"])
+    for run in raw["recordings"]["runs"]:
+        run["path"] = str(DEMO.parent / run["path"])
+        if "robot.urdf" in run.get("with", {}):
+            run["with"]["robot.urdf"] = str(DEMO.parent / run["with"]["robot.urdf"])
+    change(raw["recordings"]["runs"])
+    raw["recordings"] |= recordings
+    path = tmp_path / "scenario.yaml"
+    path.write_text(yaml.safe_dump(raw), encoding="utf-8")
+    return path
+
+
+def all_held_out(runs: list[dict]) -> None:
+    for run in runs:
+        run["use"] = "held_out"
+
+
+def overlapping(runs: list[dict]) -> None:
+    runs[:] = [runs[0] | {"window": [0, 3], "use": "train"}, runs[0] | {"window": [2, 4.5], "use": "held_out"}]
+
+
+def short(runs: list[dict]) -> None:
+    runs[:] = [runs[0] | {"window": [2, 2.05]}]
+
+
+@pytest.mark.parametrize(
+    ("change", "recordings", "said"),
+    [
+        (all_held_out, {}, "found use: held_out in every run; expected some to fit"),
+        (overlapping, {}, "is fitted in its window [0, 3] and judged on in its window [2, 4.5]; expected"),
+        (short, {}, "samples to fit; expected at least 10"),
+        (lambda _: None, {"exclude": ["*"]}, "leaves no joint; expected some to judge on"),
+    ],
+)
+def test_what_cannot_be_fitted_and_judged_is_refused(
+    change: Callable[[list[dict]], None], recordings: dict, said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=re.escape(said)):
+        build_problem(load_scenario(variant(tmp_path, change, **recordings)), "mujoco")
+
+
+def test_a_motion_that_is_both_fitted_and_judged_on_is_said(tmp_path: Path) -> None:
+    def mixed(runs: list[dict]) -> None:
+        repeated = [run for run in runs if "sines_1" in run["path"]]
+        assert len(repeated) > 1
+        repeated[-1]["use"] = "held_out"
+
+    problem = build_problem(load_scenario(variant(tmp_path, mixed)), "mujoco")
+    assert "one motion is fitted in some repetitions and judged on in others" in problem.split
+    assert build_problem(load_scenario(DEMO), "mujoco").split == ""
+
+
+def test_values_are_those_of_the_scenario_whatever_the_first_run_overrides(tmp_path: Path) -> None:
+    def loaded_first(runs: list[dict]) -> None:
+        runs.sort(key=lambda run: "robot.urdf" not in run.get("with", {}))
+
+    problem = build_problem(load_scenario(variant(tmp_path, loaded_first)), "mujoco")
+    mass = next(s for s in suspects(problem) if s.effect == "link_mass" and s.target == "forearm")
+    loaded = problem.cases[0].experiment.plant
+    assert neutral(loaded, mass)["mass"] > neutral(problem.plant, mass)["mass"] == pytest.approx(1.203)
 
 
 def test_what_may_have_either_sign_is_tried_to_both_sides() -> None:

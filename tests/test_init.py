@@ -65,7 +65,7 @@ def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
     scenario, recordings = read_all(path, ["shoulder", "elbow"])
     assert scenario.recordings.state == "/joint_states"
     assert scenario.motion.recorded == "/joint_commands"
-    assert [run.use for run in scenario.recordings.runs] == ["train", "train", "held_out"]
+    assert [run.use for run in scenario.recordings.runs] == [None] * 3  # repetitions of one motion stay together
     assert scenario.robot.base == "fixed"
     assert scenario.ground_name == "none"
     assert scenario.servos[0].kp == pytest.approx(30.0)

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from engines import Diverged, Unsupported
+from harness.diagnose.case import TINY
 from harness.diagnose.disturbance import disturbances, spread
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import TINY, Change, Problem
+from harness.diagnose.problem import Change, Problem
 from harness.drive import Array
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.diagnose.problem import Case, Problem
+from harness.diagnose.case import Case
+from harness.diagnose.problem import Problem
 from harness.drive import Array
 from harness.gap import unit_of
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from harness.diagnose.case import Case
 from harness.diagnose.disturbance import Push, coloured
 from harness.diagnose.fit import start
-from harness.diagnose.problem import Case, Change, Problem, Suspect
+from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.suspects import neutral, whole
 from harness.drive import Array
 from harness.effects import EFFECTS

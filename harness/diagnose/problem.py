@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from engines import Diverged, Unsupported
-from harness.comparison import Motion, motions, on_first_clock
+from harness.comparison import motions
+from harness.diagnose.case import JOINT_SIGNALS, SIGNALS, Case, cases_of
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
+from harness.diagnose.noise import local_maximum
+from harness.diagnose.split import split
 from harness.drive import Array
+from harness.effects.place import place
 from harness.errors import InputError
-from harness.experiment import Experiment, experiments, simulate
-from harness.plant import Plant
+from harness.experiment import experiments, simulate
+from harness.plant import Plant, build_plant
 from harness.scenario_file import ScenarioFile
-from harness.trace import Trace
 
-JOINT_SIGNALS = ("position", "velocity", "effort")
-SIGNALS = (*JOINT_SIGNALS, "base_position", "base_quaternion")
 NEIGHBOURS = 3
 """Samples around a step transient that share its numerical floor."""
-TINY = {"position": 1e-6, "velocity": 1e-5, "effort": 1e-5, "base_position": 1e-5, "base_quaternion": 1e-5}
-"""The noise that is assumed at least, in SI: noise-free data would weigh rounding."""
 WORST = 1e6
 """The residual of every sample of a simulation that failed."""
 
@@ -53,46 +51,12 @@ class Change:
 
 
 @dataclass
-class Case:
-    """One motion with its noise: what was measured in the mean, and how far every sample can be trusted.
-
-    By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition,
-    `spread` that between repetitions where there were any, `floor` the numerical floor per sample, and `disturbed` how
-    far disturbing torques move each sample.
-    """
-
-    name: str
-    experiment: Experiment
-    measured: Trace
-    use: str
-    noise: dict[str, Array]
-    repetitions: int
-    white: dict[str, Array] = field(default_factory=dict)
-    spread: dict[str, Array] = field(default_factory=dict)
-    floor: dict[str, Array] = field(default_factory=dict)
-    disturbed: dict[str, Array] = field(default_factory=dict)
-
-    def sigma(self, signal: str) -> Array:
-        """Standard deviation of each sample: noise and numerical floor together. Shape (t, n)."""
-        variance = np.broadcast_to(self.noise[signal][None, :] ** 2, self.value(signal).shape)
-        for more in (self.floor.get(signal), self.disturbed.get(signal)):
-            if more is not None:
-                variance = variance + more**2
-        return np.asarray(np.sqrt(variance))
-
-    def value(self, signal: str) -> Array:
-        """The measured signal. Shape (t, n)."""
-        value = getattr(self.measured, signal)
-        assert value is not None
-        return np.asarray(value)
-
-
-@dataclass
 class Problem:
     """A scenario's motions, split into those that are fitted and those that are judged on.
 
     Attributes:
         file: the scenario.
+        plant: as the scenario has it; single runs may differ from it.
         cases: every motion.
         engine: where the search simulates.
         judged: Shape (n,): which joints count.
@@ -100,15 +64,11 @@ class Problem:
     """
 
     file: ScenarioFile
+    plant: Plant
     cases: list[Case]
     engine: str
     judged: np.ndarray[tuple[int], np.dtype[np.bool_]]
     split: str
-
-    @property
-    def plant(self) -> Plant:
-        """The plant of the first motion, as the scenario has it."""
-        return self.cases[0].experiment.plant
 
     def of(self, use: str) -> list[int]:
         """Indices of the cases for `train` or `held_out`."""
@@ -236,98 +196,16 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     """The problem that a scenario states.
 
     Raises:
-        InputError: for a scenario without recordings.
+        InputError: for a scenario without recordings to fit and to judge on.
     """
     found = [m for m in motions(experiments(file)) if m.measured is not None]
     if not found:
         raise InputError(f"{file.path}: recordings.runs: found none; a diagnosis needs recordings")
-    cases = [_case(m) for m in found]
-    split = _split(cases)
-    _hear(cases)
-    pooled = _pooled(cases)
-    for case in cases:
-        case.noise = {signal: _noise(case, signal, pooled) for signal in case.noise}
-    model = cases[0].experiment.plant.model
+    plant = place(build_plant(file), file.scenario.effects)
     recordings = file.scenario.recordings
     excluded = recordings.exclude if recordings else []
-    judged = np.array([not any(fnmatchcase(n, p) for p in excluded) for n in model.joint_names], dtype=bool)
-    return Problem(file, cases, engine, judged, split)
-
-
-def _case(motion: Motion) -> Case:
-    assert motion.measured is not None
-    first = motion.experiments[0]
-    noise: dict[str, Array] = {}
-    spread: dict[str, Array] = {}
-    traces = on_first_clock(motion.experiments, motion.shifts)
-    for signal in SIGNALS:
-        values = [v for t in traces if (v := getattr(t, signal)) is not None and np.isfinite(v).any()]
-        if len(values) == len(traces):
-            noise[signal] = np.mean([own_noise(v) for v in values], axis=0)
-            if len(values) > 1:
-                spread[signal] = repetition_noise(values)
-    return Case(
-        motion.name,
-        _until(first, float(motion.measured.time[-1])),
-        motion.measured,
-        first.use or "",
-        noise,
-        len(motion.experiments),
-        noise,
-        spread,
-    )
-
-
-def _until(experiment: Experiment, end: float) -> Experiment:
-    """The experiment without what comes after the last sample that is judged."""
-    duration = min(experiment.duration, end - experiment.begin + 3 * experiment.scenario.timestep)
-    return replace(experiment, duration=duration)
-
-
-def _hear(cases: Sequence[Case]) -> None:
-    """Give channels that never change, as a velocity sensor at rest, the noise of those that do."""
-    joints = np.array([j.prismatic for j in cases[0].experiment.plant.model.joints], dtype=bool)
-    for signal in SIGNALS:
-        heard = [c.noise[signal] for c in cases if signal in c.noise]
-        for alike in (joints, ~joints) if signal in JOINT_SIGNALS else (slice(None),):
-            for noise, shared in zip(heard, shared_noise([n[alike] for n in heard]) if heard else [], strict=True):
-                noise[alike] = shared
-
-
-def _pooled(cases: Sequence[Case]) -> dict[str, Array]:
-    """How much a single repetition differs from the next, by signal, over all motions that were repeated."""
-    out: dict[str, Array] = {}
-    for signal in SIGNALS:
-        values = [c.spread[signal] ** 2 for c in cases if signal in c.spread]
-        if values:
-            out[signal] = np.sqrt(np.mean(values, axis=0))
-    return out
-
-
-def _noise(case: Case, signal: str, pooled: Mapping[str, Array]) -> Array:
-    """Standard deviation of the mean of a motion's repetitions; what never changed in them is as noisy as its kind."""
-    single = pooled.get(signal, case.noise[signal])
-    single = np.where(single > 0, single, case.noise[signal])
-    return np.asarray(np.maximum(single / np.sqrt(case.repetitions), TINY[signal]))
-
-
-def _split(cases: list[Case]) -> str:
-    """Mark every case as train or held_out; says how where the scenario does not."""
-    uses = {c.use for c in cases}
-    if "held_out" in uses and (uses & {"train", ""}):
-        for c in cases:
-            c.use = c.use or "train"
-        return ""
-    if len(cases) > 1:
-        for i, c in enumerate(cases):
-            c.use = "held_out" if i % 3 == 2 or (len(cases) == 2 and i == 1) else "train"
-        kept = ", ".join(c.name for c in cases if c.use == "held_out")
-        return f"no run was marked held_out: every third motion was kept back ({kept})"
-    only = cases[0]
-    time = only.measured.time
-    middle = float(time[0] + 0.6 * (time[-1] - time[0]))
-    later = replace(only, measured=only.measured.between(middle, np.inf), use="held_out", name=f"{only.name} (rest)")
-    only.measured = only.measured.between(-np.inf, middle)
-    only.use = "train"
-    cases.append(later)
-    return f"there is one run: it was fitted up to {middle:.2f} s and judged on the rest"
+    judged = np.array([not any(fnmatchcase(n, p) for p in excluded) for n in plant.model.joint_names], dtype=bool)
+    if len(judged) and not judged.any():
+        raise InputError(f"{file.path}: recordings.exclude: {excluded} leaves no joint; expected some to judge on")
+    cases = cases_of(found)
+    return Problem(file, plant, cases, engine, judged, split(file, cases, found))

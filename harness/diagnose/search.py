@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from harness.diagnose.decoys import KNOWN
+from harness.diagnose.decoys import DECOYS, KNOWN
 from harness.diagnose.fit import Fit, assess, fit, start
 from harness.diagnose.floors import set_floors
 from harness.diagnose.pool import Pool
@@ -153,8 +153,8 @@ def rms(cost: float) -> float:
 
 def name(suspect: Suspect) -> str:
     """An effect and its target, for people."""
-    target = suspect.target
-    return f"{suspect.effect} at {target if isinstance(target, str) else ', '.join(target)}"
+    target = suspect.target if isinstance(suspect.target, str) else ", ".join(suspect.target)
+    return f"{suspect.effect} at {target}{' (outside the list)' * (suspect.effect in DECOYS)}"
 
 
 def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) -> bool:

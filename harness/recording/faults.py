@@ -69,6 +69,8 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     All Shape (t,). None where the joint moves too little to tell: less than 20 quanta within 0.15 s.
     """
     even = np.arange(time[0], time[-1], float(np.median(np.diff(time))))
+    if len(even) < 2:
+        return None
     q = np.interp(even, time, position)
     v = np.interp(even, time, velocity)
     span = max(1, round(STRETCH / float(even[1] - even[0])))

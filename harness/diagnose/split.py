@@ -1,0 +1,97 @@
+"""Which motions are fitted and which are kept to judge on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from harness.comparison import Motion
+from harness.diagnose.case import Case
+from harness.errors import InputError
+from harness.experiment import Experiment
+from harness.recording.align import group_repetitions
+from harness.scenario_file import ScenarioFile
+
+LEAST = 10
+"""Samples that a motion must have to be fitted or judged on."""
+FITTED = 0.6
+"""The share of a single run that is fitted; the rest is judged on."""
+
+
+def split(file: ScenarioFile, cases: list[Case], motions: Sequence[Motion]) -> str:
+    """Mark every case as `train` or `held_out`; a single run is cut in two. Returns what the user should know of it.
+
+    Args:
+        file: the scenario.
+        cases: the motions with their noise; the rest of a single run is added.
+        motions: the same, with all repetitions.
+
+    Raises:
+        InputError: where all runs are held out, the same samples are fitted and judged on, or too few are left.
+    """
+    said = _mark(file, cases)
+    for case in cases:
+        if len(case.measured.time) < LEAST:
+            raise InputError(
+                f"{file.path}: recordings.runs: {case.name} holds {len(case.measured.time)} samples to "
+                f"{'judge on' if case.use == 'held_out' else 'fit'}; expected at least {LEAST}"
+            )
+    runs = [(e, c.use) for c, m in zip(cases, motions, strict=False) for e in m.experiments]
+    _check_apart(file, runs)
+    return "; ".join([said, *_repeated(runs)] if said else _repeated(runs))
+
+
+def _mark(file: ScenarioFile, cases: list[Case]) -> str:
+    uses = {c.use for c in cases}
+    if uses == {"held_out"}:
+        raise InputError(
+            f"{file.path}: recordings.runs: found use: held_out in every run; expected some to fit (use: train)"
+        )
+    if "held_out" in uses:
+        for c in cases:
+            c.use = c.use or "train"
+        return ""
+    if len(cases) > 1:
+        for i, c in enumerate(cases):
+            c.use = "held_out" if i % 3 == 2 or (len(cases) == 2 and i == 1) else "train"
+        kept = ", ".join(c.name for c in cases if c.use == "held_out")
+        return f"no run was marked held_out: every third motion was kept back ({kept})"
+    only = cases[0]
+    time = only.measured.time
+    middle = float(time[0] + FITTED * (time[-1] - time[0]))
+    later = replace(only, measured=only.measured.between(middle, np.inf), use="held_out", name=f"{only.name} (rest)")
+    only.measured = only.measured.between(-np.inf, middle)
+    only.use = "train"
+    cases.append(later)
+    return f"there is one run: it was fitted up to {middle:.2f} s and judged on the rest"
+
+
+def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> None:
+    """No sample may be both fitted and judged on."""
+    fitted, judged = ([e for e, use in runs if use == wanted] for wanted in ("train", "held_out"))
+    for a, b in product(fitted, judged):
+        same = a.recording is not None and b.recording is not None and a.recording.path == b.recording.path
+        if same and max(a.window[0], b.window[0]) < min(a.window[1], b.window[1]):
+            raise InputError(
+                f"{file.path}: recordings.runs: {a.name} is fitted in {_shown(a)} and judged on in {_shown(b)}; "
+                "expected windows that do not overlap"
+            )
+
+
+def _shown(experiment: Experiment) -> str:
+    low, high = experiment.window
+    return "all of it" if not np.isfinite([low, high]).any() else f"its window [{low:g}, {high:g}]"
+
+
+def _repeated(runs: Sequence[tuple[Experiment, str]]) -> list[str]:
+    """A sentence for every motion that is fitted in one repetition and judged on in another."""
+    out = []
+    for group in group_repetitions([replace(e, use=None) for e, _ in runs]):
+        chosen = [runs[i] for i in group.indices]
+        if len({use for _, use in chosen}) > 1:
+            told = ", ".join(f"{e.name} ({use})" for e, use in chosen)
+            out.append(f"one motion is fitted in some repetitions and judged on in others, which judges mildly: {told}")
+    return out
