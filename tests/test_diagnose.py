@@ -15,9 +15,10 @@ from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, s
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import probes
 from harness.diagnose.problem import Change, Suspect, build_problem, changed
-from harness.diagnose.search import rank, search
+from harness.diagnose.search import search
 from harness.diagnose.suspects import neutral, suspects
 from harness.diagnose.workflow import run_diagnosis, summary
+from harness.diagnose.worth import rank
 from harness.errors import InputError
 from harness.progress import Progress
 from harness.scenario_file import load_scenario

@@ -15,15 +15,14 @@ from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
-from harness.diagnose.search import Search, enough, name, rms, search
+from harness.diagnose.search import CLEAR, Search, enough, name, search
 from harness.diagnose.units import unit_there
+from harness.diagnose.worth import rms
 from harness.drive import Array
 from harness.effects import EFFECTS
 from harness.gap import unit_of
 from harness.recording.faults import faults
 
-CLEAR = 1.7
-"""A mean squared residual up to this leaves nothing that is worth a name."""
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
 

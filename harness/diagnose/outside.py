@@ -8,7 +8,8 @@ from harness.diagnose.decoys import DECOYS
 from harness.diagnose.fit import Fit, assess, costs
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Problem
-from harness.diagnose.search import Search, rms
+from harness.diagnose.search import Search
+from harness.diagnose.worth import rms
 
 
 def set_aside(pool: Pool, found: Search, say: Callable[[str], None]) -> list[str]:

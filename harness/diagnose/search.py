@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from harness.diagnose.decoys import DECOYS, KNOWN
 from harness.diagnose.fit import Fit, assess, fit, start
 from harness.diagnose.floors import set_floors
@@ -14,7 +12,8 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
-from harness.diagnose.suspects import LATER, neutral, suspects
+from harness.diagnose.suspects import LATER, suspects
+from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -36,14 +35,15 @@ EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 FAR = 4.0
 """A mean squared residual above this is far from the floor: ..."""
-VERY_FAR = 200.0
-"""Above this no model comes near the floor, and one run in which the robot falls would decide: the median run does."""
 HALF = 0.5
 """... then all findings together must remove this share of it, or none is named."""
-GAIN = 0.10
-"""A finding lowers the held-out cost above the floor by at least this share ..."""
-LEAST = 0.12
-"""... and by at least this much."""
+UNREPEATED = 0.45
+"""The same nearer to the floor, and for each finding, where no motion was repeated: what differs from one repetition to
+the next is not known then, and something always fits it a little."""
+CLEAR = 1.7
+"""A mean squared residual up to this leaves nothing that is worth a name."""
+FRAGMENT = 0.05
+"""Where more than that is left, a finding removes this share of the whole gap, or `HALF` of what was left before it."""
 
 
 @dataclass
@@ -65,22 +65,49 @@ class Search:
         fit: the accepted changes, jointly fitted.
         steps: in the order of acceptance.
         refused: sentences on suspects that were close and why they were not named.
+        let_go: what was found and not named after all, because most of the gap has another cause.
     """
 
     base: Fit
     fit: Fit
     steps: list[Step] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
+    let_go: list[Change] = field(default_factory=list)
 
 
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
-    """Find the effects that explain the gap, by forward selection with exchange and removal."""
+    """Find the effects that explain the gap, by forward selection with removal.
+
+    Where that ends in nothing, because what helped first led astray, it is tried once more without that effect, and
+    believed if it explains everything.
+    """
+    problem = pool.problem
+    everyone = suspects(problem)
+    found = _chain(pool, everyone, say)
+    if not found.let_go or len(everyone) > MANY:
+        return found
+    first = found.let_go[0].suspect
+    say(f"looking again without {first.effect}")
+    again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
+    if again.fit.changes and _worst(problem, again.fit) <= CLEAR:
+        return again
+    set_floors(pool, [])
+    found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
+    return found
+
+
+def _worst(problem: Problem, result: Fit) -> float:
+    """The larger mean squared residual of the training and the held-out runs."""
+    return max(result.mean_cost(problem.of(use)) for use in ("train", "held_out"))
+
+
+def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) -> Search:
+    """One forward selection among the suspects."""
     problem = pool.problem
     train, judge = problem.of("train"), problem.of("held_out")
     set_floors(pool, [])
     base = fit(problem, [], train, judge)
     found = Search(base, base)
-    everyone = suspects(problem)
     for change in velocity_filters(problem, everyone):  # the recordings show them and tell their size
         was, seen = found.fit, fit(problem, [*found.fit.changes, change], train, judge)
         if min(was.mean_cost(cases) - seen.mean_cost(cases) for cases in (train, judge)) > LEAST:
@@ -107,12 +134,17 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
         found.fit = best
         set_floors(pool, best.changes)
         found.fit = _shaped(pool, found.fit, train, judge)
-        found.fit = _pruned(pool, found, train, judge, say)
+        pruned = _pruned(pool, found, train, judge, say)
+        if len(pruned.changes) < len(found.fit.changes):  # the floors are those of what stays
+            set_floors(pool, pruned.changes)
+            pruned = fit(problem, pruned.changes, train, judge)
+        found.fit = pruned
+    found.fit = _without_fragments(pool, found, base.mean_cost(judge), train, judge)
     if found.fit.changes:
         whole = _all_free(problem, found.fit, train, judge)
         found.fit = assess(problem, _settled(problem, whole, train, judge), train, judge)
     found.base = fit(problem, [], train, judge)
-    _abstain_from_fragments(found, judge)
+    _abstain_from_fragments(problem, found, judge)
     return found
 
 
@@ -134,21 +166,47 @@ def _all_free(problem: Problem, current: Fit, train: Sequence[int], judge: Seque
     return current if free == current.changes else fit(problem, free, train, judge)
 
 
-def _abstain_from_fragments(found: Search, judge: Sequence[int]) -> None:
+def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """The fit without findings that mend a little of a gap whose rest stays: beside an effect there is always one."""
+    current = found.fit
+    while len(current.changes) > 1 and max(current.mean_cost(train), current.mean_cost(judge)) > CLEAR:
+        droppable = [c for c in current.changes if c.free]  # what the recordings told stays
+        without = [[c for c in current.changes if c is not drop] for drop in droppable]
+        fits = pool.map(fit, [(rest, train, judge) for rest in without])
+        left = current.mean_cost(judge)
+        least = min(range(len(fits)), key=lambda i: fits[i].mean_cost(judge), default=None)
+        if least is None:
+            return current
+        was = fits[least].mean_cost(judge)
+        least_worth = min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
+        if left <= FAR and not _repeated(pool.problem):
+            least_worth = UNREPEATED * (was - 1.0)
+        if was - left >= least_worth:
+            return current
+        dropped = droppable[least].suspect
+        found.refused.append(f"{name(dropped)}: held-out gap {rms(was):.2f} -> {rms(left):.2f}, and the rest stays")
+        found.steps = [s for s in found.steps if s.suspect != dropped]
+        current = fits[least]
+    return current
+
+
+def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    if found.fit.changes and left > FAR and was - left < HALF * (was - 1.0):
+    share = HALF if left > FAR else (0.0 if _repeated(problem) or _worst(problem, found.fit) <= CLEAR else UNREPEATED)
+    if found.fit.changes and was - left < share * (was - 1.0):
         for change in found.fit.changes:
             found.refused.append(
                 f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "
                 "has another cause"
             )
+        found.let_go = [c for c in found.fit.changes if c.free]
         found.fit, found.steps = found.base, []
 
 
-def rms(cost: float) -> float:
-    """The gap of a cost: 1 is the floor."""
-    return float(np.sqrt(cost))
+def _repeated(problem: Problem) -> bool:
+    """Whether any motion was repeated, so that it is known how much one repetition differs from the next."""
+    return any(case.spread for case in problem.cases)
 
 
 def name(suspect: Suspect) -> str:
@@ -182,16 +240,16 @@ def _best(
     say("fitting " + ", ".join(name(s.change.suspect) for s in tried))
     fits = pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in tried])
     now = found.fit
-    helping = [f for f in fits if _refusal(now, f, train, judge) is None]
+    helping = [f for f in fits if refusal(now, f, train, judge) is None]
     assessed = pool.map(assess, [(f, train, judge) for f in helping])
-    worthy = [f for f in assessed if _doubt(problem, f, judge) is None]
+    worthy = [f for f in assessed if doubt(problem, f, judge) is None]
     for candidate in [*(f for f in fits if f not in helping), *assessed]:
-        reason = _refusal(now, candidate, train, judge) or _doubt(problem, candidate, judge)
+        reason = refusal(now, candidate, train, judge) or doubt(problem, candidate, judge)
         if reason and candidate.mean_cost(judge) < 0.8 * now.mean_cost(judge):
             found.refused.append(f"{name(candidate.changes[-1].suspect)}: {reason}")
     if not worthy:
         return None
-    gains = [_gain(now, f, train, judge) for f in worthy]
+    gains = [gain(now, f, train, judge) for f in worthy]
     top = max(gains)
     equal = [f for f, g in zip(worthy, gains, strict=True) if g >= top - EQUAL * abs(top)]
 
@@ -200,16 +258,6 @@ def _best(
         return len(last.free), rank(problem, last.suspect)
 
     return min(equal, key=simplicity)
-
-
-def rank(problem: Problem, suspect: Suspect) -> float:
-    """The place of a suspect in the table; on a linear axis without a stated armature, inertia is the link's mass."""
-    order = list(KNOWN)
-    joints, drive = problem.plant.model.joints, problem.plant.drive
-    linear = suspect.effect == "rotor_inertia" and all(
-        joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
-    )
-    return order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
 
 
 def _varied(ranked: Sequence[Screened]) -> list[Screened]:
@@ -225,70 +273,6 @@ def _varied(ranked: Sequence[Screened]) -> list[Screened]:
         if len(out) == TRIED:
             break
     return out
-
-
-def _gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
-    """How much of the cost is gone, on both kinds of motion, in log terms."""
-    return _lowered(before, after, judge) + _lowered(before, after, train)
-
-
-def _lowered(before: Fit, after: Fit, cases: Sequence[int]) -> float:
-    """How much lower the cost is, in log terms: of the mean, or very far from the floor of the median run."""
-    if before.mean_cost(cases) > VERY_FAR:
-        return float(np.median([np.log(before.cost[c] / after.cost[c]) for c in cases]))
-    return float(np.log(before.mean_cost(cases) / after.mean_cost(cases)))
-
-
-def _refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
-    """Why a fitted suspect does not help enough; None where it does."""
-    was, now = before.mean_cost(judge), after.mean_cost(judge)
-    little = was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0)
-    if little and not (was > VERY_FAR and _lowered(before, after, judge) > -np.log(1.0 - GAIN)):
-        return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
-    if after.mean_cost(train) > before.mean_cost(train) * (1 - 0.5 * GAIN):
-        return "does not help on the training runs"
-    worse = [c for c in judge if after.cost[c] > 1.2 * before.cost[c] + 0.3]
-    if len(worse) * 2 > len(judge):
-        return "makes most held-out runs worse"
-    return None
-
-
-def _doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
-    """Why a fit is not believed although it helps; None where it is. What it rests on is known once it is assessed."""
-    newest = assessed.changes[-1]
-    absurd = KNOWN[newest.suspect.effect].absurd
-    if absurd is not None and (reason := absurd(newest.parameters)) is not None:
-        return reason
-    if not len(assessed.deviation):
-        return None
-    last = [k for k, (i, _) in enumerate(assessed.names) if i == len(assessed.changes) - 1]
-    zero = neutral(problem.plant, newest.suspect)
-    if not any(_certain(assessed, k, zero) for k in last):
-        return "its size cannot be told from none"
-    if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):
-        return "no one value fits all runs"
-    return None
-
-
-def _certain(result: Fit, k: int, zero: dict[str, float]) -> bool:
-    name = result.names[k][1]
-    if not np.isfinite(zero[name]):
-        return True
-    return bool(abs(result.value[k] - zero[name]) > 2.5 * result.deviation[k])
-
-
-def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> bool:
-    """Whether the runs, each on its own, would keep the value: an effect that is there is the same in all of them."""
-    for k in last:
-        name = result.names[k][1]
-        reference = abs(result.value[k] - zero[name]) if np.isfinite(zero[name]) else abs(result.value[k])
-        weights = result.weight_per_case[:, k]
-        telling = weights > 0.02 * weights.max(initial=0.0)
-        if reference > 0 and telling.any():
-            steps = np.abs(result.step_per_case[telling, k]) / reference
-            if np.median(steps) < 0.5 and np.mean(steps < 1.0) >= 0.6:
-                return True
-    return False
 
 
 def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:

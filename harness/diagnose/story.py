@@ -13,7 +13,6 @@ from markupsafe import Markup
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.locate import Place, phases
 from harness.diagnose.problem import Change
-from harness.diagnose.search import rms
 from harness.diagnose.story_figures import Curves, Pair, draw_curves, draw_pairs
 from harness.diagnose.story_text import (
     effect_label,
@@ -26,6 +25,7 @@ from harness.diagnose.story_text import (
     verdict,
 )
 from harness.diagnose.units import unit_there
+from harness.diagnose.worth import rms
 from harness.effects import EFFECTS
 from harness.gap import unit_of
 from harness.report.style import engine_label, number, unit_label

@@ -7,9 +7,9 @@ import math
 from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.locate import Place
 from harness.diagnose.problem import Change, Problem, Suspect
-from harness.diagnose.search import rms
 from harness.diagnose.suspects import neutral
 from harness.diagnose.units import unit_there
+from harness.diagnose.worth import rms
 from harness.effects import EFFECTS, Parameter
 from harness.report.style import number
 

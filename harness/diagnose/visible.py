@@ -18,8 +18,9 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.probes import SHAPES
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
 from harness.diagnose.rivals import SAME_COST
-from harness.diagnose.search import AT_FLOOR, LEAST
+from harness.diagnose.search import AT_FLOOR
 from harness.diagnose.suspects import neutral, whole
+from harness.diagnose.worth import LEAST
 from harness.drive import Array
 from harness.effects import EFFECTS
 

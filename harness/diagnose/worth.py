@@ -1,0 +1,100 @@
+"""What makes a fitted suspect worth adding: it helps on motions that were not fitted, and its size is sure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from harness.diagnose.decoys import KNOWN
+from harness.diagnose.fit import Fit
+from harness.diagnose.problem import Problem, Suspect
+from harness.diagnose.suspects import neutral
+
+VERY_FAR = 200.0
+"""Above this no model comes near the floor, and one run in which the robot falls would decide: the median run does."""
+GAIN = 0.10
+"""A finding lowers the held-out cost above the floor by at least this share ..."""
+LEAST = 0.12
+"""... and by at least this much."""
+
+
+def gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
+    """How much of the cost is gone, on both kinds of motion, in log terms."""
+    return lowered(before, after, judge) + lowered(before, after, train)
+
+
+def lowered(before: Fit, after: Fit, cases: Sequence[int]) -> float:
+    """How much lower the cost is, in log terms: of the mean, or very far from the floor of the median run."""
+    if before.mean_cost(cases) > VERY_FAR:
+        return float(np.median([np.log(before.cost[c] / after.cost[c]) for c in cases]))
+    return float(np.log(before.mean_cost(cases) / after.mean_cost(cases)))
+
+
+def refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
+    """Why a fitted suspect does not help enough; None where it does."""
+    was, now = before.mean_cost(judge), after.mean_cost(judge)
+    little = was - now < LEAST or was - now < GAIN * max(was - 1.0, 0.0)
+    if little and not (was > VERY_FAR and lowered(before, after, judge) > -np.log(1.0 - GAIN)):
+        return f"held-out gap {rms(was):.2f} -> {rms(now):.2f}, too little"
+    if after.mean_cost(train) > before.mean_cost(train) * (1 - 0.5 * GAIN):
+        return "does not help on the training runs"
+    worse = [c for c in judge if after.cost[c] > 1.2 * before.cost[c] + 0.3]
+    if len(worse) * 2 > len(judge):
+        return "makes most held-out runs worse"
+    return None
+
+
+def doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
+    """Why a fit is not believed although it helps; None where it is. What it rests on is known once it is assessed."""
+    newest = assessed.changes[-1]
+    absurd = KNOWN[newest.suspect.effect].absurd
+    if absurd is not None and (reason := absurd(newest.parameters)) is not None:
+        return reason
+    if not len(assessed.deviation):
+        return None
+    last = [k for k, (i, _) in enumerate(assessed.names) if i == len(assessed.changes) - 1]
+    zero = neutral(problem.plant, newest.suspect)
+    if not any(_certain(assessed, k, zero) for k in last):
+        return "its size cannot be told from none"
+    if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):
+        return "no one value fits all runs"
+    return None
+
+
+def _certain(result: Fit, k: int, zero: dict[str, float]) -> bool:
+    name = result.names[k][1]
+    if not np.isfinite(zero[name]):
+        return True
+    return bool(abs(result.value[k] - zero[name]) > 2.5 * result.deviation[k])
+
+
+def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> bool:
+    """Whether the runs, each on its own, would keep the value: an effect that is there is the same in all of them."""
+    for k in last:
+        name = result.names[k][1]
+        if KNOWN[result.changes[-1].suspect.effect].parameter(name).shape:
+            continue
+        reference = abs(result.value[k] - zero[name]) if np.isfinite(zero[name]) else abs(result.value[k])
+        weights = result.weight_per_case[:, k]
+        telling = weights > 0.02 * weights.max(initial=0.0)
+        if reference > 0 and telling.any():
+            steps = np.abs(result.step_per_case[telling, k]) / reference
+            if np.median(steps) < 0.5 and np.mean(steps < 1.0) >= 0.6:
+                return True
+    return False
+
+
+def rms(cost: float) -> float:
+    """The gap of a cost: 1 is the floor."""
+    return float(np.sqrt(cost))
+
+
+def rank(problem: Problem, suspect: Suspect) -> float:
+    """The place of a suspect in the table; on a linear axis without a stated armature, inertia is the link's mass."""
+    order = list(KNOWN)
+    joints, drive = problem.plant.model.joints, problem.plant.drive
+    linear = suspect.effect == "rotor_inertia" and all(
+        joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
+    )
+    return order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
