@@ -96,10 +96,10 @@ def _until(experiment: Experiment, end: float) -> Experiment:
 
 def _hear(cases: Sequence[Case]) -> None:
     """Give channels that never change, as a velocity sensor at rest, the noise of those that do."""
-    joints = np.array([j.prismatic for j in cases[0].experiment.plant.model.joints], dtype=bool)
+    linear = np.array([j.prismatic for j in cases[0].experiment.plant.model.joints], dtype=bool)
     for signal in SIGNALS:
         heard = [c.noise[signal] for c in cases if signal in c.noise]
-        for alike in (joints, ~joints) if signal in JOINT_SIGNALS else (slice(None),):
+        for alike in (linear, ~linear) if signal in JOINT_SIGNALS else (slice(None),):
             for noise, shared in zip(heard, shared_noise([n[alike] for n in heard]) if heard else [], strict=True):
                 noise[alike] = shared
 

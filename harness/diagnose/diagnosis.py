@@ -23,6 +23,7 @@ from harness.effects import EFFECTS
 from harness.gap import unit_of
 from harness.recording.faults import faults
 
+NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
 
@@ -185,6 +186,9 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     judge = problem.of("held_out")
     where = locate(problem, before)
     parts = (problem.of("train"), judge)
+    notes = [*dict.fromkeys(n for c in problem.cases for n in c.experiment.notes), *outside, *artefacts]
+    if not problem.repeated:
+        notes.append(NOT_REPEATED)
     gap = any(found.fit.mean_cost(part) > enough(found.base.mean_cost(part)) for part in parts)
     left = locate(problem, after) if gap and found.fit.changes else []
     return Diagnosis(
@@ -199,7 +203,7 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
         faults=told,
         before=before,
         after=after,
-        notes=[*dict.fromkeys(n for c in problem.cases for n in c.experiment.notes), *outside, *artefacts],
+        notes=notes,
     )
 
 

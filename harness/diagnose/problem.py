@@ -74,6 +74,11 @@ class Problem:
         """Indices of the cases for `train` or `held_out`."""
         return [i for i, c in enumerate(self.cases) if c.use == use]
 
+    @property
+    def repeated(self) -> bool:
+        """Whether any motion was repeated, so that it is known how much one repetition differs from the next."""
+        return any(case.spread for case in self.cases)
+
     def signals(self, case: int) -> list[str]:
         """The signals that are compared."""
         return [s for s in SIGNALS if s in self.cases[case].noise]

@@ -179,7 +179,7 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
             return current
         was = fits[least].mean_cost(judge)
         least_worth = min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
-        if left <= FAR and not _repeated(pool.problem):
+        if left <= FAR and not pool.problem.repeated:
             least_worth = UNREPEATED * (was - 1.0)
         if was - left >= least_worth:
             return current
@@ -193,7 +193,7 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    share = HALF if left > FAR else (0.0 if _repeated(problem) or _worst(problem, found.fit) <= CLEAR else UNREPEATED)
+    share = HALF if left > FAR else (0.0 if problem.repeated or _worst(problem, found.fit) <= CLEAR else UNREPEATED)
     if found.fit.changes and was - left < share * (was - 1.0):
         for change in found.fit.changes:
             found.refused.append(
@@ -202,11 +202,6 @@ def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int
             )
         found.let_go = [c for c in found.fit.changes if c.free]
         found.fit, found.steps = found.base, []
-
-
-def _repeated(problem: Problem) -> bool:
-    """Whether any motion was repeated, so that it is known how much one repetition differs from the next."""
-    return any(case.spread for case in problem.cases)
 
 
 def name(suspect: Suspect) -> str:
