@@ -13,7 +13,7 @@ from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.suspects import LATER, suspects
-from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms
+from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms, sized
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -141,8 +141,7 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         found.fit = pruned
     found.fit = _without_fragments(pool, found, base.mean_cost(judge), train, judge)
     if found.fit.changes:
-        whole = _all_free(problem, found.fit, train, judge)
-        found.fit = assess(problem, _settled(problem, whole, train, judge), train, judge)
+        found.fit = _sized(problem, found, train, judge)
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(problem, found, judge)
     return found
@@ -152,6 +151,23 @@ def enough(base: float) -> float:
     """The mean squared residual at which nothing is left to explain, of a gap that was `base`."""
     share, most = CLOSE
     return AT_FLOOR + min(share * max(base - 1.0, 0.0), most)
+
+
+def _sized(problem: Problem, found: Search, train: Sequence[int], judge: Sequence[int]) -> Fit:
+    """The fit with everything free and assessed, without changes whose size cannot be told from none after all."""
+    current = found.fit
+    told = [c.suspect for c in current.changes if not c.free]  # by the recordings themselves
+    while True:
+        current = _settled(problem, _all_free(problem, current, train, judge), train, judge)
+        current = assess(problem, current, train, judge)
+        each = [c.suspect for c in current.changes]
+        unsure = [s for i, s in enumerate(each) if s not in told and not sized(problem, current, i)]
+        if not unsure or len(each) == 1:
+            return current
+        gone = unsure[-1]
+        found.refused.append(f"{name(gone)}: its size cannot be told from none beside the other findings")
+        found.steps = [s for s in found.steps if s.suspect != gone]
+        current = fit(problem, [c for c in current.changes if c.suspect != gone], train, judge)
 
 
 def _settled(problem: Problem, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:

@@ -53,13 +53,19 @@ def doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
         return reason
     if not len(assessed.deviation):
         return None
+    if not sized(problem, assessed, len(assessed.changes) - 1):
+        return "its size cannot be told from none"
     last = [k for k, (i, _) in enumerate(assessed.names) if i == len(assessed.changes) - 1]
     zero = neutral(problem.plant, newest.suspect)
-    if not any(_certain(assessed, k, zero) for k in last):
-        return "its size cannot be told from none"
     if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):
         return "no one value fits all runs"
     return None
+
+
+def sized(problem: Problem, assessed: Fit, number: int) -> bool:
+    """Whether the size of a change can be told from none, in one of its parameters at least."""
+    zero = neutral(problem.plant, assessed.changes[number].suspect)
+    return any(_certain(assessed, k, zero) for k, (i, _) in enumerate(assessed.names) if i == number)
 
 
 def _certain(result: Fit, k: int, zero: dict[str, float]) -> bool:
