@@ -129,6 +129,10 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         if best is None:
             break
         step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked)
+        least = _least(base.mean_cost(judge), step.before)
+        if found.fit.changes and step.after > CLEAR and step.before - step.after < least:
+            found.refused.append(_stays(step.suspect, step.before, step.after))
+            break
         say(f"added {name(best.changes[-1].suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
         found.steps.append(step)
         found.fit = best
@@ -194,16 +198,25 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
         if least is None:
             return current
         was = fits[least].mean_cost(judge)
-        least_worth = min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
+        least_worth = _least(base, was)
         if left <= FAR and not pool.problem.repeated:
             least_worth = UNREPEATED * (was - 1.0)
         if was - left >= least_worth:
             return current
         dropped = droppable[least].suspect
-        found.refused.append(f"{name(dropped)}: held-out gap {rms(was):.2f} -> {rms(left):.2f}, and the rest stays")
+        found.refused.append(_stays(dropped, was, left))
         found.steps = [s for s in found.steps if s.suspect != dropped]
         current = fits[least]
     return current
+
+
+def _least(base: float, was: float) -> float:
+    """What a finding must remove of a held-out cost that was `base` at first and `was` before it, where a rest stays."""
+    return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
+
+
+def _stays(suspect: Suspect, was: float, left: float) -> str:
+    return f"{name(suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f}, and the rest stays"
 
 
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
