@@ -211,7 +211,7 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
 
 
 def _least(base: float, was: float) -> float:
-    """What a finding must remove of a held-out cost that was `base` at first and `was` before it, where a rest stays."""
+    """What a finding must remove of a held-out cost that was `base` at first and `was` before it, if a rest stays."""
     return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
 
 
