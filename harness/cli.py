@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -41,6 +42,16 @@ def _folder(out: Path | None, name: str = "") -> Path:
     folder = out or Path("results/runs") / name
     check_writable(folder)
     return folder
+
+
+@contextmanager
+def _interruptible(left: str) -> Iterator[None]:
+    """Ctrl-C ends the command with the status that shells give it, and a sentence on what it leaves behind."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"realitygap: interrupted; {left}", err=True)
+        raise typer.Exit(130) from None
 
 
 def _version(asked: bool) -> None:
@@ -147,9 +158,10 @@ def matrix(
     budget = parse_budget(max_gap or [])
     folder = _folder(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
     settings = Settings(jobs, scheduler, cells, retry_crashed)
-    lines, status = (
-        listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
-    )
+    with _interruptible("cells that are done are kept, and the same command goes on from there"):
+        lines, status = (
+            listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
+        )
     _say(lines)
     if status:
         raise typer.Exit(status)

@@ -151,6 +151,27 @@ def test_killed_and_started_again_it_ends_with_the_same_files(matrix, tmp_path):
     assert json.loads(a["manifest.json"])["failures"] == {}
 
 
+def test_interrupted_it_ends_at_once_and_goes_on_from_there(matrix, tmp_path):
+    out = tmp_path / "out"
+    process = subprocess.Popen(command(matrix, out), stderr=subprocess.PIPE, text=True)
+    store = FolderStore(out / "cells")
+    wait_for(lambda: store.keys())
+    orphans = wait_for(lambda: workers(process.pid))
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=15)
+    assert process.returncode == 130
+    assert said.splitlines()[-1].startswith("realitygap: interrupted; cells that are done are kept")
+    assert "Traceback" not in said
+    assert not any(Path(f"/proc/{pid}").exists() for pid in orphans)
+    assert not (out / "gaps.csv").exists()
+    kept = store.keys()
+    assert 1 <= len(kept) < 4
+    stamps = {k: (out / "cells" / f"{k}.zip").stat().st_mtime_ns for k in kept}
+    subprocess.run(command(matrix, out), check=True, capture_output=True)
+    assert stamps == {k: (out / "cells" / f"{k}.zip").stat().st_mtime_ns for k in kept}, "computed twice"
+    assert (read_gaps(out / "gaps.csv")["outcome"] == "ok").all()
+
+
 def test_a_broken_file_of_a_cell_counts_as_absent(matrix, tmp_path):
     tasks = plan(load_matrix(matrix))[:2]
     store = FolderStore(tmp_path / "cells")

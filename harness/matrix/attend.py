@@ -8,19 +8,57 @@ from harness.matrix.worker import Died, Hung, Worker
 
 TRIES = 2
 """A cell whose process was killed from outside is tried once more."""
-_own = threading.local()
 
 
-def attend(task: Task, pickled: bytes, store: str, limit: float) -> str | None:
+class Closed(Exception):
+    """The work is over: no process is started any more."""
+
+
+class Workers:
+    """The processes that compute cells: one for each thread that asks."""
+
+    def __init__(self) -> None:
+        self._own = threading.local()
+        self._all: set[Worker] = set()
+        self._closed = False
+        self._lock = threading.Lock()
+
+    def own(self) -> Worker:
+        """The process of this thread, started where there is none.
+
+        Raises:
+            Closed: after `close`.
+        """
+        worker: Worker | None = getattr(self._own, "worker", None)
+        with self._lock:
+            if self._closed:
+                raise Closed
+            if worker is None or not worker.alive:
+                worker = self._own.worker = Worker()
+                self._all.add(worker)
+        return worker
+
+    def close(self) -> None:
+        """End all processes, from any thread: whoever waits for one gets `Closed`."""
+        with self._lock:
+            self._closed = True
+            for worker in self._all:
+                worker.kill()
+
+
+def attend(task: Task, pickled: bytes, store: str, limit: float, workers: Workers) -> str | None:
     """Compute a cell in the process that belongs to this thread. Afterwards its file is in the store.
 
     Returns:
         None; or what happened, in words, where the process was killed every time: the cell then stays to be done.
+
+    Raises:
+        Closed: where the work ended before the cell did.
     """
     what = ""
     for _ in range(TRIES):
         try:
-            own_worker().run(pickled, store, limit)
+            workers.own().run(pickled, store, limit)
             return None
         except Hung:
             data = lost(task, "timeout", f"took longer than the time limit of {limit:g} s")
@@ -32,21 +70,3 @@ def attend(task: Task, pickled: bytes, store: str, limit: float) -> str | None:
         open_store(store).write(task.key, data)
         return None
     return what
-
-
-def own_worker() -> Worker:
-    """The process of this thread, started where there is none."""
-    worker: Worker | None = getattr(_own, "worker", None)
-    if worker is None or not worker.alive:
-        worker = _own.worker = Worker()
-        _all.add(worker)
-    return worker
-
-
-def close_workers() -> None:
-    """End the processes of all threads."""
-    while _all:
-        _all.pop().close()
-
-
-_all: set[Worker] = set()

@@ -6,7 +6,7 @@ from itertools import islice
 from typing import Any
 
 from harness.errors import InputError
-from harness.matrix.attend import attend
+from harness.matrix.attend import Workers, attend
 from harness.matrix.digest import code_version
 from harness.matrix.local import Done
 from harness.matrix.task import Task
@@ -53,7 +53,7 @@ def run_cluster(tasks: Sequence[Task], scheduler: str, store: str, limit: float,
 
 def work(pickled: bytes, store: str, limit: float) -> str | None:
     """One cell on a worker of the cluster."""
-    return attend(pickle.loads(pickled), pickled, store, limit)
+    return attend(pickle.loads(pickled), pickled, store, limit, _workers)
 
 
 def _threads(client: Any, scheduler: str) -> int:
@@ -66,3 +66,7 @@ def _threads(client: Any, scheduler: str) -> int:
         if version != code_version():
             raise InputError(f"--scheduler: worker {address} runs another version of realitygap or its packages")
     return sum(client.nthreads().values())
+
+
+_workers = Workers()
+"""Those of a worker of the cluster, which end when it does."""

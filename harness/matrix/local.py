@@ -4,7 +4,7 @@ import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
-from harness.matrix.attend import attend, close_workers
+from harness.matrix.attend import Workers, attend
 from harness.matrix.task import Task
 
 Done = Callable[[Task, str | None], None]
@@ -12,10 +12,11 @@ Done = Callable[[Task, str | None], None]
 
 
 def run_local(tasks: Sequence[Task], jobs: int, store: str, limit: float, done: Done) -> None:
-    """Compute cells with `jobs` processes."""
+    """Compute cells with `jobs` processes. Interrupted, it ends them at once; the cells that are done are kept."""
+    workers = Workers()
 
     def work(task: Task) -> str | None:
-        return attend(task, pickle.dumps(task), store, limit)
+        return attend(task, pickle.dumps(task), store, limit, workers)
 
     pool = ThreadPoolExecutor(jobs)
     try:
@@ -24,5 +25,5 @@ def run_local(tasks: Sequence[Task], jobs: int, store: str, limit: float, done: 
             done(futures[future], future.result())
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
-        close_workers()
+        workers.close()
         pool.shutdown()

@@ -49,6 +49,7 @@ class Worker:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,  # engines greet there
                 env=dict.fromkeys(THREADS, "1") | os.environ,
+                process_group=0,  # Ctrl-C is the parent's to handle
             )
 
     @property
@@ -101,11 +102,15 @@ class Worker:
         what = (signal.strsignal(-code) or "").lower()
         return Died(f"the process was ended by {name} ({what})", killed=-code in KILLS)
 
-    def close(self) -> None:
-        """End the process."""
-        self._connection.close()
+    def kill(self) -> None:
+        """End the process, from any thread: the connection belongs to the one that uses it, which finds its end."""
         self._process.kill()
         self._process.wait()
+
+    def close(self) -> None:
+        """End the process and the connection to it."""
+        self.kill()
+        self._connection.close()
 
 
 def serve(connection: Connection) -> None:
@@ -125,5 +130,4 @@ def serve(connection: Connection) -> None:
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     serve(Connection(int(sys.argv[1])))
