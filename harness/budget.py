@@ -44,7 +44,8 @@ def over_budget(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
 
     A cell that failed exceeds every budget; one that an engine cannot express is not judged.
     """
-    moving = gaps[(gaps["group"] == "moving") & (gaps["note"] != EXCLUDED) & (gaps["outcome"] != "unsupported")]
+    moving = _counted(gaps)
+    moving = moving[moving["outcome"] != "unsupported"]
     lines = []
     for signal, limit in budget.items():
         for _, cell in moving[moving["signal"] == signal].groupby(CELL, dropna=False, sort=True):
@@ -53,6 +54,11 @@ def over_budget(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
                 if value > limit:
                     lines.append(f"over budget: {_excess(rows, signal, value, limit, str(unit))}")
     return lines
+
+
+def _counted(gaps: pd.DataFrame) -> pd.DataFrame:
+    """The rows that budgets are about: of moving joints that are not left out."""
+    return gaps[(gaps["group"] == "moving") & (gaps["note"] != EXCLUDED)]
 
 
 def _excess(rows: pd.DataFrame, signal: str, value: float, limit: float, unit: str) -> str:
@@ -69,9 +75,9 @@ def _excess(rows: pd.DataFrame, signal: str, value: float, limit: float, unit: s
 
 def not_judged(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
     """A sentence for every budget that nothing was measured for: a budget that cannot be judged is not kept."""
-    measured = set(gaps.loc[gaps["group"] == "moving", "signal"])
+    measured = set(_counted(gaps)["signal"])
     return [
-        f"over budget: no {signal} of a moving joint was measured; budget {limit:g}"
+        f"over budget: no {signal} of a moving joint was measured, or all are left out; budget {limit:g}"
         for signal, limit in budget.items()
         if signal not in measured
     ]

@@ -63,9 +63,9 @@ class RealityGap:
         Without arguments the scenario's budget holds. What the engine cannot express is skipped.
 
         Raises:
-            OverBudget: where the budget is exceeded, or the simulation blew up.
+            OverBudget: where the budget is exceeded, nothing was measured that it is about, or the simulation blew up.
         """
-        from harness.budget import SIGNALS, over_budget
+        from harness.budget import SIGNALS, not_judged, over_budget
         from harness.results import table
 
         unknown = [s for s in budget if s not in SIGNALS]
@@ -80,7 +80,8 @@ class RealityGap:
             pytest.skip(done.note)
         if done.outcome != "ok":
             raise OverBudget(f"{self.name}: {done.outcome}: {done.note}")
-        lines = over_budget(table(done.rows), limits)
+        gaps = table(done.rows)
+        lines = over_budget(gaps, limits) + not_judged(gaps, limits)
         if lines:
             raise OverBudget("\n".join(lines))
 
@@ -97,8 +98,8 @@ class ScenarioTest(pytest.Item):
         self.gap.check()
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """A gap over budget is told by its sentence, without a traceback."""
-        if isinstance(excinfo.value, OverBudget):
+        """A gap over budget and a budget that is missing are told by their sentence, without a traceback."""
+        if isinstance(excinfo.value, OverBudget | pytest.UsageError):
             return str(excinfo.value)
         return super().repr_failure(excinfo, style)
 
@@ -114,6 +115,10 @@ class ScenarioTests(pytest.File):
         """One test per engine and recording."""
         for gap in gaps_of(self.path, wanted_engines(self.config) or []):
             yield ScenarioTest.from_parent(self, name=gap.name, gap=gap)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException]) -> Any:
+        """What is wrong with a scenario is told by its sentence, without a traceback."""
+        return str(excinfo.value) if isinstance(excinfo.value, pytest.UsageError) else super().repr_failure(excinfo)
 
 
 def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:

@@ -58,6 +58,14 @@ def test_within_budget_it_passes(project):
     assert "2 passed" in done.stdout
 
 
+def test_a_budget_of_what_was_not_measured_fails(project):
+    text = project.scenario.read_text().replace("effort: motor", "effort: none")
+    project.scenario.write_text(text + "budget: {position: 5.0, effort: 5.0}\n")
+    done = project("--engines", "mujoco", "demo/scenario.yaml::mujoco-chirp_1")
+    assert done.returncode == 1, done.stdout
+    assert "no effort of a moving joint was measured" in done.stdout
+
+
 @pytest.mark.parametrize(("budget", "status"), [("position=5.0", 0), ("position=0.001", 1)])
 def test_five_lines_of_their_own(project, budget, status):
     (project.folder / "test_arm.py").write_text(FIVE_LINES.format(budget=budget))
@@ -82,3 +90,4 @@ def test_what_is_wrong_is_one_sentence(project, engines, sentence):
     done = project("--engines", engines, "demo/scenario.yaml")
     assert done.returncode != 0
     assert sentence in done.stdout + done.stderr
+    assert "pytest_plugin.py" not in done.stdout + done.stderr, "where it was raised"

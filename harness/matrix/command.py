@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
+from harness.budget import not_judged
 from harness.junit import write_junit
 from harness.matrix.junit import cases, excess
 from harness.matrix.matrix import Settings, dry_run, run_matrix
@@ -23,9 +24,8 @@ def matrix_command(
     counts = Counter(o.outcome for _, o in collected.cells)
     lines = [f"{len(collected.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
     lines += [s.text for s in sentences(read_folder(out))]
-    lines += [line for found in over.values() for line in found]
-    lines.append(f"report: {page}")
-    return lines, int(bool(over))
+    excesses = [line for found in over.values() for line in found] + not_judged(collected.gaps, budget)
+    return [*lines, *excesses, f"report: {page}"], int(bool(excesses))
 
 
 def listed(path: Path, out: Path, settings: Settings) -> tuple[list[str], int]:
