@@ -121,7 +121,9 @@ def run(
     asked = parse_budget(max_gap or [])
     if junit is not None:
         check_writable(junit.parent, "--junit")
-    result = work(scenario, engine or [], _folder(out, scenario.resolve().parent.name), Progress())
+    folder = _folder(out, scenario.resolve().parent.name)
+    with _interruptible("nothing was written"):
+        result = work(scenario, engine or [], folder, Progress())
     excess = judge(result, result.budget | asked, junit)
     _say([*summary(result), *excess, f"report: {result.page}"])
     if excess:

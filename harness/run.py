@@ -18,6 +18,7 @@ from harness.manifest import write_manifest
 from harness.mcap import write_mcap
 from harness.progress import Progress
 from harness.report import write_curves, write_figures, write_page
+from harness.result_folder import written_whole
 from harness.results import means, slug, table, to_csv, write_whole
 from harness.scenario_file import load_scenario
 
@@ -55,25 +56,26 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     if garbled:
         progress.say(f"readings that jump far away and back, and are not taken: {garbled} (listed in manifest.json)")
     result = RunResult(out, file.scenario.name, stated_budget(file.scenario.budget), table([]))
-    with progress.task("simulating", len(found) * len(chosen)) as advance:
-        for engine in chosen:
-            for motion in found:
-                advance(f"{engine}: {motion.name}")
-                comparison = compare(motion, engine)
-                result.comparisons.append(comparison)
-                write_traces(out, comparison, motion)
-    result.gaps = table(r for c in result.comparisons for r in c.rows)
-    write_tables(out, result.gaps, result.comparisons)
-    write_manifest(
-        out,
-        file.scenario.name,
-        [(file, motion) for motion in found],
-        [(c.cell, c.settings) for c in result.comparisons if c.settings],
-        {slug(c.cell): f"{c.outcome}: {c.note}" for c in result.comparisons if c.outcome != "ok"},
-        [f"traces/{slug(c.cell)}.mcap" for c in result.comparisons if c.simulated is not None],
-    )
-    write_figures(out)
-    result.page = write_page(out)
+    with written_whole(out) as folder:
+        with progress.task("simulating", len(found) * len(chosen)) as advance:
+            for engine in chosen:
+                for motion in found:
+                    advance(f"{engine}: {motion.name}")
+                    comparison = compare(motion, engine)
+                    result.comparisons.append(comparison)
+                    write_traces(folder, comparison, motion)
+        result.gaps = table(r for c in result.comparisons for r in c.rows)
+        write_tables(folder, result.gaps, result.comparisons)
+        write_manifest(
+            folder,
+            file.scenario.name,
+            [(file, motion) for motion in found],
+            [(c.cell, c.settings) for c in result.comparisons if c.settings],
+            {slug(c.cell): f"{c.outcome}: {c.note}" for c in result.comparisons if c.outcome != "ok"},
+            [f"traces/{slug(c.cell)}.mcap" for c in result.comparisons if c.simulated is not None],
+        )
+        write_figures(folder)
+        result.page = out / write_page(folder).name
     return result
 
 

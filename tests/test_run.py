@@ -3,6 +3,10 @@
 import json
 import re
 import shutil
+import signal
+import subprocess
+import sys
+import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -128,6 +132,44 @@ def test_the_same_scenario_gives_the_same_bytes(demo: RunResult, tmp_path: Path)
     assert old.read_bytes() == new.read_bytes()
 
 
+def test_a_finished_run_holds_its_own_files_and_what_a_person_put_there(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    path = variant(tmp_path)
+    run(path, [ENGINE], out, QUIET)
+    (out / "notes.txt").write_text("mine")
+    (out / "figures" / "photo.jpg").write_text("mine")
+    path.write_text(path.read_text().replace("name: demo", "name: other"))
+    (tmp_path / "chirp_1.mcap").rename(tmp_path / "chirp_2.mcap")
+    path.write_text(path.read_text().replace("chirp_1", "chirp_2"))
+    run(path, [ENGINE], out, QUIET)
+    files = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
+    assert {"notes.txt", "figures/photo.jpg"} <= files
+    assert not [f for f in files if "chirp_1" in f or f.startswith(".")]
+    assert [f for f in files if "chirp_2" in f]
+
+
+def test_an_interrupted_run_leaves_everything_as_it_was(demo: RunResult, tmp_path: Path) -> None:
+    def content(folder: Path) -> dict[str, bytes]:
+        return {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+    old, new = tmp_path / "old", tmp_path / "deep" / "new"
+    shutil.copytree(demo.folder, old)
+    before = content(old)
+    for out in (old, new):
+        command = [sys.executable, "-m", "harness.cli", "run", str(DEMO), "-e", ENGINE, "-o", str(out)]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        while not list(out.glob(".unfinished-*/traces/*.mcap")):
+            assert process.poll() is None
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        assert process.returncode == 130
+        assert said.splitlines()[-1] == "realitygap: interrupted; nothing was written"
+        assert "Traceback" not in said
+    assert content(old) == before
+    assert not (tmp_path / "deep").exists()
+
+
 def test_what_a_terminal_shows(demo: RunResult) -> None:
     shown = summary(demo)
     assert len(shown) == 3
@@ -207,6 +249,14 @@ def test_budgets_decide_the_exit_status(
     assert all(line.startswith("simulating ") for line in err.splitlines()), "a library speaks"
     suite = ET.parse(tmp_path / "junit.xml").getroot()
     assert (suite.get("tests"), suite.get("failures")) == ("1", str(status))
+
+
+def test_a_budget_that_judged_nothing_is_not_kept(tmp_path: Path) -> None:
+    raw = yaml.safe_load(DEMO.read_text())["recordings"] | {"exclude": ["*"]}
+    raw["runs"] = [{"path": "chirp_1.mcap"}]
+    result = run(variant(tmp_path, recordings=raw), [ENGINE], tmp_path / "out", QUIET)
+    (sentence,) = judge(result, {"position": 0.0001})
+    assert sentence.startswith("over budget: no position of a moving joint was measured, or all are left out")
 
 
 def test_engines_can_be_chosen() -> None:

@@ -1,6 +1,5 @@
 """The result folder of a matrix: a pure function of the files of its cells."""
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,6 @@ from harness.matrix.store import Store
 from harness.matrix.task import Outcome, Task, read_outcome, unpack
 from harness.results import slug, table, to_csv, write_whole
 
-DRAWN = ("curves", "traces", "figures")
-
 
 @dataclass(frozen=True)
 class Collected:
@@ -26,18 +23,15 @@ class Collected:
 
 
 def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: dict[str, str], store: Store, out: Path) -> Collected:
-    """Write table, timings, manifest, curves and traces. What an earlier matrix left there is removed.
+    """Write table, timings, manifest, curves and traces.
 
     Args:
         matrix: what the cells are of.
         tasks: all cells.
         undone: what happened to the cells that have no file, by key.
         store: the files of the others.
-        out: the result folder.
+        out: an empty folder.
     """
-    for name in DRAWN:
-        shutil.rmtree(out / name, ignore_errors=True)
-    out.mkdir(parents=True, exist_ok=True)
     cells: list[tuple[Task, Outcome]] = []
     files: list[str] = []
     for task in tasks:

@@ -13,6 +13,7 @@ from harness.matrix.store import Store, open_store
 from harness.matrix.task import Outcome, Task, read_outcome
 from harness.progress import Progress
 from harness.report import write_figures, write_page
+from harness.result_folder import written_whole
 
 RETRIED = ("crashed", "timeout")
 """Outcomes that stay until it is asked for them again."""
@@ -65,10 +66,12 @@ def run_matrix(path: Path, out: Path, settings: Settings, progress: Progress) ->
             run_cluster(todo, settings.scheduler, place, matrix.matrix.time_limit, done)
         elif todo:
             run_local(todo, min(settings.jobs, len(todo)), place, matrix.matrix.time_limit, done)
-    collected = collect(matrix, tasks, undone, store, out)
-    if matrix.matrix.traces:
-        write_figures(out)
-    return collected, write_page(out)
+    with written_whole(out) as folder:
+        collected = collect(matrix, tasks, undone, store, folder)
+        if matrix.matrix.traces:
+            write_figures(folder)
+        page = out / write_page(folder).name
+    return collected, page
 
 
 def finished(tasks: list[Task], store: Store, *, retry_crashed: bool = False) -> dict[str, Outcome]:
