@@ -1,5 +1,6 @@
 """The drive law: its order, its stability, and what a servo does at its limits."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -136,6 +137,21 @@ def test_an_integral_does_not_wind_up_at_the_limit() -> None:
         out = rollout(simulation, plant, Commands(t, value), State(np.zeros(1), np.zeros(1)), 3.0).trace
     assert out.position.max() < 2.2
     assert_allclose(out.position[-1], 0.2, atol=0.02)
+
+
+def test_what_the_first_step_has_to_start_up_is_not_in_the_time_it_takes() -> None:
+    plant = bench()
+
+    def slow(t: float, q: Array, w: Array) -> Array:
+        if t == 0.0:
+            time.sleep(0.5)
+        return np.zeros(1)
+
+    plant.efforts = [slow]
+    with engines.load("mujoco").open(plant.machine(), Physics(1e-3)) as simulation:
+        still = Commands(np.zeros(1), np.zeros((1, 1)))
+        out = rollout(simulation, plant, still, State(np.zeros(1), np.zeros(1)), 0.1)
+    assert out.wall < 0.4
 
 
 @pytest.mark.parametrize("kind", [NONE, DC, PID, CASCADE])

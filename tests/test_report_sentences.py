@@ -141,6 +141,21 @@ def test_the_fastest_choice_that_is_as_close_as_the_closest(tmp_path):
     assert "Drake at 1000 Hz (5.00 × real time)" in text
 
 
+def test_speed_is_all_that_was_simulated_over_all_the_time_it_took(tmp_path):
+    """A short cell that starts slowly counts as little as it lasts."""
+    recordings = {"a": (0.1, 100.0), "b": (10.0, 1.0)}  # wall seconds, real-time factor: 20 s in 10.1 s
+    gaps = {(e, (("recording", r),), "position", "moving"): 0.5 for e in ("mujoco", "dart") for r in recordings}
+    lines = [",".join([*synthetic.Cell.__dataclass_fields__, "wall_seconds", "real_time_factor", "steps"])]
+    for engine, slower in (("mujoco", 1.0), ("dart", 2.0)):
+        for recording, (wall, factor) in recordings.items():
+            one = synthetic.cell(engine, recording=recording)
+            values = ["" if v is None else f"{v:g}" if isinstance(v, float) else v for v in vars(one).values()]
+            lines.append(",".join([*values, str(wall * slower), str(factor / slower), "1"]))
+    synthetic.write_planted(tmp_path, synthetic.planted(gaps), None, "\n".join(lines) + "\n")
+    (text,) = about(sentences(read_folder(tmp_path)), "speed")
+    assert "MuJoCo at 1000 Hz (1.98 × real time)" in text
+
+
 PLANTED_SPEEDS = [("mujoco", 1000.0, 0.505), ("mujoco", 500.0, 0.9), ("drake", 1000.0, 0.5)]
 
 

@@ -25,7 +25,8 @@ class Results:
         folder: where it lies.
         gaps: `gaps.csv`, with one more column per overridden key.
         means: means over joints (see `harness.results.means`), with the same columns.
-        cells: one row per cell: the key columns, outcome, note, and where known `real_time_factor`.
+        cells: one row per cell: the key columns, outcome, note, and where known `real_time_factor` and
+            `wall_seconds`.
         axes: what tells cells apart -> its values in order; every axis that the table has, also those with one value.
         curves: key of a cell -> its curve file.
         manifest: `manifest.json`, empty where there is none.
@@ -116,8 +117,9 @@ def _cells(folder: Path, raw: pd.DataFrame, curves: dict[tuple[str, ...], Path])
         return cells.reset_index(drop=True)
     text = {f.name: str for f in fields(Cell) if f.type in (str, "str")}
     timings = pd.read_csv(path, dtype=text, keep_default_na=False, na_values=[""])
-    speed = {cell_key(r): r["real_time_factor"] for r in timings.to_dict("records")}
-    cells["real_time_factor"] = [speed.get(cell_key(r), float("nan")) for r in cells.to_dict("records")]
+    timed = {cell_key(r): r for r in timings.to_dict("records")}
+    for column in ("real_time_factor", "wall_seconds"):
+        cells[column] = [timed.get(cell_key(r), {}).get(column, float("nan")) for r in cells.to_dict("records")]
     return cells.reset_index(drop=True)
 
 

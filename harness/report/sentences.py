@@ -172,7 +172,10 @@ def speed(part: pd.DataFrame, results: Results) -> list[Sentence]:
     if signal is None or "real_time_factor" not in results.cells:
         return []
     tuning = ["engine", "step_rate", "solver_iterations"]
-    factor = results.cells.assign(choice=joined(results.cells, tuning)).groupby("choice")["real_time_factor"].mean()
+    cells = results.cells.assign(choice=joined(results.cells, tuning))
+    cells["simulated"] = cells["real_time_factor"] * cells["wall_seconds"]
+    total = cells.groupby("choice")[["simulated", "wall_seconds"]].sum()
+    factor = total["simulated"] / total["wall_seconds"]
     others = [a for a in results.axes if a not in tuning]
     choices = levels(signal.assign(choice=joined(signal, tuning)), "choice", ["choice", *others])
     found = [v for v in choices if factor[v.value] > 0]
