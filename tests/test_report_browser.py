@@ -163,6 +163,28 @@ def test_improvement_is_old_minus_new(browser):
     assert texts(browser, "#improvement tbody td.worse")[0].startswith("▼ −")
 
 
+def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(shared, tmp_path):
+    cells = [
+        synthetic.cell(recording=recording, robot_revision=revision, use=use)
+        for recording, revision, use in (("kick", "old", "train"), ("squat", "new", "held_out"))
+    ]
+    synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.01)
+    shared.complaints.clear()
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert texts(shared, "#switches legend") == ["signal", "recording"]
+    assert texts(shared, "#improvement h3") in ([], ["Improvement from one recording to another"])
+    assert "not measured alike" not in shared.run("document.getElementById('improvement').textContent")
+    assert shared.complaints == []
+
+
+@pytest.mark.parametrize(("low", "high"), [(-0.5, 0.5), (-0.03, 0.03), (-9.9, 9.9), (0.0, 1.0), (-0.6, 0.1)])
+def test_an_axis_has_ticks_that_tell_its_scale(browser, low, high):
+    found = browser.run(f"ticks({low}, {high}, 2)")
+    assert len(found) >= 2
+    assert low - 1e-9 <= min(found) < max(found) <= high + 1e-9
+
+
 def test_revisions_stand_one_above_the_other_on_one_scale(browser):
     labels = "[...document.querySelectorAll('#detail svg.plot')].map(n => n.getAttribute('aria-label'))"
     shown = [label for label in browser.run(labels) if "revision" in label]
@@ -185,6 +207,8 @@ def test_nothing_is_wider_than_the_window(browser, width):
     browser.open(Path(browser.run("decodeURIComponent(location.pathname)")))
     browser.wait("document.querySelector('#detail svg.plot') !== null")
     assert browser.run("document.documentElement.scrollWidth") <= width
+    lines = "[...document.querySelectorAll('.heat thead th')].map(n => n.clientHeight)"
+    assert max(browser.run(lines)) < 30, "an engine's name is broken"
 
 
 def test_dark_and_light_differ_and_both_contrast(page):

@@ -76,6 +76,7 @@ def _cells(results: Results) -> list[dict[str, Any]]:
                 "outcome": record["outcome"],
                 "note": record["note"],
                 "speed": _short(record.get("real_time_factor", float("nan"))),
+                "wall": _short(record.get("wall_seconds", float("nan"))),
                 "curves": curves.stem if curves else None,
                 "trace": _link(trace, results.folder) if trace and trace.is_file() else None,
             }

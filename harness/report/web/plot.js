@@ -6,10 +6,14 @@ function engineStyle(engine) { return { stroke: data.engines[engine].color, "str
 function ticks(low, high, count) {
   if (!(high > low)) return [low];
   const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= rough);
-  const out = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k++) out.push(k * step);
-  return out;
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((m) => m * power), at = (step) => {
+    const out = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + step * 1e-9; k++) out.push(k * step);
+    return out;
+  };
+  let i = steps.findIndex((s) => s >= rough);
+  while (i > 0 && at(steps[i]).length < 2) i--; // one tick tells no scale
+  return at(steps[i]);
 }
 
 function tickText(value, all) {

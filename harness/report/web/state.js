@@ -5,7 +5,19 @@ const listeners = [];
 function onChange(draw) { listeners.push(draw); }
 function changed() { listeners.forEach((draw) => draw()); }
 
-const switchable = data.axes.map((_, i) => i).filter((i) => i !== engineAxis && data.axes[i].values.length > 1);
+const recordingAxis = data.axes.findIndex((a) => a.key === "recording");
+
+// Whether every recording has one value of an axis, as of its use: it has no switch, it comes with the recording.
+function follows(axis) {
+  const seen = new Map(), fixed = data.axes.map((_, i) => i).filter((i) => ["scenario", "recording"].includes(data.axes[i].key));
+  return !fixed.includes(axis) && data.cells.every((c) => {
+    const at = fixed.map((i) => c.at[i]).join();
+    if (!seen.has(at)) seen.set(at, c.at[axis]);
+    return seen.get(at) === c.at[axis];
+  });
+}
+
+const switchable = data.axes.map((_, i) => i).filter((i) => i !== engineAxis && data.axes[i].values.length > 1 && !follows(i));
 
 function startState() {
   const groups = new Set(data.rows.group.map((g) => data.groups[g]));

@@ -86,20 +86,22 @@ function meanCell(s) {
 
 function drawImprovement() {
   const place = document.getElementById("improvement"), axis = tableChoice.axis, { label, values } = data.axes[axis];
-  if (values.length < 2) { place.replaceChildren(); return; }
-  tableChoice.old ??= values.length - 1;
-  tableChoice.new ??= 0;
   const signals = [...presentSignals].sort((a, b) => a - b);
-  const recordingAxis = data.axes.findIndex((a) => a.key === "recording");
   const recordings = axis === recordingAxis || !switchable.includes(recordingAxis) ? [null] : data.axes[recordingAxis].values.map((_, i) => i);
-  const rows = [];
-  for (const recording of recordings) for (const group of data.groups) {
+  const compared = (before, after) => recordings.flatMap((recording) => data.groups.flatMap((group) => {
     const at = (value) => cellsWhere({ ...state.choice, [engineAxis]: state.engine, ...(recording === null ? {} : { [recordingAxis]: recording }), [axis]: value });
-    const pairs = signals.map((s) => [stat(at(tableChoice.old), s, { group }), stat(at(tableChoice.new), s, { group })]);
-    if (!pairs.some(([a, b]) => a && b)) continue;
+    const pairs = signals.map((s) => [stat(at(before), s, { group }), stat(at(after), s, { group })]);
+    if (!pairs.some(([a, b]) => a && b)) return [];
     const name = recording === null ? [] : [{ text: data.axes[recordingAxis].values[recording].text, sort: recording }];
-    rows.push([...name, { text: group }, ...pairs.map(([a, b]) => improvementCell(a, b))]);
+    return [[...name, { text: group }, ...pairs.map(([a, b]) => improvementCell(a, b))]];
+  }));
+  if (tableChoice.old === null) {
+    const all = values.map((_, i) => i), pairs = [...all].reverse().flatMap((o) => all.filter((n) => n !== o).map((n) => [o, n]));
+    const alike = pairs.find(([o, n]) => compared(o, n).length);
+    if (!alike) { place.replaceChildren(); return; } // nothing to compare
+    [tableChoice.old, tableChoice.new] = alike;
   }
+  const rows = compared(tableChoice.old, tableChoice.new);
   const options = values.map((v, i) => ({ text: v.text, value: i }));
   const chooser = element("div", { class: "choose" }, selectList("old", options, tableChoice.old, (v) => { tableChoice.old = v; drawImprovement(); }),
     selectList("new", options, tableChoice.new, (v) => { tableChoice.new = v; drawImprovement(); }));

@@ -54,6 +54,13 @@ function engineLegend(engines, note) {
     ` ${data.engines[e].label}`)), element("span", { class: "same" }, note));
 }
 
+// Everything that was simulated over all the time it took: a short cell counts little.
+function totalSpeed(cells) {
+  const timed = cells.map((c) => data.cells[c]).filter((c) => c.speed !== null && c.wall);
+  const sum = (f) => timed.reduce((a, c) => a + f(c), 0);
+  return timed.length ? sum((c) => c.speed * c.wall) / sum((c) => c.wall) : null;
+}
+
 // One point per engine, step rate and iterations; the other switches hold.
 function speedFigure(width) {
   const tuning = switchable.filter((a) => ["step_rate", "solver_iterations"].includes(data.axes[a].key));
@@ -63,7 +70,7 @@ function speedFigure(width) {
     groups.set(at, [...(groups.get(at) || []), c]);
   }
   const points = [...groups.values()].map((cells) => ({ cells, engine: data.cells[cells[0]].at[engineAxis], s: stat(cells, state.signal, state.target),
-    speed: mean(cells.map((c) => data.cells[c].speed)) })).filter((p) => p.s && Number.isFinite(p.s.mean) && p.speed);
+    speed: totalSpeed(cells) })).filter((p) => p.s && Number.isFinite(p.s.mean) && p.speed);
   const figure = element("figure", null, plotCaption("Gap against speed", ...tuning));
   if (!points.length) { figure.append(element("p", { class: "hint" }, "No timings here.")); return figure; }
   const front = points.filter((p) => !points.some((q) => q.s.mean <= p.s.mean && q.speed >= p.speed && (q.s.mean < p.s.mean || q.speed > p.speed)));
