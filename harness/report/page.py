@@ -1,4 +1,4 @@
-"""`report.html`: one file that opens offline, a pure function of the result folder."""
+"""`report.html`: a page that opens offline, a pure function of the result folder. Many curves stay beside it."""
 
 import json
 from importlib.resources import files
