@@ -10,8 +10,10 @@ STEP = {"dart": (4.0, 3.2), "drake": (8.0, 5.5), "mujoco": (4.0, 0.8), "pybullet
 UNKNOWN = (8.0, 5.5)
 OVERHEAD = 0.1
 """s per cell for opening, comparing and writing."""
-START = 4.0
-"""s until a worker process is ready."""
+START = 8.0
+"""s until the worker processes are ready and know their engines."""
+REPORT = 10.0
+"""s for the figures and the page."""
 
 
 def steps(task: Task) -> float:
@@ -39,5 +41,5 @@ class Estimate:
         return steps(task) * cost + OVERHEAD
 
     def total(self, tasks: Sequence[Task], jobs: int) -> float:
-        """What cells take together on `jobs` cores."""
-        return sum(map(self.seconds, tasks)) / max(jobs, 1) + START if tasks else 0.0
+        """What cells take together on `jobs` cores that have nothing else to do, and the report on them."""
+        return (sum(map(self.seconds, tasks)) / max(jobs, 1) + START if tasks else 0.0) + REPORT

@@ -101,7 +101,7 @@ def dry_run(path: Path, out: Path, settings: Settings) -> list[str]:
     todo = [t for t in tasks if t.key not in there]
     total = estimate.total(todo, settings.jobs)
     lines.append(
-        f"{len(tasks)} cells, {len(there)} of them there; the others take about {total:.0f} s with {settings.jobs} "
-        f"process{'es' if settings.jobs != 1 else ''}"
+        f"{len(tasks)} cells, {len(there)} of them there; the others and the report take about {total:.0f} s with "
+        f"{settings.jobs} process{'es' if settings.jobs != 1 else ''} where the machine has nothing else to do"
     )
     return lines
