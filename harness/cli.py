@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -309,17 +310,20 @@ def _tell(summary: Summary) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Entry point: bad input is one sentence on standard error and exit status 2."""
+    """Entry point: bad input is one sentence on standard error. Every error has status 2; 1 is a failed check."""
     try:
         app(arguments)
     except OSError as error:  # a folder that cannot be written, a full disk
         _fail(f"{error.filename or 'output'}: {error.strerror or error}")
-    except ValueError as error:
+    except MemoryError as error:
+        _fail(f"the memory does not suffice ({error}); expected a lower physics.step_rate, or fewer cells at once")
+    except Exception as error:
         from engines.model import ModelError  # imported here, because `--help` is to be quick
         from harness.errors import InputError
 
         if not isinstance(error, InputError | ModelError):
-            raise
+            traceback.print_exc()
+            raise SystemExit(2) from None
         _fail(str(error))
 
 

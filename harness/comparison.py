@@ -72,8 +72,8 @@ def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
         assert first.recording is not None
         whole = first.recording.trace.time
         raise InputError(
-            f"{first.recording.path}: window {list(first.window)} holds {len(traces[0].time)} samples; "
-            f"the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
+            f"{first.where}.window: found {list(first.window)}, which holds {len(traces[0].time)} samples of "
+            f"{first.recording.path}; the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
         )
     _check_different(group)
     name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"

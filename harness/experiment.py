@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -20,13 +19,15 @@ from harness.motion import first_goals, play, read_animation
 from harness.plant import Plant, build_plant
 from harness.recording import Recording, read_recording
 from harness.rollout import Rollout, rollout
-from harness.scenario import DcServo, RecordedSupply, Run, Scenario
-from harness.scenario_file import ScenarioFile
+from harness.scenario import DcServo, RecordedSupply, Scenario
+from harness.scenario_file import RunCase, ScenarioFile
 from harness.start import start_integral, start_state
 from harness.trace import Trace
 
 Read = Callable[..., Recording]
 """A reader with the arguments of `read_recording`."""
+LARGEST = 5e7
+"""Steps times joints that are simulated at most: about 10 GB of traces."""
 SETTLE = 1.0
 """How long an animation goes on after its last keyframe [s]."""
 
@@ -45,6 +46,7 @@ class Experiment:
         duration: of the simulation [s].
         use: train, held_out or None.
         window: what is judged, on the recording's clock [s].
+        where: the scenario file and the key that the recording stands at.
         overrides: the scenario's keys that this run sets, as JSON.
         notes: sentences on what the recording shows to be wrong in the model, and was changed.
     """
@@ -58,6 +60,7 @@ class Experiment:
     duration: float
     use: str | None = None
     window: tuple[float, float] = (-np.inf, np.inf)
+    where: str = ""
     overrides: str = ""
     notes: tuple[str, ...] = ()
 
@@ -92,26 +95,43 @@ def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequen
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
-        return [_prepare(file, file.scenario, file.scenario.name, None, None, read)]
+        return [_prepare(file, file.scenario, file.scenario.name, None, read)]
     chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
-    return [_prepare(file, case.scenario, case.name, case.path, case.run, read) for case in chosen]
+    return [_prepare(file, case.scenario, case.name, case, read) for case in chosen]
 
 
-def _prepare(
-    file: ScenarioFile, scenario: Scenario, name: str, path: Path | None, run: Run | None, read: Read
-) -> Experiment:
+def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
+    """Make sure that everything that is left out is there, in the robot of one of the experiments at least.
+
+    Raises:
+        InputError: for a pattern that matches nothing.
+    """
+    models = [e.plant.model for e in experiments]
+    names = [n for m in models for n in (*m.joint_names, *(["base"] if m.floating else []))]
+    for e in experiments:
+        for pattern in e.scenario.recordings.exclude if e.scenario.recordings else []:
+            if not any(fnmatchcase(n, pattern) for n in names):
+                raise InputError(
+                    f"{file.path}: recordings.exclude: {pattern} matches no joint; the robot has "
+                    f"{', '.join(dict.fromkeys(names))}"
+                )
+
+
+def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | None, read: Read) -> Experiment:
+    run = case.run if case else None
     plant = build_plant(file, scenario)
     try:
         plant = place(plant, scenario.effects)
     except InputError as error:
         raise InputError(f"{file.path}: {error}") from None
     recording, notes = None, list[str]()
-    if path is not None:
-        recording = read(path, scenario, plant.model.joint_names, file=file.path)
+    if case is not None:
+        recording = read(case.path, scenario, plant.model.joint_names, file=file.path)
         _check_supply(file, scenario, recording)
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
     commands, begin, duration = _commands(file, scenario, plant, recording)
+    _check_steps(file, scenario, name, duration, len(plant.model.joints))
     experiment = Experiment(
         name=name,
         scenario=scenario,
@@ -122,6 +142,7 @@ def _prepare(
         duration=duration,
         use=run.use if run else None,
         window=(run.window if run and run.window else (-np.inf, np.inf)),
+        where=f"{file.path}: {case.key}" if case else str(file.path),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
         notes=tuple(notes),
     )
@@ -130,6 +151,15 @@ def _prepare(
     except InputError as error:  # said now rather than after other motions were simulated
         raise InputError(f"{file.path}: {error}") from None
     return experiment
+
+
+def _check_steps(file: ScenarioFile, scenario: Scenario, name: str, duration: float, joints: int) -> None:
+    rate, most = scenario.physics.step_rate, LARGEST / max(joints, 1)
+    if duration * rate > most:
+        raise InputError(
+            f"{file.path}: physics.step_rate: found {rate:g}, which makes {duration * rate:.3g} steps of {name} "
+            f"({duration:.3g} s); expected at most {most:.3g} steps with {joints} joints"
+        )
 
 
 def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:
@@ -151,7 +181,7 @@ def _commands(
         duration = float(recording.trace.time[-1]) - begin
     motion = scenario.motion
     if motion is not None and motion.keyframes is not None:
-        path = file.resolve(motion.keyframes, "motion.keyframes")
+        path = file.existing(motion.keyframes, "motion.keyframes", "an animation file")
         animation = read_animation(path)
         start = first_goals(path, animation, plant.model)
         if recording is not None and recording.trace.position is not None:

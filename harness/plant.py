@@ -95,7 +95,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     scenario = scenario or file.scenario
     robot = scenario.robot
     model = read_urdf(
-        file.resolve(robot.urdf, "robot.urdf"),
+        file.existing(robot.urdf, "robot.urdf", "a URDF file"),
         floating=robot.base != "fixed",
         packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
         contact_links=robot.contact_links,

@@ -116,7 +116,7 @@ class ScenarioTests(pytest.File):
         for gap in gaps_of(self.path, wanted_engines(self.config) or []):
             yield ScenarioTest.from_parent(self, name=gap.name, gap=gap)
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException]) -> Any:
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException]) -> Any:  # type: ignore[override]  # as pytest's
         """What is wrong with a scenario is told by its sentence, without a traceback."""
         return str(excinfo.value) if isinstance(excinfo.value, pytest.UsageError) else super().repr_failure(excinfo)
 
@@ -130,13 +130,15 @@ def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
     from engines.model import ModelError
     from harness.comparison import motions
     from harness.errors import InputError
-    from harness.experiment import experiments
+    from harness.experiment import check_excluded, experiments
     from harness.run import engine_names
     from harness.scenario_file import load_scenario
 
     try:
         file = load_scenario(path)
-        found = motions(experiments(file))
+        recorded = experiments(file)
+        check_excluded(file, recorded)
+        found = motions(recorded)
         return [RealityGap(file, motion, engine) for engine in engine_names(names) for motion in found]
     except (InputError, ModelError) as error:
         raise pytest.UsageError(str(error)) from None

@@ -153,18 +153,23 @@ def read_gaps(path: Path) -> pd.DataFrame:
 
 
 def check_writable(folder: Path, option: str = "--out") -> None:
-    """Make sure, before long work and without changing anything, that a result folder can be written.
+    """Make sure, before long work and leaving nothing behind, that a result folder can be written.
 
     Raises:
-        InputError: where a file is in the way or the permission is missing.
+        InputError: where a file is in the way or the place takes no files.
     """
     place = folder.absolute()
     while not place.exists():
         place = place.parent
     if not place.is_dir():
         raise InputError(f"{option}: {folder} cannot be made because {place} is a file; expected a folder")
-    if not os.access(place, os.W_OK | os.X_OK):
-        raise InputError(f"{option}: {folder} cannot be written, {place} is read-only; expected a folder to write to")
+    try:
+        tempfile.TemporaryFile(dir=place).close()  # permissions do not tell of read-only disks or of /proc
+    except OSError as error:
+        raise InputError(
+            f"{option}: {folder} cannot be written, {place} takes no files ({error.strerror}); expected a folder to "
+            "write to"
+        ) from None
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

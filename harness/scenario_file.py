@@ -5,7 +5,7 @@ import glob
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +19,13 @@ DATA = "REALITYGAP_DATA"
 
 @dataclass(frozen=True)
 class RunCase:
-    """One recording of a scenario with the scenario that holds for it (overrides applied)."""
+    """One recording of a scenario with the scenario that holds for it (overrides applied), and the key it stands at."""
 
     name: str
     path: Path
     run: Run
     scenario: Scenario
+    key: str
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,17 @@ class ScenarioFile:
     def resolve(self, text: str, key: str) -> Path:
         """The path that a scenario's text means: environment filled in, relative to the file."""
         return resolve_path(self.path, text, key)
+
+    def existing(self, text: str, key: str, expected: str) -> Path:
+        """The same of a file that has to be there.
+
+        Raises:
+            InputError: where it is not.
+        """
+        path = self.resolve(text, key)
+        if not path.exists():
+            raise InputError(f"{self.path}: {key}: {path} does not exist; expected {expected}")
+        return path
 
     def override(self, changes: dict[str, Any]) -> "ScenarioFile":
         """The same scenario with dotted keys changed, checked again."""
@@ -56,7 +68,7 @@ class ScenarioFile:
         for i, run in enumerate(recordings.runs if recordings else []):
             scenario = self._scenario_of(run, f"recordings.runs[{i}].with")
             for path in self._paths(run, f"recordings.runs[{i}].path"):
-                case = RunCase(path.stem if path.is_file() else path.name, path, run, scenario)
+                case = RunCase(path.stem if path.is_file() else path.name, path, run, scenario, f"recordings.runs[{i}]")
                 same = str(path.resolve()), repr(run.window), repr(sorted(run.overrides.items()))
                 if same in known:
                     raise InputError(
@@ -94,7 +106,7 @@ def _distinct(cases: list[RunCase]) -> list[RunCase]:
     out = []
     for case in cases:
         seen[case.name] = count = seen.get(case.name, 0) + 1
-        out.append(case if count == 1 else RunCase(f"{case.name}#{count}", case.path, case.run, case.scenario))
+        out.append(case if count == 1 else replace(case, name=f"{case.name}#{count}"))
     return out
 
 

@@ -1,6 +1,5 @@
 """Checking data against its schema; the first thing that is wrong becomes one sentence."""
 
-import difflib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -9,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from harness.errors import InputError
+from harness.errors import InputError, did_you_mean
 
 Checked = TypeVar("Checked", bound=BaseModel)
 Part = int | str
@@ -43,9 +42,7 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
     key = _key(raw, loc)
     if kind == "extra_forbidden":
         known = sorted(_fields(_sections_at(model, loc[:-1])))
-        close = difflib.get_close_matches(str(loc[-1]), known, n=1)
-        hint = f"; did you mean {close[0]}?" if close else ""
-        return f"{key}: unknown key; known here: {', '.join(known)}{hint}"
+        return f"{key}: unknown key; known here: {', '.join(known)}{did_you_mean(str(loc[-1]), known)}"
     if kind == "missing":
         return f"{key}: is missing; expected {_meaning(model, loc) or 'a value'}"
     if kind in ("union_tag_invalid", "union_tag_not_found"):

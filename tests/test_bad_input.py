@@ -144,6 +144,11 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(physics__step_rate=-1000),
         "physics.step_rate: found -1000; expected greater than 0",
     ),
+    "step rate beyond all memory": (changed(physics__step_rate=1e9), "physics.step_rate: found 1e+09, which makes"),
+    "left out what is not there": (
+        changed(recordings__exclude=["elbow", "nope"]),
+        "scenario.yaml: recordings.exclude: nope matches no joint; the robot has shoulder, elbow",
+    ),
     "unknown ground": (changed(ground="mud"), "ground: found 'mud'; expected 'none', 'flat' or 'grass'"),
     "ground damping negative": (changed(ground={"stiffness": 1e3, "damping": -1}), "ground.damping: found -1"),
     "servos that match nothing": (
@@ -170,7 +175,10 @@ CASES: dict[str, tuple[Edit, str]] = {
         "recordings.runs[1]: ",
     ),
     "copy of a run": (copied, "holds the same measurement as"),
-    "window outside": (changed(**{RUN + "window": [100, 200]}), "window [100.0, 200.0] holds 0 samples"),
+    "window outside": (
+        changed(**{RUN + "window": [100, 200]}),
+        "scenario.yaml: recordings.runs[0].window: found [100.0, 200.0], which holds 0 samples of",
+    ),
     "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
     "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
     "override of nothing": (
@@ -205,7 +213,7 @@ CASES: dict[str, tuple[Edit, str]] = {
         "position of joint elbow is nan at 0.000 s",
     ),
     # the robot
-    "no URDF": (changed(robot__urdf="none.urdf"), "none.urdf: cannot be read (No such file"),
+    "no URDF": (changed(robot__urdf="none.urdf"), "scenario.yaml: robot.urdf: "),
     "URDF is a folder": (folder_instead("arm.urdf"), "arm.urdf: cannot be read (Is a directory)"),
     "URDF empty": (file("arm.urdf", ""), "arm.urdf: is not well-formed XML"),
     "URDF cut off": (cut("arm.urdf", 0.5), "arm.urdf: is not well-formed XML"),
@@ -218,7 +226,11 @@ CASES: dict[str, tuple[Edit, str]] = {
     "a base that floats without mass": (changed(robot__base="floating"), "link base moves but has no mass"),
     "a free body with joints": (free_with_joints, "robot.base: found free, but the robot has 2 joints"),
     # the motion
-    "no animation": (changed(motion={"keyframes": "none.json"}), "none.json: cannot be read (No such file"),
+    "no animation": (
+        changed(motion={"keyframes": "none.json"}),
+        "none.json does not exist; expected an animation file",
+    ),
+    "no animation of a scenario": (changed(motion={"keyframes": "none.json"}), "scenario.yaml: motion.keyframes: "),
     "animation malformed": (file("move.json", "{", **KEYFRAMES), "move.json: is not valid JSON"),
     "animation nested": (file("move.json", "[" * 100000, **KEYFRAMES), "move.json: is nested too deeply"),
     "animation a list": (file("move.json", "[]", **KEYFRAMES), "move.json: holds a list"),
@@ -304,6 +316,7 @@ COMMANDS = {
     "budget that is negative": (["run", "scenario.yaml", "--max-gap", "-1"], "--max-gap: found '-1'"),
     "out is a file": (["run", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made because"),
     "out below a file": (["run", "scenario.yaml", "--out", "arm.urdf/out"], "arm.urdf is a file; expected a folder"),
+    "out in a place that takes no files": (["run", "scenario.yaml", "--out", "/proc/nope"], "/proc takes no files"),
     "out of a matrix": (["matrix", "matrix.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
     "out of a diagnosis": (["diagnose", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
     "out of a bench": (["bench", "servo", "bench.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
@@ -322,6 +335,7 @@ COMMANDS = {
     "no URDF for an audit": (["audit", "none.urdf"], "none.urdf"),
     "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
     "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),
+    "an effect misspelt": (["effects", "colomb_friction"], "; did you mean coulomb_friction?"),
     "no servo bench": (["bench", "servo", "none.yaml"], "none.yaml: cannot be read"),
     "no supply bench": (["bench", "supply", "none.yaml"], "none.yaml: cannot be read"),
     "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),
@@ -362,6 +376,20 @@ def test_usage_errors(arguments: list[str], capfd: pytest.CaptureFixture[str]) -
     assert "Traceback" not in err
 
 
+@pytest.mark.parametrize(
+    ("error", "said"), [(RuntimeError("surprise"), "Traceback"), (MemoryError("5 GiB"), "the memory does not suffice")]
+)
+def test_no_error_looks_like_a_failed_check(
+    error: Exception, said: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> str:
+        raise error
+
+    monkeypatch.setattr("harness.engines_table.engines_table", fail)
+    assert refused("engines") == 2
+    assert said in capfd.readouterr().err
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
     case.chmod(0o555)
@@ -369,7 +397,7 @@ def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str
         assert refused("run", case / "scenario.yaml", "--out", case / "out") == 2
     finally:
         case.chmod(0o755)
-    assert "is read-only" in one_sentence(capfd.readouterr())
+    assert "takes no files" in one_sentence(capfd.readouterr())
 
 
 @pytest.mark.parametrize("name", ["unknown key", "bag cut off"])

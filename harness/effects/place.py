@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 
 from harness.effects import EFFECTS, Effect
-from harness.errors import InputError
+from harness.errors import InputError, did_you_mean
 from harness.plant import Plant
 from harness.scenario import EffectSpec
 
@@ -64,6 +64,14 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
     return out
 
 
+def known(name: str) -> Effect:
+    """The effect of that name. Raises InputError with those there are."""
+    if name not in EFFECTS:
+        hint = did_you_mean(name, EFFECTS)
+        raise InputError(f"effects: unknown effect {name}; known: {', '.join(EFFECTS)}{hint}")
+    return EFFECTS[name]
+
+
 def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
     """A plant with the effects of a scenario, in whatever order it names them.
 
@@ -75,9 +83,7 @@ def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
     seen: set[tuple[str, int]] = set()
     waiting: list[tuple[Effect, EffectSpec, list[int], dict[str, float]]] = []
     for spec in specs:
-        effect = EFFECTS.get(spec.effect)
-        if effect is None:
-            raise InputError(f"effects: unknown effect {spec.effect}; known: {', '.join(EFFECTS)}")
+        effect = known(spec.effect)
         indices = targets(plant, effect, spec.target)
         for i in indices:
             for other in (effect.name, *effect.excludes):

@@ -7,7 +7,7 @@ import numpy as np
 
 from harness.effects import EFFECTS, Effect, Parameter
 from harness.effects.bench import bench, planted, push, signal, simulate
-from harness.errors import InputError
+from harness.effects.place import known
 from harness.trace import Array
 
 WIDTH = 88
@@ -52,13 +52,6 @@ def page(name: str) -> str:
         _plot(effect),
     ]
     return "\n\n".join(blocks)
-
-
-def known(name: str) -> Effect:
-    """The effect of that name. Raises InputError with those there are."""
-    if name not in EFFECTS:
-        raise InputError(f"effects: unknown effect {name}; known: {', '.join(EFFECTS)}")
-    return EFFECTS[name]
 
 
 def signature(effect: Effect) -> tuple[str, str, Array, Array, Array]:

@@ -11,7 +11,7 @@ from typing import Any
 import engines
 from harness.comparison import Motion, motions
 from harness.errors import InputError
-from harness.experiment import Experiment, experiments
+from harness.experiment import Experiment, check_excluded, experiments
 from harness.matrix.digest import Digest, code_version
 from harness.matrix.matrix_file import NAMED_AXES, MatrixFile
 from harness.matrix.task import Task
@@ -33,7 +33,9 @@ def plan(matrix: MatrixFile) -> list[Task]:
     tasks: dict[str, Task] = {}
     for path in matrix.scenario_paths():
         file = load_scenario(path)
-        for axes, revision, found in _variants(matrix, file):
+        variants = list(_variants(matrix, file))
+        check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
+        for axes, revision, found in variants:
             contents = [digest.of(_content(motion, digest)) for motion in found[1]]
             for (motion, content), engine in product(zip(found[1], contents, strict=True), engine_names):
                 task = _task(matrix, found[0], motion, content, engine, revision, axes, digest)
