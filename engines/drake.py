@@ -13,6 +13,8 @@ there is no iteration count.
 """
 
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from importlib.metadata import version
 from math import sqrt
@@ -58,9 +60,10 @@ class DrakeSimulation(Simulation):
         self.model = model
         self.physics = physics
         n = len(model.joints)
-        self._plant, self._diagram, self._pedestal = _build(model, physics)
+        with _silent():
+            self._plant, self._diagram, self._pedestal = _build(model, physics)
+            self._context = self._diagram.CreateDefaultContext()
         plant = self._plant
-        self._context = self._diagram.CreateDefaultContext()
         self._plant_context = plant.GetMyMutableContextFromRoot(self._context)
         self._next = self._diagram.AllocateDiscreteVariables()
         self._joints = [plant.GetJointByName(joint.name) for joint in model.joints]
@@ -232,12 +235,20 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
         motor.set_default_rotor_inertia(joint.armature)
     if ground is not None:
         _add_contact(model, physics, plant, scene, bodies)
+    plant.Finalize()
+    return plant, builder.Build(), pedestal
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Without Drake's warning that half spaces do not touch deformable bodies: there are none."""
     log = logging.getLogger("drake")
     level = log.level
-    log.setLevel(logging.ERROR)  # it warns that half spaces do not touch deformable bodies; there are none
-    plant.Finalize()
-    log.setLevel(level)
-    return plant, builder.Build(), pedestal
+    log.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
 
 
 def _add_contact(

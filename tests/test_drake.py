@@ -1,6 +1,7 @@
 """What the Drake adapter promises beyond the laws that every engine obeys."""
 
 import importlib.util
+import logging
 
 import numpy as np
 import pytest
@@ -113,3 +114,10 @@ def test_iterations_are_declared_not_applicable() -> None:
     assert ENGINE.capabilities()["solver_iterations"].level == "no"
     with ENGINE.open(arm(), Physics(solver_iterations=7)) as simulation:
         assert "not applicable" in str(simulation.settings["solver iterations"])
+
+
+def test_a_ground_is_opened_in_silence(caplog: pytest.LogCaptureFixture) -> None:
+    level = logging.getLogger("drake").level
+    with ENGINE.open(ball(), Physics(timestep=H, ground=Ground())):
+        assert caplog.records == []
+    assert logging.getLogger("drake").level == level

@@ -36,7 +36,11 @@ def confirm(
     while True:
         changes = found.fit.changes
         out = _prefixes(pool, changes, [problem.engine, *others], judge)
-        alone = [s for s, c in out.items() if c.engines and not any(_helps(*pair) for pair in c.engines.values())]
+        alone = [
+            s
+            for s, c in out.items()
+            if c.engines and _helps(c.before, c.after) and not any(_helps(*pair) for pair in c.engines.values())
+        ]
         if not alone:
             return out, notes
         drop = alone[-1]
