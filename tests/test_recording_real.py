@@ -71,6 +71,15 @@ def test_every_kick_has_its_glitch_and_the_squats_have_none(sigmaban):
             assert found["velocity"].numbers["time"] == pytest.approx(0.014, abs=0.004)
 
 
+def test_the_one_garbled_reading_is_taken_out_and_no_other(sigmaban):
+    garbled = {name: r.outliers for name, r in sigmaban.items() if name in KICKS or name.startswith("squat")}
+    assert {name for name, found in garbled.items() if found} == {"kick_p16"}
+    (outlier,) = garbled["kick_p16"]
+    assert (outlier.joint, outlier.signal) == ("left_ankle_roll", "velocity")
+    assert outlier.value == pytest.approx(-381.9, abs=0.1)
+    assert np.abs(sigmaban["kick_p16"].trace.velocity).max() < 10.0
+
+
 @pytest.mark.parametrize(("motion", "off"), [("lift_and_drop", True), ("sin_sin", False), ("up_and_down", False)])
 @pytest.mark.parametrize("gain", [100, 400])
 def test_xl330_lets_go_at_two_seconds(motion, off, gain, data_dir):
