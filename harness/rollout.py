@@ -73,7 +73,7 @@ def rollout(
     simulation.read(q[0], w[0], base[0])
     state["velocity"] = w[0]
     state["integral"] = 0.0 if integral is None else integral
-    began = 0.0
+    began = clock.perf_counter()
     rows = zip(
         command,
         np.vstack([command[1:], command[-1:]]),
@@ -102,7 +102,7 @@ def rollout(
                 if not _sane(w1, b1):
                     break
                 if k == 0:
-                    began = clock.perf_counter()  # here, because the first step may compile
+                    began = clock.perf_counter()  # anew, because the first step may compile
     except Diverged as error:
         raise Diverged(error.time, error.joint, error.what) from None
     wall = clock.perf_counter() - began
