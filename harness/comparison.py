@@ -11,11 +11,12 @@ import numpy as np
 import engines
 from engines import Diverged, Unsupported
 from harness.errors import InputError
-from harness.experiment import Experiment, simulate
+from harness.experiment import Experiment, check_excluded, experiments, simulate
 from harness.gap import JOINT_SIGNALS, Difference, differences, mean_trace
 from harness.recording.align import Repetitions, group_repetitions, noise_floor
 from harness.results import EXCLUDED, Cell, Row, failed, row
 from harness.rollout import Rollout
+from harness.scenario_file import ScenarioFile
 from harness.trace import Array, Trace
 
 
@@ -50,6 +51,17 @@ class Comparison:
     measured: Trace | None = None
     rollout: Rollout | None = None
     settings: dict[str, object] = field(default_factory=dict)
+
+
+def motions_of(file: ScenarioFile) -> list[Motion]:
+    """The motions of a scenario.
+
+    Raises:
+        InputError: for whatever is wrong with the scenario's files, also where nothing is there that is left out.
+    """
+    recorded = experiments(file)
+    check_excluded(file, recorded)
+    return motions(recorded)
 
 
 def motions(experiments: Sequence[Experiment]) -> list[Motion]:

@@ -128,17 +128,14 @@ def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
         pytest.UsageError: for an engine or a scenario that cannot be used, in one sentence.
     """
     from engines.model import ModelError
-    from harness.comparison import motions
+    from harness.comparison import motions_of
     from harness.errors import InputError
-    from harness.experiment import check_excluded, experiments
     from harness.run import engine_names
     from harness.scenario_file import load_scenario
 
     try:
         file = load_scenario(path)
-        recorded = experiments(file)
-        check_excluded(file, recorded)
-        found = motions(recorded)
+        found = motions_of(file)
         return [RealityGap(file, motion, engine) for engine in engine_names(names) for motion in found]
     except (InputError, ModelError) as error:
         raise pytest.UsageError(str(error)) from None

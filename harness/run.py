@@ -10,9 +10,8 @@ import pandas as pd
 
 import engines
 from harness.budget import not_judged, over_budget, stated_budget
-from harness.comparison import Comparison, Motion, compare, motions
+from harness.comparison import Comparison, Motion, compare, motions_of
 from harness.errors import InputError
-from harness.experiment import check_excluded, experiments
 from harness.junit import Case, write_junit
 from harness.manifest import write_manifest
 from harness.mcap import write_mcap
@@ -49,9 +48,7 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
     """
     chosen = engine_names(names)
     file = load_scenario(path)
-    recorded = experiments(file)
-    check_excluded(file, recorded)
-    found = motions(recorded)
+    found = motions_of(file)
     for note in dict.fromkeys(note for motion in found for e in motion.experiments for note in e.notes):
         progress.say(note)
     garbled = sum(len(e.recording.outliers) for motion in found for e in motion.experiments if e.recording is not None)

@@ -100,7 +100,7 @@ def _hear(cases: Sequence[Case]) -> None:
     for signal in SIGNALS:
         heard = [c.noise[signal] for c in cases if signal in c.noise]
         for alike in (linear, ~linear) if signal in JOINT_SIGNALS else (slice(None),):
-            for noise, shared in zip(heard, shared_noise([n[alike] for n in heard]) if heard else [], strict=True):
+            for noise, shared in zip(heard, shared_noise([n[alike] for n in heard]), strict=True):
                 noise[alike] = shared
 
 

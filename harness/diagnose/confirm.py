@@ -47,7 +47,7 @@ def confirm(
         sentence = f"{name(drop)} helps in {problem.engine} only, which makes it an artefact of that engine: not named"
         say(sentence)
         notes.append(sentence)
-        found.steps = [s for s in found.steps if s.suspect != drop]
+        found.forget(drop)
         rest = [c for c in changes if c.suspect != drop]
         found.fit = fit(problem, rest, problem.of("train"), judge)
         if rest:

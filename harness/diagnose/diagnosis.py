@@ -17,7 +17,7 @@ from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
 from harness.diagnose.search import CLEAR, Search, enough, name, search
 from harness.diagnose.units import unit_there
-from harness.diagnose.worth import rms
+from harness.diagnose.worth import rms, worst
 from harness.drive import Array
 from harness.effects import EFFECTS
 from harness.gap import unit_of
@@ -62,9 +62,7 @@ class Diagnosis:
     @property
     def verdict(self) -> str:
         """explained, partly explained, no gap or unexplained."""
-        train, judge = self.problem.of("train"), self.problem.of("held_out")
-        base = max(self.found.base.mean_cost(train), self.found.base.mean_cost(judge))
-        left = max(self.found.fit.mean_cost(train), self.found.fit.mean_cost(judge))
+        base, left = worst(self.problem, self.found.base), worst(self.problem, self.found.fit)
         if not self.found.fit.changes:
             return "no gap" if base <= CLEAR else "unexplained"
         return "explained" if left <= CLEAR else "partly explained"

@@ -63,14 +63,15 @@ def probes(problem: Problem, suspect: Suspect, residual: Sequence[Array] | None 
     if effect.name == "ground_friction" and zero["coefficient"] > 0:
         return [[with_values(first, {"coefficient": zero["coefficient"] * k})] for k in SLIPPERIER]
     named = [n for n in first.free if n not in SHAPES]
-    ranges = {n: effect.parameter(n) for n in named}
     still = {n: zero[n] for n in named}
     out = []
     for factor in TO_BOTH_SIDES if signed(effect) else (1.0,):
-        steps = {n: factor * size[n] for n in named}
-        inside = {n: ranges[n].low <= zero[n] + steps[n] <= ranges[n].high for n in named}
-        moved = {n: zero[n] + (steps[n] if inside[n] else -steps[n]) for n in named}
-        out.append([with_values(first, still | {n: moved[n]}) for n in named])
+        group = []
+        for n in named:
+            p, step = effect.parameter(n), factor * size[n]
+            inside = p.low <= zero[n] + step <= p.high
+            group.append(with_values(first, still | {n: zero[n] + (step if inside else -step)}))
+        out.append(group)
     return out
 
 

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from engines import Diverged, Unsupported
-from harness.comparison import motions
+from harness.comparison import motions_of
 from harness.diagnose.case import JOINT_SIGNALS, SIGNALS, Case, cases_of
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.noise import local_maximum
@@ -17,7 +17,7 @@ from harness.diagnose.split import split
 from harness.drive import Array
 from harness.effects.place import place
 from harness.errors import InputError
-from harness.experiment import check_excluded, experiments, simulate
+from harness.experiment import simulate
 from harness.plant import Plant, build_plant
 from harness.scenario_file import ScenarioFile
 
@@ -203,9 +203,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     Raises:
         InputError: for a scenario without recordings to fit and to judge on.
     """
-    recorded = experiments(file)
-    check_excluded(file, recorded)
-    found = [m for m in motions(recorded) if m.measured is not None]
+    found = [m for m in motions_of(file) if m.measured is not None]
     if not found:
         raise InputError(f"{file.path}: recordings.runs: found none; a diagnosis needs recordings")
     plant = place(build_plant(file), file.scenario.effects)

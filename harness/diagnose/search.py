@@ -13,7 +13,7 @@ from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.suspects import LATER, suspects
-from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms, sized
+from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms, sized, worst
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -74,6 +74,10 @@ class Search:
     refused: list[str] = field(default_factory=list)
     let_go: list[Change] = field(default_factory=list)
 
+    def forget(self, suspect: Suspect) -> None:
+        """Take out the step of a finding that does not stay."""
+        self.steps = [s for s in self.steps if s.suspect != suspect]
+
 
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     """Find the effects that explain the gap, by forward selection with removal.
@@ -89,16 +93,11 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Search:
     first = found.let_go[0].suspect
     say(f"looking again without {first.effect}")
     again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
-    if again.fit.changes and _worst(problem, again.fit) <= CLEAR:
+    if again.fit.changes and worst(problem, again.fit) <= CLEAR:
         return again
     set_floors(pool, [])
     found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
     return found
-
-
-def _worst(problem: Problem, result: Fit) -> float:
-    """The larger mean squared residual of the training and the held-out runs."""
-    return max(result.mean_cost(problem.of(use)) for use in ("train", "held_out"))
 
 
 def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) -> Search:
@@ -170,7 +169,7 @@ def _sized(problem: Problem, found: Search, train: Sequence[int], judge: Sequenc
             return current
         gone = unsure[-1]
         found.refused.append(f"{name(gone)}: its size cannot be told from none beside the other findings")
-        found.steps = [s for s in found.steps if s.suspect != gone]
+        found.forget(gone)
         current = fit(problem, [c for c in current.changes if c.suspect != gone], train, judge)
 
 
@@ -189,25 +188,32 @@ def _all_free(problem: Problem, current: Fit, train: Sequence[int], judge: Seque
 def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[int], judge: Sequence[int]) -> Fit:
     """The fit without findings that mend a little of a gap whose rest stays: beside an effect there is always one."""
     current = found.fit
-    while len(current.changes) > 1 and max(current.mean_cost(train), current.mean_cost(judge)) > CLEAR:
-        droppable = [c for c in current.changes if c.free]  # what the recordings told stays
-        without = [[c for c in current.changes if c is not drop] for drop in droppable]
-        fits = pool.map(fit, [(rest, train, judge) for rest in without])
-        left = current.mean_cost(judge)
-        least = min(range(len(fits)), key=lambda i: fits[i].mean_cost(judge), default=None)
+    while len(current.changes) > 1 and worst(pool.problem, current) > CLEAR:
+        least = _least_missed(pool, current, current.changes, train, judge)
         if least is None:
             return current
-        was = fits[least].mean_cost(judge)
+        dropped, rest = least
+        was, left = rest.mean_cost(judge), current.mean_cost(judge)
         least_worth = _least(base, was)
         if left <= FAR and not pool.problem.repeated:
             least_worth = UNREPEATED * (was - 1.0)
         if was - left >= least_worth:
             return current
-        dropped = droppable[least].suspect
         found.refused.append(_stays(dropped, was, left))
-        found.steps = [s for s in found.steps if s.suspect != dropped]
-        current = fits[least]
+        found.forget(dropped)
+        current = rest
     return current
+
+
+def _least_missed(
+    pool: Pool, current: Fit, droppable: Sequence[Change], train: Sequence[int], judge: Sequence[int]
+) -> tuple[Suspect, Fit] | None:
+    """The change that held-out motions miss least, and the fit without it; what the recordings told stays."""
+    dropped = [c for c in droppable if c.free]
+    without = [[c for c in current.changes if c is not drop] for drop in dropped]
+    fits = pool.map(fit, [(rest, train, judge) for rest in without])
+    ways = [(drop.suspect, rest) for drop, rest in zip(dropped, fits, strict=True)]
+    return min(ways, key=lambda way: way[1].mean_cost(judge), default=None)
 
 
 def _least(base: float, was: float) -> float:
@@ -222,7 +228,7 @@ def _stays(suspect: Suspect, was: float, left: float) -> str:
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    share = HALF if left > FAR else (0.0 if problem.repeated or _worst(problem, found.fit) <= CLEAR else UNREPEATED)
+    share = HALF if left > FAR else (0.0 if problem.repeated or worst(problem, found.fit) <= CLEAR else UNREPEATED)
     if found.fit.changes and was - left < share * (was - 1.0):
         for change in found.fit.changes:
             found.refused.append(
@@ -314,17 +320,14 @@ def _pruned(pool: Pool, found: Search, train: Sequence[int], judge: Sequence[int
     """The fit without findings that later ones made needless."""
     current = found.fit
     while len(current.changes) > 1:
-        droppable = [c for c in current.changes[:-1] if c.free]  # what the recordings told stays
-        if not droppable:
+        least = _least_missed(pool, current, current.changes[:-1], train, judge)
+        if least is None:
             return current
-        without = [[c for c in current.changes if c is not drop] for drop in droppable]
-        fits = pool.map(fit, [(rest, train, judge) for rest in without])
-        best = min(range(len(fits)), key=lambda i: fits[i].mean_cost(judge))
-        lost = fits[best].mean_cost(judge) - current.mean_cost(judge)
-        if lost >= 0.5 * LEAST and lost >= 0.5 * GAIN * max(fits[best].mean_cost(judge) - 1.0, 0.0):
+        needless, rest = least
+        lost = rest.mean_cost(judge) - current.mean_cost(judge)
+        if lost >= 0.5 * LEAST and lost >= 0.5 * GAIN * max(rest.mean_cost(judge) - 1.0, 0.0):
             return current
-        needless = droppable[best].suspect
         say(f"dropped {name(needless)}: needless now")
-        found.steps = [s for s in found.steps if s.suspect != needless]
-        current = fits[best]
+        found.forget(needless)
+        current = rest
     return current

@@ -91,6 +91,11 @@ def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> boo
     return False
 
 
+def worst(problem: Problem, result: Fit) -> float:
+    """The larger mean squared residual of the training and the held-out runs."""
+    return max(result.mean_cost(problem.of(use)) for use in ("train", "held_out"))
+
+
 def rms(cost: float) -> float:
     """The gap of a cost: 1 is the floor."""
     return float(np.sqrt(cost))

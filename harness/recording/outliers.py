@@ -79,4 +79,4 @@ def _jumps(value: Array) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
 def _resolution(value: Array) -> float:
     """The finest quantum of the sensors: a joint at rest does not show its own. Shape (t, n)."""
     steps = quantum(value)
-    return float(steps[steps > 0].min(initial=np.inf)) if steps.any() else 0.0
+    return float(steps[steps > 0].min()) if steps.any() else 0.0
