@@ -250,8 +250,9 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
     effort = recordings.effort if recordings is not None else "none"
     measures = effort if isinstance(effort, str) else effort.measures
     integral = None
-    if recording is not None and measures == "motor":
-        integral = start_integral(plant, recording.trace, experiment.commands, experiment.begin)
+    if recording is not None:
+        measured = recording.trace if measures == "motor" else replace(recording.trace, effort=None)
+        integral = start_integral(plant, measured, experiment.commands, experiment.begin)
     with engines.load(engine).open(plant.machine(), physics) as simulation:
         result = rollout(
             simulation,

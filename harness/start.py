@@ -24,6 +24,10 @@ SOLE = 0.005
 """Contact points that spread less than this [m] along an axis are flat."""
 FLAT = 0.02
 """Faces whose normals differ by less than this [rad] are one."""
+GRAVITY = 9.81
+"""[m/s²]"""
+SMALL = 1e-6
+"""Half the difference [rad or m] of a slope."""
 RECENT = 0.1
 """An integral is told from the first readings of this time [s], in which it hardly changes."""
 
@@ -54,8 +58,7 @@ def start_state(
     elif stand_on is not None:
         rotation = _level(model, position, stand_on)
     if not model.floating:
-        roll, pitch = plant.base_tilt
-        rotation = rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0)
+        rotation = _tilted(plant)
     state.base_quaternion = quaternion_from_rotation(rotation)
     pose = np.eye(4)
     pose[:3, :3] = rotation
@@ -74,18 +77,25 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
     """The integral [N·m or N] that each PID servo has gathered before its recording begins. Shape (n,).
 
     What the motor was measured to give beyond its proportional and damping part, τ − kp·e + kd·ω, in the mean over the
-    first readings for which the first command holds; 0 where there is no integral gain, command or measured effort, and
-    where the mean is within three standard errors of it.
+    first readings for which the first command holds; 0 where that is within three standard errors of it. Without a
+    measured effort it is what holds the robot still, unless the proportional part alone is more than that and moves it.
+    0 where there is no integral gain or no command.
 
     Args:
         plant: with its drives.
-        measured: position, and the motor's own effort.
+        measured: position, and the motor's own effort where that was measured.
         commands: on the simulation's clock.
         begin: where that clock starts in the recording [s].
     """
     drive = plant.drive
     out, gathers = np.zeros(len(drive)), (drive["kind"] == PID) & (drive["ki"] > 0.0)
-    if measured.position is None or measured.effort is None or not gathers.any():
+    if measured.position is None or not gathers.any():
+        return out
+    still = holding_effort(plant, measured.position[0] + drive["offset"])
+    ahead = drive["kp"] * (commands.value[0] - measured.position[0])
+    held = gathers & (np.abs(ahead) <= np.abs(still))
+    out[held] = (still - ahead)[held]
+    if measured.effort is None:
         return out
     told = commands.value[:, gathers]
     same = (told == told[0]) | (np.isnan(told) & np.isnan(told[0]))  # NaN is a servo that is off
@@ -96,9 +106,42 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
     lag = commands.value[0] - measured.position[first]
     rest = measured.effort[first] - drive["kp"] * lag + drive["kd"] * speed[first]
     mean, error = rest.mean(axis=0), rest.std(axis=0) / np.sqrt(len(rest))
-    charged = gathers & (np.abs(mean) > 3.0 * error)
-    out[charged] = mean[charged]
+    seen = gathers & np.isfinite(mean)
+    out[seen] = np.where(np.abs(mean) > 3.0 * error, mean, 0.0)[seen]
     return out
+
+
+def holding_effort(plant: Plant, position: Array) -> Array:
+    """The effort [N·m or N] that holds a robot with a fixed base still at joint positions (n,). Shape (n,).
+
+    The slope of the potential energy, less a constant effort that acts already; 0 with a floating base, whose ground
+    carries an unknown part.
+    """
+    model = plant.model
+    if model.floating:
+        return np.zeros(len(position))
+    steps = SMALL * np.eye(len(position))
+    slope = [_potential(plant, position + d) - _potential(plant, position - d) for d in steps]
+    effort: Array = np.array(slope) / (2 * SMALL) - plant.drive["constant"]
+    return effort
+
+
+def _potential(plant: Plant, position: Array) -> float:
+    """The potential energy [J] of a robot with a fixed base at joint positions (n,)."""
+    base = np.eye(4)
+    base[:3, :3] = _tilted(plant)
+    poses = link_poses(plant.model, position, base)
+    return sum(
+        link.mass * GRAVITY * float(pose[2, :3] @ link.com + pose[2, 3])
+        for link, pose in zip(plant.model.links, poses, strict=True)
+    )
+
+
+def _tilted(plant: Plant) -> Array:
+    """The rotation of a fixed base. Shape (3, 3)."""
+    roll, pitch = plant.base_tilt
+    rotation: Array = rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0)
+    return rotation
 
 
 def _level(model: Model, position: Array, name: str) -> Array:

@@ -16,6 +16,7 @@ from engines.model import (
     rotation_from_quaternion,
 )
 from engines.urdf import read_urdf
+from harness.audit.oracle import Oracle
 from harness.commands import Commands
 from harness.drive import PID, neutral_drive
 from harness.errors import InputError
@@ -147,5 +148,18 @@ def test_noise_charges_no_integral(biped: Plant) -> None:
     assert_allclose(held(biped, noise, 0.0), np.zeros(4))
 
 
-def test_without_measured_effort_the_integral_is_empty(biped: Plant) -> None:
+def test_without_measured_effort_the_integral_of_a_floating_robot_is_empty(biped: Plant) -> None:
     assert_allclose(held(biped, np.full((40, 4), np.nan), 0.0), np.zeros(4))
+
+
+def test_without_measured_effort_the_integral_holds_a_fixed_robot(tmp_path: Path) -> None:
+    fixed = plant(tmp_path, floating=False)
+    fixed.base_tilt[:] = 0.1, -0.2
+    fixed.drive["constant"] = 0.3
+    told = held(fixed, np.full((40, 4), np.nan), 0.001)
+    gravity = Oracle(fixed.model).inertia_and_bias(start_state(fixed, np.full(4, 0.399)))[1]
+    assert_allclose(told, gravity - 0.3 - 20.0 * 0.001, atol=1e-6)
+
+
+def test_a_servo_that_its_first_command_sets_in_motion_has_gathered_nothing(tmp_path: Path) -> None:
+    assert_allclose(held(plant(tmp_path, floating=False), np.full((40, 4), np.nan), 0.39), np.zeros(4))
