@@ -15,9 +15,9 @@ from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
-from harness.diagnose.search import CLEAR, Search, enough, name, search
+from harness.diagnose.search import Search, enough, name, search
 from harness.diagnose.units import unit_there
-from harness.diagnose.worth import rms, worst
+from harness.diagnose.worth import CLEAR, rms, worst
 from harness.drive import Array
 from harness.effects import EFFECTS
 from harness.gap import unit_of

@@ -13,7 +13,22 @@ from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.suspects import LATER, suspects
-from harness.diagnose.worth import GAIN, LEAST, doubt, gain, rank, refusal, rms, sized, worst
+from harness.diagnose.worth import (
+    CLEAR,
+    FAR,
+    GAIN,
+    LEAST,
+    doubt,
+    gain,
+    least_beside,
+    least_of_rest,
+    rank,
+    refusal,
+    rms,
+    share_of_all,
+    sized,
+    worst,
+)
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -33,17 +48,6 @@ NEAR = 0.3
 """... and the share of the best one's explanation that the others must reach."""
 EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
-FAR = 4.0
-"""A mean squared residual above this is far from the floor: ..."""
-HALF = 0.5
-"""... then all findings together must remove this share of it, or none is named."""
-UNREPEATED = 0.45
-"""The same nearer to the floor, and for each finding, where no motion was repeated: what differs from one repetition to
-the next is not known then, and something always fits it a little."""
-CLEAR = 1.7
-"""A mean squared residual up to this leaves nothing that is worth a name."""
-FRAGMENT = 0.05
-"""Where more than that is left, a finding removes this share of the whole gap, or `HALF` of what was left before it."""
 
 
 @dataclass
@@ -64,6 +68,7 @@ class Search:
         base: the cost of the scenario's own model.
         fit: the accepted changes, jointly fitted.
         steps: in the order of acceptance.
+        told: by the recordings themselves, which show it and its size.
         refused: sentences on suspects that were close and why they were not named.
         let_go: what was found and not named after all, because most of the gap has another cause.
     """
@@ -71,6 +76,7 @@ class Search:
     base: Fit
     fit: Fit
     steps: list[Step] = field(default_factory=list)
+    told: list[Suspect] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     let_go: list[Change] = field(default_factory=list)
 
@@ -112,6 +118,7 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         if min(was.mean_cost(cases) - seen.mean_cost(cases) for cases in (train, judge)) > LEAST:
             say(f"added {name(change.suspect)}: the recorded velocity itself shows it")
             found.steps.append(Step(change.suspect, was.mean_cost(judge), seen.mean_cost(judge)))
+            found.told.append(change.suspect)
             found.fit = seen
     while len(found.fit.changes) < MOST:
         now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
@@ -128,7 +135,7 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         if best is None:
             break
         step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked)
-        least = _least(base.mean_cost(judge), step.before)
+        least = least_of_rest(base.mean_cost(judge), step.before)
         if found.fit.changes and step.after > CLEAR and step.before - step.after < least:
             found.refused.append(_stays(step.suspect, step.before, step.after))
             break
@@ -142,9 +149,7 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
             set_floors(pool, pruned.changes)
             pruned = fit(problem, pruned.changes, train, judge)
         found.fit = pruned
-    found.fit = _without_fragments(pool, found, base.mean_cost(judge), train, judge)
-    if found.fit.changes:
-        found.fit = _sized(problem, found, train, judge)
+    _last_look(pool, found, base.mean_cost(judge), train, judge)
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(problem, found, judge)
     return found
@@ -159,12 +164,11 @@ def enough(base: float) -> float:
 def _sized(problem: Problem, found: Search, train: Sequence[int], judge: Sequence[int]) -> Fit:
     """The fit with everything free and assessed, without changes whose size cannot be told from none after all."""
     current = found.fit
-    told = [c.suspect for c in current.changes if not c.free]  # by the recordings themselves
     while True:
         current = _settled(problem, _all_free(problem, current, train, judge), train, judge)
         current = assess(problem, current, train, judge)
         each = [c.suspect for c in current.changes]
-        unsure = [s for i, s in enumerate(each) if s not in told and not sized(problem, current, i)]
+        unsure = [s for i, s in enumerate(each) if s not in found.told and not sized(problem, current, i)]
         if not unsure or len(each) == 1:
             return current
         gone = unsure[-1]
@@ -185,19 +189,29 @@ def _all_free(problem: Problem, current: Fit, train: Sequence[int], judge: Seque
     return current if free == current.changes else fit(problem, free, train, judge)
 
 
+def _last_look(pool: Pool, found: Search, base: float, train: Sequence[int], judge: Sequence[int]) -> None:
+    """Let go what does not stand beside the other findings, until all do, under the floors of what stays."""
+    problem = pool.problem
+    while found.fit.changes:
+        stood = len(found.fit.changes)
+        found.fit = _without_fragments(pool, found, base, train, judge)
+        found.fit = _sized(problem, found, train, judge)
+        if len(found.fit.changes) == stood:
+            return
+        set_floors(pool, found.fit.changes)
+        found.fit = fit(problem, found.fit.changes, train, judge)
+
+
 def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[int], judge: Sequence[int]) -> Fit:
-    """The fit without findings that mend a little of a gap whose rest stays: beside an effect there is always one."""
+    """The fit without findings that mend a little of what the others leave: beside an effect there is always one."""
     current = found.fit
-    while len(current.changes) > 1 and worst(pool.problem, current) > CLEAR:
-        least = _least_missed(pool, current, current.changes, train, judge)
+    while len(current.changes) > 1:
+        least = _least_missed(pool, found, current, current.changes, train, judge)
         if least is None:
             return current
         dropped, rest = least
         was, left = rest.mean_cost(judge), current.mean_cost(judge)
-        least_worth = _least(base, was)
-        if left <= FAR and not pool.problem.repeated:
-            least_worth = UNREPEATED * (was - 1.0)
-        if was - left >= least_worth:
+        if was - left >= least_beside(pool.problem, base, was, worst(pool.problem, current)):
             return current
         found.refused.append(_stays(dropped, was, left))
         found.forget(dropped)
@@ -206,19 +220,14 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
 
 
 def _least_missed(
-    pool: Pool, current: Fit, droppable: Sequence[Change], train: Sequence[int], judge: Sequence[int]
+    pool: Pool, found: Search, current: Fit, among: Sequence[Change], train: Sequence[int], judge: Sequence[int]
 ) -> tuple[Suspect, Fit] | None:
     """The change that held-out motions miss least, and the fit without it; what the recordings told stays."""
-    dropped = [c for c in droppable if c.free]
+    dropped = [c for c in among if c.suspect not in found.told]
     without = [[c for c in current.changes if c is not drop] for drop in dropped]
     fits = pool.map(fit, [(rest, train, judge) for rest in without])
     ways = [(drop.suspect, rest) for drop, rest in zip(dropped, fits, strict=True)]
     return min(ways, key=lambda way: way[1].mean_cost(judge), default=None)
-
-
-def _least(base: float, was: float) -> float:
-    """What a finding must remove of a held-out cost that was `base` at first and `was` before it, if a rest stays."""
-    return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
 
 
 def _stays(suspect: Suspect, was: float, left: float) -> str:
@@ -228,14 +237,14 @@ def _stays(suspect: Suspect, was: float, left: float) -> str:
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    share = HALF if left > FAR else (0.0 if problem.repeated or worst(problem, found.fit) <= CLEAR else UNREPEATED)
+    share = share_of_all(problem, left, worst(problem, found.fit))
     if found.fit.changes and was - left < share * (was - 1.0):
         for change in found.fit.changes:
             found.refused.append(
                 f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "
                 "has another cause"
             )
-        found.let_go = [c for c in found.fit.changes if c.free]
+        found.let_go = [c for c in found.fit.changes if c.suspect not in found.told]
         found.fit, found.steps = found.base, []
 
 
@@ -320,7 +329,7 @@ def _pruned(pool: Pool, found: Search, train: Sequence[int], judge: Sequence[int
     """The fit without findings that later ones made needless."""
     current = found.fit
     while len(current.changes) > 1:
-        least = _least_missed(pool, current, current.changes[:-1], train, judge)
+        least = _least_missed(pool, found, current, current.changes[:-1], train, judge)
         if least is None:
             return current
         needless, rest = least

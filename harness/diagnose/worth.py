@@ -17,6 +17,19 @@ GAIN = 0.10
 """A finding lowers the held-out cost above the floor by at least this share ..."""
 LEAST = 0.12
 """... and by at least this much."""
+CLEAR = 1.7
+"""A mean squared residual up to this leaves nothing that is worth a name."""
+FAR = 4.0
+"""A mean squared residual above this is far from the floor: ..."""
+HALF = 0.5
+"""... then all findings together remove this share of it, or none is named."""
+MORE, UNREPEATED = 0.6, 0.45
+"""The same where no motion was repeated, and nearer to the floor, there for each finding too: what differs from one
+repetition to the next is not known then, and something always fits it a little."""
+BESIDE = 0.35
+"""The share of what all others leave above the floor that a finding removes in the end."""
+FRAGMENT = 0.05
+"""Far from the floor a finding removes this share of the whole gap, or `HALF` of what was left before it."""
 
 
 def gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
@@ -89,6 +102,28 @@ def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> boo
             if np.median(steps) < 0.5 and np.mean(steps < 1.0) >= 0.6:
                 return True
     return False
+
+
+def least_of_rest(base: float, was: float) -> float:
+    """What a finding removes at least of a held-out cost, `base` at first and `was` before it, if a rest stays."""
+    return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
+
+
+def least_beside(problem: Problem, base: float, was: float, left: float) -> float:
+    """What a finding removes at least of the held-out cost `was` that all others leave; with it, `left` stays."""
+    if problem.repeated and left > FAR:
+        return least_of_rest(base, was)
+    share = UNREPEATED if not problem.repeated and CLEAR < left <= FAR else BESIDE
+    return max(share * (was - 1.0), LEAST)
+
+
+def share_of_all(problem: Problem, left: float, most: float) -> float:
+    """The share of a held-out gap that all findings together remove at least, where they leave `left` of it, and `most`
+    on the worse of training and held-out runs.
+    """
+    if left > FAR:
+        return HALF if problem.repeated else MORE
+    return 0.0 if problem.repeated or most <= CLEAR else UNREPEATED
 
 
 def worst(problem: Problem, result: Fit) -> float:
