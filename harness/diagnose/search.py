@@ -204,14 +204,14 @@ def _last_look(pool: Pool, found: Search, base: float, train: Sequence[int], jud
 
 def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[int], judge: Sequence[int]) -> Fit:
     """The fit without findings that mend a little of what the others leave: beside an effect there is always one."""
-    current = found.fit
+    problem, current = pool.problem, found.fit
     while len(current.changes) > 1:
         least = _least_missed(pool, found, current, current.changes, train, judge)
         if least is None:
             return current
         dropped, rest = least
         was, left = rest.mean_cost(judge), current.mean_cost(judge)
-        if was - left >= least_beside(pool.problem, base, was, worst(pool.problem, current)):
+        if was - left >= least_beside(base, was, worst(problem, current), repeated=problem.repeated):
             return current
         found.refused.append(_stays(dropped, was, left))
         found.forget(dropped)
@@ -237,7 +237,7 @@ def _stays(suspect: Suspect, was: float, left: float) -> str:
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    share = share_of_all(problem, left, worst(problem, found.fit))
+    share = share_of_all(left, worst(problem, found.fit), repeated=problem.repeated)
     if found.fit.changes and was - left < share * (was - 1.0):
         for change in found.fit.changes:
             found.refused.append(

@@ -109,21 +109,21 @@ def least_of_rest(base: float, was: float) -> float:
     return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
 
 
-def least_beside(problem: Problem, base: float, was: float, left: float) -> float:
+def least_beside(base: float, was: float, left: float, *, repeated: bool) -> float:
     """What a finding removes at least of the held-out cost `was` that all others leave; with it, `left` stays."""
-    if problem.repeated and left > FAR:
+    if repeated and left > FAR:
         return least_of_rest(base, was)
-    share = UNREPEATED if not problem.repeated and CLEAR < left <= FAR else BESIDE
+    share = UNREPEATED if not repeated and CLEAR < left <= FAR else BESIDE
     return max(share * (was - 1.0), LEAST)
 
 
-def share_of_all(problem: Problem, left: float, most: float) -> float:
+def share_of_all(left: float, most: float, *, repeated: bool) -> float:
     """The share of a held-out gap that all findings together remove at least, where they leave `left` of it, and `most`
     on the worse of training and held-out runs.
     """
     if left > FAR:
-        return HALF if problem.repeated else MORE
-    return 0.0 if problem.repeated or most <= CLEAR else UNREPEATED
+        return HALF if repeated else MORE
+    return 0.0 if repeated or most <= CLEAR else UNREPEATED
 
 
 def worst(problem: Problem, result: Fit) -> float:
