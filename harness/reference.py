@@ -1,4 +1,4 @@
-"""The reference of the scenario file, made from its schema: the second half of `scenarios/README.md`."""
+"""The reference of all files that people write, made from their schemas: the second half of `scenarios/README.md`."""
 
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
@@ -8,16 +8,31 @@ from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
+from harness.bench.ground import GroundBench
+from harness.bench.link_file import LinkBench
+from harness.bench.quantity import Written
+from harness.bench.servo_file import ServoBench
+from harness.bench.supply_file import SupplyBench
+from harness.matrix.matrix_file import Matrix
 from harness.scenario import GROUNDS, GroundSpec, Scenario
 
 BEGIN = "<!-- made by harness.reference: change the schema, then `make reference` -->"
 WORDS = {str: "text", float: "number", int: "whole number", bool: "true or false", Any: "anything"}
+FILES: dict[type[BaseModel], str] = {
+    Scenario: "the top of a scenario file",
+    Matrix: "the top of the file of `realitygap matrix`",
+    ServoBench: "the top of the file of `realitygap bench servo`",
+    SupplyBench: "the top of the file of `realitygap bench supply`",
+    LinkBench: "the top of the file of `realitygap bench links`",
+    GroundBench: "the top of the file of `realitygap bench ground`",
+}
+"""The files that people write."""
 
 
 def reference() -> str:
     """The tables of all sections as Markdown: key, type, default and meaning, in the order of first use."""
     parts = [BEGIN, ""]
-    for section in _sections(Scenario):
+    for section in dict.fromkeys(section for file in FILES for section in _sections(file)):
         parts += [f"### {_title(section)}", "", (section.__doc__ or "").split("\n\n")[0], ""]
         parts += ["| key | type | default | meaning |", "|---|---|---|---|"]
         for name, field in section.model_fields.items():
@@ -50,11 +65,14 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _title(section: type[BaseModel]) -> str:
-    return "Scenario (the top of the file)" if section is Scenario else section.__name__
+    return f"{section.__name__} ({FILES[section]})" if section in FILES else section.__name__
 
 
 def _type(annotation: Any, metadata: list[Any]) -> str:
     """A type in words, with its bounds."""
+    written = next((m.words for m in metadata if isinstance(m, Written)), None)
+    if written is not None:
+        return written
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return _type(parts[0], list(parts[1:]))

@@ -12,7 +12,7 @@ from engines.model import ModelError
 from engines.urdf import read_urdf
 from harness.bench.bag import read_signals
 from harness.bench.estimate import Array
-from harness.bench.servo_file import Arm, Recordings
+from harness.bench.servo_file import Arm, ArmRecordings
 from harness.errors import InputError
 from harness.scenario_file import resolve_path
 
@@ -59,7 +59,7 @@ class Motion:
 
 
 def read_motions(
-    file: Path, spec: Recordings, pendulum: Pendulum | None, windows: Sequence[float], *, duty: bool = False
+    file: Path, spec: ArmRecordings, pendulum: Pendulum | None, windows: Sequence[float], *, duty: bool = False
 ) -> list[Motion]:
     """A recording, smoothed by local cubics (Savitzky and Golay 1964) over each of some windows [s].
 

@@ -1,10 +1,19 @@
 """Quantities with units, in a bench file (`7.3 N·m`) and as the unit of a table column."""
 
 import math
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 from pydantic.fields import FieldInfo
+
+
+@dataclass(frozen=True)
+class Written:
+    """How a value stands in a file, in the words of its reference, where that is not what it becomes."""
+
+    words: str
+
 
 UNITS: dict[str, dict[str, float]] = {
     "torque": {"N·m": 1.0, "N·cm": 1e-2, "mN·m": 1e-3, "kgf·cm": 9.80665e-2},
@@ -56,12 +65,17 @@ def _unit(dimension: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-Torque = Annotated[float, _quantity("torque")]
-Speed = Annotated[float, _quantity("speed")]
-Voltage = Annotated[float, _quantity("voltage"), Field(gt=0)]
-Inertia = Annotated[float, _quantity("inertia"), Field(ge=0)]
-Load = Annotated[float, _quantity("load")]
-Length = Annotated[float, _quantity("length")]
+TORQUE, SPEED, VOLTAGE, INERTIA, LOAD, LENGTH = (
+    Written(f"number and unit of {dimension}")
+    for dimension in ("torque", "speed", "voltage", "inertia", "load", "length")
+)
+Torque = Annotated[float, _quantity("torque"), TORQUE]
+Speed = Annotated[float, _quantity("speed"), SPEED]
+Voltage = Annotated[float, _quantity("voltage"), Field(gt=0), VOLTAGE]
+Inertia = Annotated[float, _quantity("inertia"), Field(ge=0), INERTIA]
+Load = Annotated[float, _quantity("load"), LOAD]
+Length = Annotated[float, _quantity("length"), LENGTH]
+UNIT = Written("text")
 
 
 def _described(dimension: str) -> FieldInfo:
@@ -69,12 +83,12 @@ def _described(dimension: str) -> FieldInfo:
     return described
 
 
-TorqueUnit = Annotated[float, _unit("torque"), _described("torque")]
-SpeedUnit = Annotated[float, _unit("speed"), _described("speed")]
-AngleUnit = Annotated[float, _unit("angle"), _described("angle")]
-VoltageUnit = Annotated[float, _unit("voltage"), _described("voltage")]
-CurrentUnit = Annotated[float, _unit("current"), _described("current")]
-DutyUnit = Annotated[float, _unit("duty"), _described("duty")]
-LoadUnit = Annotated[float, _unit("load"), _described("load")]
-MassUnit = Annotated[float, _unit("mass"), _described("mass")]
-LengthUnit = Annotated[float, _unit("length"), _described("length")]
+TorqueUnit = Annotated[float, _unit("torque"), UNIT, _described("torque")]
+SpeedUnit = Annotated[float, _unit("speed"), UNIT, _described("speed")]
+AngleUnit = Annotated[float, _unit("angle"), UNIT, _described("angle")]
+VoltageUnit = Annotated[float, _unit("voltage"), UNIT, _described("voltage")]
+CurrentUnit = Annotated[float, _unit("current"), UNIT, _described("current")]
+DutyUnit = Annotated[float, _unit("duty"), UNIT, _described("duty")]
+LoadUnit = Annotated[float, _unit("load"), UNIT, _described("load")]
+MassUnit = Annotated[float, _unit("mass"), UNIT, _described("mass")]
+LengthUnit = Annotated[float, _unit("length"), UNIT, _described("length")]

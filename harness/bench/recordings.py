@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from harness.bench.drive_fit import CurrentFit, fit_current, fit_duty, fit_rotor, solve_drive, stall_current
 from harness.bench.estimate import Array, Estimate
 from harness.bench.motion import Motion, Pendulum, read_arms, read_motions
-from harness.bench.servo_file import ArmBag, Recordings
+from harness.bench.servo_file import ArmBag, ArmRecordings
 from harness.bench.summary import Summary
 from harness.errors import InputError
 from harness.scenario_file import resolve_path
@@ -23,7 +23,7 @@ SLOWEST = (0.1, 0.4)
 """The same for the share of the largest speed below which samples are left out."""
 
 
-def identify(path: Path, spec: Recordings, summary: Summary, out: Path) -> None:
+def identify(path: Path, spec: ArmRecordings, summary: Summary, out: Path) -> None:
     """Everything that the recordings allow, added to the summary.
 
     Raises:
@@ -62,7 +62,7 @@ def identify(path: Path, spec: Recordings, summary: Summary, out: Path) -> None:
 
 
 def _motions(
-    path: Path, spec: Recordings, arms: dict[str, Pendulum], bag: ArmBag, key: str, windows: tuple[float, ...]
+    path: Path, spec: ArmRecordings, arms: dict[str, Pendulum], bag: ArmBag, key: str, windows: tuple[float, ...]
 ) -> list[Motion]:
     if bag.arm not in arms:
         raise InputError(f"{path}: recordings.{key}.arm: {bag.arm} is not an arm; found {', '.join(arms) or 'none'}")

@@ -131,7 +131,7 @@ class ArmBag(Section):
     arm: str = Field(description="name of the arm")
 
 
-class Recordings(Section):
+class ArmRecordings(Section):
     """Recordings of a motor that moves known arms. An angle of 0 hangs down."""
 
     position: PositionSignal = Field(description="the angle's topic, field and unit")
@@ -157,7 +157,7 @@ class ServoBench(Section):
     nominal_supply: Voltage | None = Field(default=None, description="the supply for the URDF's numbers, with its unit")
     static_friction: FrictionTable | None = Field(default=None, description="static friction per motor")
     types: list[MotorType] = Field(default=[], description="what is known of the motor types")
-    recordings: Recordings | None = Field(default=None, description="recordings of a motor that moves known arms")
+    recordings: ArmRecordings | None = Field(default=None, description="recordings of a motor that moves known arms")
 
 
 def load_servo_bench(path: Path) -> ServoBench:

@@ -15,7 +15,7 @@ class SupplyUnits(Section):
     """Units of the table's columns."""
 
     voltage: VoltageUnit
-    current: CurrentUnit | None = None
+    current: CurrentUnit | None = Field(default=None, description="unit of current, where there are currents: A or mA")
 
 
 class Chain(Section):
