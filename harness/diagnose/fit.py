@@ -19,7 +19,7 @@ ELSEWHERE = (0.7, 1.4)
 """A fit is tried again from these multiples of the newest change: friction that holds a joint makes it rough."""
 BETTER = 0.99
 """It goes on from there where the loss is below this share."""
-OUTLIER = 3.0
+OUTLIER = 5.0
 """A residual beyond this many times its root mean square counts less."""
 PRIOR = 1e-3
 """Pull towards the first guess per size, so that a parameter without influence stays where it is."""

@@ -29,7 +29,7 @@ repetition to the next is not known then, and something always fits it a little.
 BESIDE = 0.35
 """The share of what all others leave above the floor that a finding removes in the end."""
 FRAGMENT = 0.05
-"""Far from the floor a finding removes this share of the whole gap, or `HALF` of what was left before it."""
+"""Far from the floor a finding removes this share of the whole gap, or `BESIDE` of what was left before it."""
 
 
 def gain(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> float:
@@ -106,7 +106,7 @@ def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> boo
 
 def least_of_rest(base: float, was: float) -> float:
     """What a finding removes at least of a held-out cost, `base` at first and `was` before it, if a rest stays."""
-    return min(FRAGMENT * (base - 1.0), HALF * (was - 1.0))
+    return min(FRAGMENT * (base - 1.0), BESIDE * (was - 1.0))
 
 
 def least_beside(base: float, was: float, left: float, *, repeated: bool) -> float:
