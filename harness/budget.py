@@ -75,9 +75,13 @@ def _excess(rows: pd.DataFrame, signal: str, value: float, limit: float, unit: s
 
 def not_judged(gaps: pd.DataFrame, budget: Mapping[str, float]) -> list[str]:
     """A sentence for every budget that nothing was measured for: a budget that cannot be judged is not kept."""
-    measured = set(_counted(gaps)["signal"])
+    rows = _counted(gaps)
+    judged = set(rows.loc[rows["outcome"] != "unsupported", "signal"])
+    unsupported = set(rows["signal"]) - judged
     return [
-        f"over budget: no {signal} of a moving joint was measured, or all are left out; budget {limit:g}"
+        f"over budget: {signal} was not judged, as no engine of the run can simulate the scenario; budget {limit:g}"
+        if signal in unsupported
+        else f"over budget: no {signal} of a moving joint was measured, or all are left out; budget {limit:g}"
         for signal, limit in budget.items()
-        if signal not in measured
+        if signal not in judged
     ]

@@ -255,6 +255,11 @@ def test_a_budget_for_what_was_not_measured_is_not_kept() -> None:
 def test_what_an_engine_cannot_express_is_not_judged() -> None:
     rows = [failed(CELL, difference("knee", []), 0.1, "unsupported", "no contact stiffness")]
     assert over_budget(table(rows), {"position": 1.0}) == []
+    (sentence,) = not_judged(table(rows), {"position": 1.0})
+    assert sentence == (
+        "over budget: position was not judged, as no engine of the run can simulate the scenario; budget 1"
+    )
+    assert not_judged(pd.concat([full_table(), table(rows)]), {"position": 1.0}) == [], "another engine can"
 
 
 def test_budgets_as_options() -> None:
