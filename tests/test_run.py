@@ -207,7 +207,8 @@ def test_what_an_engine_cannot_express_is_an_outcome(tmp_path: Path) -> None:
     assert set(frame["outcome"]) == {"unsupported"}
     assert np.isinf(frame["mean_abs"]).all()
     assert frame["note"].str.startswith("ode needs a mass and three moments of inertia").all()
-    assert judge(result, {"position": 1.0}) == [], "what cannot be judged is over no budget"
+    (sentence,) = judge(result, {"position": 1.0})
+    assert "position was not judged, as no engine of the run can simulate the scenario" in sentence
 
 
 def test_without_recordings_there_are_traces_and_no_gaps(tmp_path: Path) -> None:

@@ -2,27 +2,53 @@
 
 import pytest
 
-from harness.diagnose.worth import least_beside, share_of_all
+from harness.diagnose.fit import Fit
+from harness.diagnose.worth import explains, large, removed, stands
+
+
+def fit_of(*costs: float) -> Fit:
+    return Fit([], dict(enumerate(costs)))
+
+
+def beside(was: float, left: float, *, base: float = 150.0, repeated: bool) -> bool:
+    """Whether a finding stands that lowers what all others leave from `was` to `left`, in one run."""
+    return stands(base, fit_of(was), fit_of(left), [0], left=left, repeated=repeated)
 
 
 @pytest.mark.parametrize("repeated", [True, False])
 @pytest.mark.parametrize("was", [1.5, 3.0, 20.0, 1000.0])
 def test_a_finding_that_leaves_the_floor_is_worth_a_name(was: float, repeated: bool) -> None:
-    assert was - 1.0 > least_beside(2 * was, was, 1.0, repeated=repeated)
+    assert beside(was, 1.0, base=2 * was, repeated=repeated)
 
 
 @pytest.mark.parametrize("repeated", [True, False])
 @pytest.mark.parametrize(("was", "left"), [(1.1, 1.0), (0.9, 0.85), (3.0, 2.5)])
 def test_one_that_mends_a_little_near_the_floor_is_not(was: float, left: float, repeated: bool) -> None:
-    assert was - left < least_beside(100.0, was, left, repeated=repeated)
+    assert not beside(was, left, repeated=repeated)
 
 
-def test_far_from_the_floor_a_small_part_of_a_large_gap_is_worth_a_name_where_the_floor_is_known() -> None:
-    was, left = 100.0, 90.0
-    assert was - left > least_beside(150.0, was, left, repeated=True)
-    assert was - left < least_beside(150.0, was, left, repeated=False)
+def test_far_from_the_floor_a_part_of_a_large_gap_is_worth_a_name_where_the_floor_is_known() -> None:
+    assert beside(100.0, 90.0, repeated=True)
+    assert not beside(100.0, 90.0, repeated=False)
+    assert not large(1000.0, fit_of(100.0), fit_of(90.0), [0]), "a fragment"
 
 
 def test_findings_that_leave_most_of_a_gap_are_none() -> None:
-    assert share_of_all(50.0, 50.0, repeated=True) == 0.5 < share_of_all(50.0, 50.0, repeated=False)
-    assert share_of_all(1.2, 1.3, repeated=False) == 0.0, "what leaves the floor needs no share"
+    def all_together(was: float, left: float, *, repeated: bool) -> bool:
+        return explains(fit_of(was), fit_of(left), [0], left=left, repeated=repeated)
+
+    assert all_together(100.0, 45.0, repeated=True)
+    assert not all_together(100.0, 45.0, repeated=False)
+    assert not all_together(100.0, 55.0, repeated=True)
+    assert all_together(1.5, 1.3, repeated=False), "what leaves the floor needs no share"
+
+
+def test_very_far_from_the_floor_the_typical_run_decides_on_all_findings() -> None:
+    """One run in which the robot falls, or a cube rolls on, would outweigh all others."""
+    before, after = fit_of(400.0, 400.0, 90000.0), fit_of(100.0, 100.0, 120000.0)
+    assert explains(before, after, [0, 1, 2], left=40000.0, repeated=False)
+    assert not explains(after, before, [0, 1, 2], left=40000.0, repeated=False)
+
+
+def test_the_share_is_of_what_stands_above_the_floor() -> None:
+    assert removed(fit_of(11.0), fit_of(6.0), [0]) == pytest.approx(0.5)

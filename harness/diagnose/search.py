@@ -19,14 +19,14 @@ from harness.diagnose.worth import (
     GAIN,
     LEAST,
     doubt,
+    explains,
     gain,
-    least_beside,
-    least_of_rest,
+    large,
     rank,
     refusal,
     rms,
-    share_of_all,
     sized,
+    stands,
     worst,
 )
 
@@ -135,8 +135,7 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         if best is None:
             break
         step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked)
-        least = least_of_rest(base.mean_cost(judge), step.before)
-        if found.fit.changes and step.after > CLEAR and step.before - step.after < least:
+        if found.fit.changes and step.after > CLEAR and not large(base.mean_cost(judge), found.fit, best, judge):
             found.refused.append(_stays(step.suspect, step.before, step.after))
             break
         say(f"added {name(best.changes[-1].suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
@@ -210,10 +209,9 @@ def _without_fragments(pool: Pool, found: Search, base: float, train: Sequence[i
         if least is None:
             return current
         dropped, rest = least
-        was, left = rest.mean_cost(judge), current.mean_cost(judge)
-        if was - left >= least_beside(base, was, worst(problem, current), repeated=problem.repeated):
+        if stands(base, rest, current, judge, left=worst(problem, current), repeated=problem.repeated):
             return current
-        found.refused.append(_stays(dropped, was, left))
+        found.refused.append(_stays(dropped, rest.mean_cost(judge), current.mean_cost(judge)))
         found.forget(dropped)
         current = rest
     return current
@@ -237,8 +235,8 @@ def _stays(suspect: Suspect, was: float, left: float) -> str:
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    share = share_of_all(left, worst(problem, found.fit), repeated=problem.repeated)
-    if found.fit.changes and was - left < share * (was - 1.0):
+    enough_gone = explains(found.base, found.fit, judge, left=worst(problem, found.fit), repeated=problem.repeated)
+    if found.fit.changes and not enough_gone:
         for change in found.fit.changes:
             found.refused.append(
                 f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "

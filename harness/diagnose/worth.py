@@ -44,6 +44,12 @@ def lowered(before: Fit, after: Fit, cases: Sequence[int]) -> float:
     return float(np.log(before.mean_cost(cases) / after.mean_cost(cases)))
 
 
+def removed(before: Fit, after: Fit, cases: Sequence[int]) -> float:
+    """The share of a gap that is gone, of what stands above the floor."""
+    was, left = before.mean_cost(cases), after.mean_cost(cases)
+    return (was - left) / max(was - 1.0, 1e-9)
+
+
 def refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int]) -> str | None:
     """Why a fitted suspect does not help enough; None where it does."""
     was, now = before.mean_cost(judge), after.mean_cost(judge)
@@ -104,26 +110,41 @@ def _consistent(result: Fit, last: Sequence[int], zero: dict[str, float]) -> boo
     return False
 
 
-def least_of_rest(base: float, was: float) -> float:
-    """What a finding removes at least of a held-out cost, `base` at first and `was` before it, if a rest stays."""
-    return min(FRAGMENT * (base - 1.0), BESIDE * (was - 1.0))
+def large(base: float, before: Fit, after: Fit, cases: Sequence[int]) -> bool:
+    """Whether a finding is more than a fragment of a gap that was `base` at first, where a rest stays with it."""
+    lower = before.mean_cost(cases) - after.mean_cost(cases)
+    return lower >= FRAGMENT * (base - 1.0) or removed(before, after, cases) >= BESIDE
 
 
-def least_beside(base: float, was: float, left: float, *, repeated: bool) -> float:
-    """What a finding removes at least of the held-out cost `was` that all others leave; with it, `left` stays."""
-    if repeated and left > FAR:
-        return least_of_rest(base, was)
-    share = UNREPEATED if not repeated and CLEAR < left <= FAR else BESIDE
-    return max(share * (was - 1.0), LEAST)
+def stands(base: float, without: Fit, fitted: Fit, cases: Sequence[int], *, left: float, repeated: bool) -> bool:
+    """Whether a finding removes enough of what all others leave.
 
-
-def share_of_all(left: float, most: float, *, repeated: bool) -> float:
-    """The share of a held-out gap that all findings together remove at least, where they leave `left` of it, and `most`
-    on the worse of training and held-out runs.
+    Args:
+        base: the mean squared residual at first.
+        without: the fit of all others.
+        fitted: the fit with it.
+        cases: that are judged on.
+        left: the larger mean squared residual of training and judged motions with it.
+        repeated: whether motions were repeated, so that the floor is known.
     """
-    if left > FAR:
-        return HALF if repeated else MORE
-    return 0.0 if repeated or most <= CLEAR else UNREPEATED
+    if repeated and left > FAR:
+        return large(base, without, fitted, cases)
+    share = UNREPEATED if not repeated and CLEAR < left <= FAR else BESIDE
+    lower = without.mean_cost(cases) - fitted.mean_cost(cases)
+    return removed(without, fitted, cases) >= share and lower >= LEAST
+
+
+def explains(base: Fit, fitted: Fit, cases: Sequence[int], *, left: float, repeated: bool) -> bool:
+    """Whether all findings together remove enough of a gap, very far from the floor in the median run; arguments as of
+    `stands`.
+    """
+    if fitted.mean_cost(cases) > FAR:
+        share = HALF if repeated else MORE
+    else:
+        share = 0.0 if repeated or left <= CLEAR else UNREPEATED
+    if base.mean_cost(cases) > VERY_FAR:
+        return lowered(base, fitted, cases) >= -float(np.log(1.0 - share))
+    return removed(base, fitted, cases) >= share
 
 
 def worst(problem: Problem, result: Fit) -> float:
