@@ -183,7 +183,9 @@ def _settled(problem: Problem, current: Fit, train: Sequence[int], judge: Sequen
 
 
 def _all_free(problem: Problem, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
-    """The fit with what was told by the recordings fitted as well."""
+    """The fit with what was told by the recordings fitted as well, unless what is missing still would distort it."""
+    if current.mean_cost(train) > FAR:
+        return current
     free = [replace(c, free=c.free or start(problem, c.suspect).free) for c in current.changes]
     return current if free == current.changes else fit(problem, free, train, judge)
 
