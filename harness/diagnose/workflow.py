@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from harness.diagnose.diagnosis import Diagnosis, diagnose
 from harness.diagnose.pool import Pool
@@ -54,6 +55,12 @@ def write_diagnosis(result: Diagnosis, out: Path) -> None:
     write_whole(out / "diagnosis.json", text + "\n")
 
 
+def _parameter(name: str, told: dict[str, Any]) -> str:
+    """A parameter with its 95 % interval, where it was fitted, and its unit."""
+    interval = f"[{told['low']:.4g}, {told['high']:.4g}]" if told["low"] < told["high"] else ""
+    return " ".join(part for part in (name, f"{told['value']:.4g}", interval, told["unit"]) if part)
+
+
 def summary(result: Diagnosis) -> list[str]:
     """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
     content = result.to_json()
@@ -64,10 +71,7 @@ def summary(result: Diagnosis) -> list[str]:
     ]
     for finding in content["findings"]:
         target = finding["target"] if isinstance(finding["target"], str) else ", ".join(finding["target"])
-        values = ", ".join(
-            f"{n} {p['value']:.4g} [{p['low']:.4g}, {p['high']:.4g}] {p['unit']}"
-            for n, p in finding["parameters"].items()
-        )
+        values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
         before, after = finding["held_out"]["before"], finding["held_out"]["after"]
         lines.append(f"  {finding['effect']} at {target}: {values}; held out {before:g} -> {after:g}")
         for engine, pair in finding["engines"].items():
