@@ -20,6 +20,8 @@ from harness.experiment import simulate
 
 MANY = 6
 """With more joints than this, the spread of repetitions is taken as it is."""
+LIKELY = 2.0
+"""The spread of a few repetitions may be this many times smaller than that of many."""
 
 
 def sensitivity(problem: Problem, changes: Sequence[Change], case: int, joint: int) -> dict[str, Array]:
@@ -105,10 +107,16 @@ def disturbances(problem: Problem, changes: Sequence[Change]) -> Array:
 
 
 def spread(problem: Problem, changes: Sequence[Change], case: int, torque: Array) -> dict[str, Array]:
-    """The spread of every sample under disturbing torques (n,), of the mean of its repetitions. Shape (t, n)."""
-    out: dict[str, Array] = {}
+    """The spread of every sample under disturbing torques (n,), of the mean of its repetitions. Shape (t, n).
+
+    Of a motion that was itself repeated it is at most `LIKELY` times what was seen: a model that lacks friction swings
+    farther than the robot where a servo is off, and would make the samples that show it worthless.
+    """
+    c, out = problem.cases[case], dict[str, Array]()
     for j in np.flatnonzero(torque > 0):
         for signal, moved in sensitivity(problem, changes, case, int(j)).items():
             out[signal] = np.hypot(out.get(signal, 0.0), torque[j] * moved)
-    scale = np.sqrt(problem.cases[case].repetitions)
-    return {signal: value / scale for signal, value in out.items()}
+    for signal in out if c.repetitions > 1 else ():
+        size = np.sqrt(np.mean(out[signal] ** 2, axis=0))
+        out[signal] = out[signal] * np.minimum(1.0, LIKELY * c.spread[signal] / np.maximum(size, 1e-30))
+    return {signal: value / np.sqrt(c.repetitions) for signal, value in out.items()}
