@@ -5,10 +5,11 @@ import importlib
 import importlib.util
 from dataclasses import dataclass
 
-from engines.engine import Capability, Diverged, Engine, Ground, Physics, Simulation, State, Unsupported
+from engines.engine import GRAVITY, Capability, Diverged, Engine, Ground, Physics, Simulation, State, Unsupported
 
 __all__ = [
     "ENGINES",
+    "GRAVITY",
     "Capability",
     "Diverged",
     "Engine",

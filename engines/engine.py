@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from engines.model import Model
 
 Array = NDArray[np.float64]
+GRAVITY = 9.81
+"""[m/s²]"""
 
 
 class Unsupported(Exception):
@@ -60,7 +62,7 @@ class Physics:
     timestep: float = 1e-3
     solver_iterations: int | None = None
     ground: Ground | None = None
-    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
 
 
 @dataclass

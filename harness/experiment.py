@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 import engines
-from engines import Physics, State
+from engines import GRAVITY, Physics, State
 from engines.model import Array
 from harness.commands import Commands
 from harness.effects.place import place
@@ -225,7 +225,7 @@ def _start(experiment: Experiment) -> State:
     )
     if scenario.robot.base == "free":
         # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far
-        state.base_linear = state.base_linear + np.array([0.0, 0.0, 9.81]) * scenario.timestep / 2
+        state.base_linear = state.base_linear + np.array([0.0, 0.0, GRAVITY]) * scenario.timestep / 2
     return state
 
 

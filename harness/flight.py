@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from scipy.spatial.transform import Rotation
 
+from engines import GRAVITY
 from engines.model import Array, Model
 from harness.trace import Trace
 
@@ -19,7 +20,7 @@ FEWEST = 4
 """A flight of fewer samples tells no velocity."""
 FALLS = 2e-3
 """A body whose centre of mass is further from a free fall than this [m rms] was held or blown, and not thrown."""
-FALL = np.array([0.0, 0.0, -9.81])
+FALL = np.array([0.0, 0.0, -GRAVITY])
 SUBSTEP = 2e-3
 TURNS, SMALL = 3, 1e-5
 

@@ -19,12 +19,12 @@ from harness.scenario import GROUNDS, GroundSpec, Scenario
 BEGIN = "<!-- made by harness.reference: change the schema, then `make reference` -->"
 WORDS = {str: "text", float: "number", int: "whole number", bool: "true or false", Any: "anything"}
 FILES: dict[type[BaseModel], str] = {
-    Scenario: "the top of a scenario file",
-    Matrix: "the top of the file of `realitygap matrix`",
-    ServoBench: "the top of the file of `realitygap bench servo`",
-    SupplyBench: "the top of the file of `realitygap bench supply`",
-    LinkBench: "the top of the file of `realitygap bench links`",
-    GroundBench: "the top of the file of `realitygap bench ground`",
+    Scenario: "a scenario file",
+    Matrix: "the file of `realitygap matrix`",
+    ServoBench: "the file of `realitygap bench servo`",
+    SupplyBench: "the file of `realitygap bench supply`",
+    LinkBench: "the file of `realitygap bench links`",
+    GroundBench: "the file of `realitygap bench ground`",
 }
 """The files that people write."""
 
@@ -65,7 +65,7 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _title(section: type[BaseModel]) -> str:
-    return f"{section.__name__} ({FILES[section]})" if section in FILES else section.__name__
+    return f"{section.__name__} (the top of {FILES[section]})" if section in FILES else section.__name__
 
 
 def _type(annotation: Any, metadata: list[Any]) -> str:

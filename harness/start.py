@@ -1,9 +1,10 @@
 """The state in which a simulation starts: measured joint angles, the base level on the ground, charged integrals."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from engines import State
+from engines import GRAVITY, State
 from engines.model import (
     Array,
     Model,
@@ -24,8 +25,6 @@ SOLE = 0.005
 """Contact points that spread less than this [m] along an axis are flat."""
 FLAT = 0.02
 """Faces whose normals differ by less than this [rad] are one."""
-GRAVITY = 9.81
-"""[m/s²]"""
 SMALL = 1e-6
 """Half the difference [rad or m] of a slope."""
 RECENT = 0.1
@@ -91,13 +90,24 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
     out, gathers = np.zeros(len(drive)), (drive["kind"] == PID) & (drive["ki"] > 0.0)
     if measured.position is None or not gathers.any():
         return out
-    still = holding_effort(plant, measured.position[0] + drive["offset"])
-    ahead = drive["kp"] * (commands.value[0] - measured.position[0])
-    held = gathers & (np.abs(ahead) <= np.abs(still))
-    out[held] = (still - ahead)[held]
-    if measured.effort is None:
-        return out
-    told = commands.value[:, gathers]
+    missing = gathers
+    if measured.effort is not None:
+        rest = _beyond(plant, measured, commands, begin, gathers)
+        missing = gathers & np.isnan(rest)
+        out = np.where(gathers & ~missing, rest, 0.0)
+    if missing.any():
+        still = holding_effort(plant, measured.position[0] + drive["offset"])
+        ahead = drive["kp"] * (commands.value[0] - measured.position[0])
+        held = missing & (np.abs(ahead) <= np.abs(still))
+        out[held] = (still - ahead)[held]
+    return out
+
+
+def _beyond(plant: Plant, measured: Trace, commands: Commands, begin: float, gathers: NDArray[np.bool_]) -> Array:
+    """What motors give beyond their proportional and damping part; NaN where that was not measured. Shape (n,)."""
+    assert measured.position is not None
+    assert measured.effort is not None
+    drive, told = plant.drive, commands.value[:, gathers]
     same = (told == told[0]) | (np.isnan(told) & np.isnan(told[0]))  # NaN is a servo that is off
     later = np.flatnonzero(~same.all(axis=1))
     until = min(commands.time[later[0]] if later.size else np.inf, RECENT)
@@ -106,9 +116,7 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
     lag = commands.value[0] - measured.position[first]
     rest = measured.effort[first] - drive["kp"] * lag + drive["kd"] * speed[first]
     mean, error = rest.mean(axis=0), rest.std(axis=0) / np.sqrt(len(rest))
-    seen = gathers & np.isfinite(mean)
-    out[seen] = np.where(np.abs(mean) > 3.0 * error, mean, 0.0)[seen]
-    return out
+    return np.where(np.abs(mean) <= 3.0 * error, 0.0, mean)
 
 
 def holding_effort(plant: Plant, position: Array) -> Array:

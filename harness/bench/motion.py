@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_filter
 
+from engines import GRAVITY
 from engines.model import ModelError
 from engines.urdf import read_urdf
 from harness.bench.bag import read_signals
@@ -15,8 +16,6 @@ from harness.bench.estimate import Array
 from harness.bench.servo_file import Arm, ArmRecordings
 from harness.errors import InputError
 from harness.scenario_file import resolve_path
-
-GRAVITY = 9.81
 
 
 @dataclass(frozen=True)

@@ -65,16 +65,15 @@ def _unit(dimension: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
-TORQUE, SPEED, VOLTAGE, INERTIA, LOAD, LENGTH = (
-    Written(f"number and unit of {dimension}")
-    for dimension in ("torque", "speed", "voltage", "inertia", "load", "length")
-)
-Torque = Annotated[float, _quantity("torque"), TORQUE]
-Speed = Annotated[float, _quantity("speed"), SPEED]
-Voltage = Annotated[float, _quantity("voltage"), Field(gt=0), VOLTAGE]
-Inertia = Annotated[float, _quantity("inertia"), Field(ge=0), INERTIA]
-Load = Annotated[float, _quantity("load"), LOAD]
-Length = Annotated[float, _quantity("length"), LENGTH]
+def _written(dimension: str) -> Written:
+    return Written(f"number and unit of {dimension}")
+
+
+Torque = Annotated[float, _quantity("torque"), _written("torque")]
+Speed = Annotated[float, _quantity("speed"), _written("speed")]
+Voltage = Annotated[float, _quantity("voltage"), Field(gt=0), _written("voltage")]
+Inertia = Annotated[float, _quantity("inertia"), Field(ge=0), _written("inertia")]
+Load = Annotated[float, _quantity("load"), _written("load")]
 UNIT = Written("text")
 
 

@@ -116,7 +116,8 @@ def spread(problem: Problem, changes: Sequence[Change], case: int, torque: Array
     for j in np.flatnonzero(torque > 0):
         for signal, moved in sensitivity(problem, changes, case, int(j)).items():
             out[signal] = np.hypot(out.get(signal, 0.0), torque[j] * moved)
-    for signal in out if c.repetitions > 1 else ():
-        size = np.sqrt(np.mean(out[signal] ** 2, axis=0))
-        out[signal] = out[signal] * np.minimum(1.0, LIKELY * c.spread[signal] / np.maximum(size, 1e-30))
+    if c.repetitions > 1:
+        for signal, value in out.items():
+            size = np.sqrt(np.mean(value**2, axis=0))
+            out[signal] = value * np.minimum(1.0, LIKELY * c.spread[signal] / np.maximum(size, 1e-30))
     return {signal: value / np.sqrt(c.repetitions) for signal, value in out.items()}

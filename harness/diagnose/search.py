@@ -236,16 +236,17 @@ def _stays(suspect: Suspect, was: float, left: float) -> str:
 
 def _abstain_from_fragments(problem: Problem, found: Search, judge: Sequence[int]) -> None:
     """Name nothing where all that was found leaves most of the gap: what mends a little of it is not its cause."""
+    explained = explains(found.base, found.fit, judge, left=worst(problem, found.fit), repeated=problem.repeated)
+    if explained or not found.fit.changes:
+        return
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    enough_gone = explains(found.base, found.fit, judge, left=worst(problem, found.fit), repeated=problem.repeated)
-    if found.fit.changes and not enough_gone:
-        for change in found.fit.changes:
-            found.refused.append(
-                f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "
-                "has another cause"
-            )
-        found.let_go = [c for c in found.fit.changes if c.suspect not in found.told]
-        found.fit, found.steps = found.base, []
+    for change in found.fit.changes:
+        found.refused.append(
+            f"{name(change.suspect)}: held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it "
+            "has another cause"
+        )
+    found.let_go = [c for c in found.fit.changes if c.suspect not in found.told]
+    found.fit, found.steps = found.base, []
 
 
 def name(suspect: Suspect) -> str:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from engines import Ground
+from engines import GRAVITY, Ground
 from harness.effects.effect import Effect, Page, Parameter, Values
 from harness.plant import Plant
 
@@ -74,7 +74,7 @@ def _softness(plant: Plant, _indices: list[int], values: Values) -> None:
 def _sinks(plant: Plant, _index: int) -> dict[str, float]:
     """Half the stiffness of a soft ground; on a rigid one four points sink by 5 mm under the weight, well damped."""
     own = _ground(plant).stiffness
-    stiffness = 0.5 * own if own is not None else plant.model.mass * 9.81 / 4 / 0.005
+    stiffness = 0.5 * own if own is not None else plant.model.mass * GRAVITY / 4 / 0.005
     damping = _ground(plant).damping or math.sqrt(stiffness * plant.model.mass / 4)
     return {"stiffness": stiffness, "damping": damping}
 

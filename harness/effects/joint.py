@@ -2,6 +2,7 @@
 
 import math
 
+from engines import GRAVITY
 from harness.drive import DC, NONE
 from harness.plant import Plant
 
@@ -48,7 +49,7 @@ def effort_scale(plant: Plant, index: int) -> float:
         return float(d["effort_limit"])
     joint, link = plant.model.joints[index], plant.model.links[index + 1]
     arm = 1.0 if joint.prismatic else max(float((link.com @ link.com) ** 0.5), 0.05)
-    return 3.0 * 9.81 * link.mass * arm
+    return 3.0 * GRAVITY * link.mass * arm
 
 
 def speed_scale(plant: Plant, index: int) -> float:
