@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from harness.diagnose.decoys import KNOWN
-from harness.diagnose.disturbance import LIKELY, disturbances, spread
+from harness.diagnose.disturbance import LIKELY, disturbances, sensitivity, spread
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import probes
@@ -227,10 +227,11 @@ def test_local_maximum_looks_to_both_sides() -> None:
 def test_disturbances_move_a_repeated_motion_about_as_far_as_its_repetitions_show() -> None:
     """However large a torque other motions tell of, and however far a model without friction would swing under it."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
-    torque = 100.0 * disturbances(problem, [])
+    moved = [sensitivity(problem, [], i) for i in range(len(problem.cases))]
+    torque = 100.0 * disturbances(problem, moved)
     assert torque.max() > 0.0
     for i, case in enumerate(problem.cases):
-        size = np.sqrt(np.mean(spread(problem, [], i, torque)["position"] ** 2, axis=0)) * np.sqrt(case.repetitions)
+        size = np.sqrt(np.mean(spread(case, moved[i], torque)["position"] ** 2, axis=0)) * np.sqrt(case.repetitions)
         seen = case.spread.get("position")
         if case.repetitions > 1 and seen is not None:
             assert (size <= LIKELY * seen * 1.001).all()

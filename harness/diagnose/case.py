@@ -25,7 +25,8 @@ class Case:
 
     By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition,
     `spread` that between repetitions where there were any, `floor` the numerical floor per sample, and `disturbed` how
-    far disturbing torques move each sample.
+    far disturbing torques move each sample. `coarse` is the share of the step rate that is enough where only the change
+    of the traces counts.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Case:
     spread: dict[str, Array] = field(default_factory=dict)
     floor: dict[str, Array] = field(default_factory=dict)
     disturbed: dict[str, Array] = field(default_factory=dict)
+    coarse: float = 1.0
 
     def sigma(self, signal: str) -> Array:
         """Standard deviation of each sample: noise and numerical floor together. Shape (t, n)."""

@@ -13,43 +13,61 @@ import numpy as np
 from scipy.signal import lfilter
 
 from engines import Diverged, Unsupported
+from harness.diagnose.case import Case
 from harness.diagnose.noise import local_maximum
 from harness.diagnose.problem import Change, Problem
 from harness.drive import Array
-from harness.experiment import simulate
+from harness.experiment import Experiment, simulate
+from harness.plant import Plant
 
 MANY = 6
 """With more joints than this, the spread of repetitions is taken as it is."""
 LIKELY = 2.0
 """The spread of a few repetitions may be this many times smaller than that of many."""
 
+Moved = dict[int, dict[str, Array]]
+"""How far each sample of a motion moves per N·m on a joint: by joint and signal, shape (t, n)."""
 
-def sensitivity(problem: Problem, changes: Sequence[Change], case: int, joint: int) -> dict[str, Array]:
-    """How far each sample moves per N·m of a disturbing torque on one joint. By signal, shape (t, n).
+
+def sensitivity(problem: Problem, changes: Sequence[Change], case: int) -> Moved:
+    """How far each sample moves per N·m of a disturbing torque on each joint.
 
     The root mean square over a constant torque and some random ones: a free joint swings up under what comes and goes,
-    a stiff one leans under what stays.
+    a stiff one leans under what stays. Empty where no motion was repeated, or the joints are many.
     """
-    plant = problem.changed_plant(changes, case)
-    push = 0.01 * _scale(plant.drive["effort_limit"][joint], plant.drive[joint])
-    c = problem.cases[case]
-    plants = [plant.copy() for _ in range(RANDOM + 2)]
-    plants[1].drive["constant"][joint] += push
-    h = c.experiment.scenario.timestep
-    steps = int(c.experiment.duration / h) + 3
-    for k, pushed in enumerate(plants[2:]):
-        pushed.efforts.append(Push(coloured(steps, h, k) * push, h, joint, len(plant.model.joints)))
+    n = len(problem.plant.model.joints)
+    if n > MANY or not problem.repeated:
+        return {}
+    c, plant = problem.cases[case], problem.changed_plant(changes, case)
+
+    def simulated(pushed: Plant) -> dict[str, Array]:
+        trace = simulate(c.experiment.with_plant(pushed), problem.engine).trace.at(c.measured.time)
+        return {s: np.asarray(getattr(trace, s)) for s in problem.joint_signals(case)}
+
+    rate = (len(c.measured.time) - 1) / (c.measured.time[-1] - c.measured.time[0])
+    near = max(int(ENVELOPE * rate), 1)
+    out: Moved = {}
     try:
-        traces = [simulate(c.experiment.with_plant(p), problem.engine).trace.at(c.measured.time) for p in plants]
+        still = simulated(plant)
+        for j in range(n):
+            push = 0.01 * _scale(plant.drive["effort_limit"][j], plant.drive[j])
+            moved = [simulated(p) for p in _pushed(plant, j, push, c.experiment)]
+            squares = {s: np.mean([(m[s] - still[s]) ** 2 for m in moved], axis=0) for s in still}
+            out[j] = {s: local_maximum(np.sqrt(square), near) / push for s, square in squares.items()}
     except (Diverged, Unsupported):
         return {}
-    rate = (len(c.measured.time) - 1) / (c.measured.time[-1] - c.measured.time[0])
-    out = {}
-    for signal in problem.joint_signals(case):
-        still, *moved = (np.asarray(getattr(t, signal)) for t in traces)
-        square = np.mean([(m - still) ** 2 for m in moved], axis=0)
-        out[signal] = local_maximum(np.sqrt(square), max(int(ENVELOPE * rate), 1)) / push
     return out
+
+
+def _pushed(plant: Plant, joint: int, push: float, experiment: Experiment) -> list[Plant]:
+    """The plant under a constant torque on a joint and under some random ones of the same size."""
+    plants = [plant.copy() for _ in range(RANDOM + 1)]
+    plants[0].drive["constant"][joint] += push
+    h = experiment.scenario.timestep
+    steps = int(experiment.duration / h) + 3
+    for k, pushed in enumerate(plants[1:]):
+        pushed.efforts.append(Push(coloured(steps, h, k) * push, h, joint, len(plant.model.joints)))
+    return plants
 
 
 RANDOM = 3
@@ -89,35 +107,37 @@ def _scale(limit: float, drive: np.void) -> float:
     return float(min(candidates, default=1.0))
 
 
-def disturbances(problem: Problem, changes: Sequence[Change]) -> Array:
-    """The disturbing torque on each joint [N·m] that explains how repetitions differ. Shape (n,); 0 where none were."""
+def disturbances(problem: Problem, moved: Sequence[Moved]) -> Array:
+    """The disturbing torque on each joint [N·m] that explains how repetitions differ. Shape (n,); 0 where none were.
+
+    Args:
+        problem: whose motions were repeated.
+        moved: how far a torque moves each of them.
+    """
     n = len(problem.plant.model.joints)
-    if n > MANY:
-        return np.zeros(n)
     repeated = [i for i, c in enumerate(problem.cases) if c.repetitions > 1 and "position" in c.noise]
     ratios = np.zeros((len(repeated), n))
     for row, i in enumerate(repeated):
         c = problem.cases[i]
         excess = np.maximum(c.spread["position"] ** 2 - c.white["position"] ** 2, 0.0)
-        for j in range(n):
-            moved = sensitivity(problem, changes, i, j).get("position")
-            if moved is not None:
-                ratios[row, j] = np.sqrt(excess[j] / max(float(np.mean(moved[:, j] ** 2)), 1e-30))
+        for j, signals in moved[i].items():
+            ratios[row, j] = np.sqrt(excess[j] / max(float(np.mean(signals["position"][:, j] ** 2)), 1e-30))
     return np.asarray(ratios.mean(axis=0)) if repeated else np.zeros(n)
 
 
-def spread(problem: Problem, changes: Sequence[Change], case: int, torque: Array) -> dict[str, Array]:
+def spread(case: Case, moved: Moved, torque: Array) -> dict[str, Array]:
     """The spread of every sample under disturbing torques (n,), of the mean of its repetitions. Shape (t, n).
 
     Of a motion that was itself repeated it is at most `LIKELY` times what was seen: a model that lacks friction swings
     farther than the robot where a servo is off, and would make the samples that show it worthless.
     """
-    c, out = problem.cases[case], dict[str, Array]()
-    for j in np.flatnonzero(torque > 0):
-        for signal, moved in sensitivity(problem, changes, case, int(j)).items():
-            out[signal] = np.hypot(out.get(signal, 0.0), torque[j] * moved)
-    if c.repetitions > 1:
+    out = dict[str, Array]()
+    for j, signals in moved.items():
+        for signal, far in signals.items():
+            if torque[j] > 0:
+                out[signal] = np.hypot(out.get(signal, 0.0), torque[j] * far)
+    if case.repetitions > 1:
         for signal, value in out.items():
             size = np.sqrt(np.mean(value**2, axis=0))
-            out[signal] = value * np.minimum(1.0, LIKELY * c.spread[signal] / np.maximum(size, 1e-30))
-    return {signal: value / np.sqrt(c.repetitions) for signal, value in out.items()}
+            out[signal] = value * np.minimum(1.0, LIKELY * case.spread[signal] / np.maximum(size, 1e-30))
+    return {signal: value / np.sqrt(case.repetitions) for signal, value in out.items()}

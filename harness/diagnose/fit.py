@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,6 +21,8 @@ BETTER = 0.99
 """It goes on from there where the loss is below this share."""
 OUTLIER = 5.0
 """A residual beyond this many times its root mean square counts less."""
+CLOSE = 1e-3
+"""A fit ends where a step would change the parameters by less than this share."""
 PRIOR = 1e-3
 """Pull towards the first guess per size, so that a parameter without influence stays where it is."""
 
@@ -139,21 +141,31 @@ def fit(
         return Fit(list(changes), costs(problem, changes, [*train, *judge]))
     space = _Space(problem, changes)
     count = 0
-    memo: dict[bytes, Array] = {}
+    memo: dict[bytes, list[Array]] = {}
     levels = [problem.levels(c, misfit) for c in train]
 
-    def residual(x: Array) -> Array:
+    def simulated(x: Array) -> list[Array]:
         nonlocal count
         key = x.tobytes()
         if key not in memo:
             count += 1
-            memo[key] = np.concatenate(
-                [_weighted(level * problem.residuals(space.at(x), c)) for level, c in zip(levels, train, strict=True)]
-            )
-        return np.concatenate([memo[key], PRIOR * (x - space.first)])
+            memo[key] = [problem.residuals(space.at(x), c) for c in train]
+        return memo[key]
+
+    def weighted(parts: list[Array], x: Array) -> Array:
+        rows = [_weighted(level * r) for level, r in zip(levels, parts, strict=True)]
+        return np.concatenate([*rows, PRIOR * (x - space.first)])
+
+    def residual(x: Array) -> Array:
+        return weighted(simulated(x), x)
+
+    def coarse(x: Array) -> Array:
+        return weighted([problem.coarse_residuals(space.at(x), c) for c in train], x)
+
+    exact = all(problem.cases[c].coarse == 1.0 for c in train)  # what was simulated already serves again then
 
     def jacobian(x: Array) -> Array:
-        return _differences(residual, x, space.bounds()[1])
+        return _differences(residual if exact else coarse, x, space.bounds()[1])
 
     before = residual(space.first)
     reach = 1.5 if misfit == 1.0 else OUTLIER
@@ -169,7 +181,7 @@ def fit(
             loss="soft_l1",
             f_scale=margin,
             max_nfev=budget,
-            xtol=2e-4,
+            xtol=CLOSE,
             ftol=1e-4,
             gtol=1e-10,
         )
@@ -184,13 +196,18 @@ def fit(
             solution = again if again.cost < solution.cost else solution
             break
     out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count, misfit=misfit)
-    out.cost = costs(problem, out.changes, [*train, *judge])
+    fitted = dict(zip(train, simulated(solution.x), strict=True))
+    out.cost = {c: _mean_square(r) for c, r in fitted.items()} | costs(problem, out.changes, set(judge) - set(train))
     return out
 
 
-def costs(problem: Problem, changes: Sequence[Change], cases: Sequence[int]) -> dict[int, float]:
+def costs(problem: Problem, changes: Sequence[Change], cases: Iterable[int]) -> dict[int, float]:
     """The mean squared residual of each case with a changed plant; 1 is the floor."""
-    return {c: float(np.mean(problem.residuals(changes, c) ** 2)) for c in sorted(set(cases))}
+    return {c: _mean_square(problem.residuals(changes, c)) for c in sorted(set(cases))}
+
+
+def _mean_square(residual: Array) -> float:
+    return float(np.mean(residual**2))
 
 
 def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
@@ -226,11 +243,11 @@ def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[
     for row, c in enumerate(cases):
         level = problem.levels(c, result.misfit)
 
-        def residual(y: Array, c: int = c, level: Array = level) -> Array:
-            return level * problem.residuals(space.at(y), c)
+        def coarse(y: Array, c: int = c, level: Array = level) -> Array:
+            return level * problem.coarse_residuals(space.at(y), c)
 
-        base = residual(space.first)
-        slope = _differences(residual, space.first, space.bounds()[1])
+        base = level * problem.residuals(result.changes, c)
+        slope = _differences(coarse, space.first, space.bounds()[1])
         robust = 1.0 / np.sqrt(1.0 + (base / (OUTLIER * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale

@@ -8,31 +8,53 @@ import numpy as np
 
 from engines import Diverged, Unsupported
 from harness.diagnose.case import TINY
-from harness.diagnose.disturbance import disturbances, spread
+from harness.diagnose.disturbance import Moved, disturbances, sensitivity, spread
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem
 from harness.drive import Array
 
+COARSE = (0.25, 0.5)
+"""Where only the change of the traces counts, the least of these shares of the step rate is enough ..."""
+FAITHFUL = 0.3
+"""... that moves the traces by no more than this, in standard deviations (rms)."""
 
-def set_floors(pool: Pool, changes: Sequence[Change]) -> None:
-    """Measure the floors of every case with a changed plant, and keep them in the problem."""
+
+def set_floors(pool: Pool, changes: Sequence[Change]) -> Array:
+    """Measure the floors of every case with a changed plant, and keep them in the problem; then how coarse a step is
+    enough beside them.
+
+    Returns:
+        The disturbing torque on each joint in one repetition [N·m], shape (n,).
+    """
     problem = pool.problem
-    torque = disturbances(problem, changes)
-    answers = pool.map(_floors, [(tuple(changes), i, torque) for i in range(len(problem.cases))])
-    for case, (floor, disturbed) in zip(problem.cases, answers, strict=True):
-        case.floor, case.disturbed = floor, disturbed
+    each = [(tuple(changes), i) for i in range(len(problem.cases))]
+    answers = pool.map(_floors, each)
+    torque = disturbances(problem, [moved for _, moved in answers])
+    for case, (floor, moved) in zip(problem.cases, answers, strict=True):
+        case.floor, case.disturbed = floor, spread(case, moved, torque)
     _set_noise(problem, bool(torque.any()))
     pool.renew()
+    for case, share in zip(problem.cases, pool.map(_coarse, each), strict=True):
+        case.coarse = share
+    pool.renew()
+    return torque
 
 
-def _floors(
-    problem: Problem, changes: tuple[Change, ...], case: int, torque: Array
-) -> tuple[dict[str, Array], dict[str, Array]]:
+def _floors(problem: Problem, changes: tuple[Change, ...], case: int) -> tuple[dict[str, Array], Moved]:
     try:
         floor = problem.numerical_floor(changes, case)
     except (Diverged, Unsupported):
         floor = {}
-    return floor, spread(problem, changes, case, torque)
+    return floor, sensitivity(problem, changes, case)
+
+
+def _coarse(problem: Problem, changes: tuple[Change, ...], case: int) -> float:
+    """The least share of the step rate that hardly moves the traces."""
+    full = problem.residuals(changes, case)
+    for share in COARSE:
+        if np.sqrt(np.mean((problem.residuals(changes, case, finer=share) - full) ** 2)) <= FAITHFUL:
+            return share
+    return 1.0
 
 
 def _set_noise(problem: Problem, modelled: bool) -> None:

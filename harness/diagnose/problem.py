@@ -20,6 +20,7 @@ from harness.errors import InputError
 from harness.experiment import simulate
 from harness.plant import Plant, build_plant
 from harness.scenario_file import ScenarioFile
+from harness.trace import Trace
 
 NEIGHBOURS = 3
 """Samples around a step transient that share its numerical floor."""
@@ -99,12 +100,15 @@ class Problem:
         Raises:
             Unsupported, Diverged: as the engine says.
         """
-        c = self.cases[case]
-        e = c.experiment
-        plant = self.changed_plant(changes, case)
-        rate = e.scenario.physics.step_rate * finer
-        trace = simulate(e.with_plant(plant), engine or self.engine, step_rate=rate).trace.at(c.measured.time)
-        return {s: np.asarray(getattr(trace, s)) for s in self.signals(case)}
+        return self._sampled(self._trace(changes, case, engine or self.engine, finer), case)
+
+    def _trace(self, changes: Sequence[Change], case: int, engine: str, finer: float) -> Trace:
+        e = self.cases[case].experiment.with_plant(self.changed_plant(changes, case))
+        return simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer).trace
+
+    def _sampled(self, trace: Trace, case: int) -> dict[str, Array]:
+        at = trace.at(self.cases[case].measured.time)
+        return {s: np.asarray(getattr(at, s)) for s in self.signals(case)}
 
     def residual(self, case: int, simulated: Mapping[str, Array]) -> Array:
         """Simulated minus measured in standard deviations, all signals in one vector; 0 where nothing was measured."""
@@ -144,6 +148,10 @@ class Problem:
         except (Diverged, Unsupported):
             return np.full(self.length(case), WORST)
 
+    def coarse_residuals(self, changes: Sequence[Change], case: int) -> Array:
+        """The same at the least step rate that is faithful: for derivatives and first tries."""
+        return self.residuals(changes, case, finer=self.cases[case].coarse)
+
     def length(self, case: int) -> int:
         """Number of residuals of a motion."""
         joints = int(self.judged.sum())
@@ -153,20 +161,18 @@ class Problem:
 
     def numerical_floor(self, changes: Sequence[Change], case: int) -> dict[str, Array]:
         """How far half the step moves each sample: the largest among neighbours, doubled. By signal, shape (t, n)."""
-        coarse = self.simulated(changes, case)
-        fine = self.simulated(changes, case, finer=2.0)
+        trace = self._trace(changes, case, self.engine, 1.0)
+        coarse, fine = self._sampled(trace, case), self.simulated(changes, case, finer=2.0)
         out = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in coarse}
         if "effort" in out and self.cases[case].experiment.commands.held:
-            out["effort"] = np.hypot(out["effort"], self._jumps(changes, case))
+            out["effort"] = np.hypot(out["effort"], self._jumps(trace, case))
         return out
 
-    def _jumps(self, changes: Sequence[Change], case: int) -> Array:
+    def _jumps(self, trace: Trace, case: int) -> Array:
         """How much the effort jumps within a step of each sample: a held command moves it at once, and which side of
         the jump a sample saw is not known. Shape (t, n).
         """
         c = self.cases[case]
-        plant = self.changed_plant(changes, case)
-        trace = simulate(c.experiment.with_plant(plant), self.engine).trace
         h = c.experiment.scenario.timestep
         before, after = (np.asarray(trace.at(c.measured.time + d).effort) for d in (-h, h))
         return np.asarray(np.abs(after - before))

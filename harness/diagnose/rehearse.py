@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from engines import Diverged, Unsupported
-from harness.diagnose.disturbance import disturbances
 from harness.diagnose.floors import set_floors
 from harness.diagnose.outside import set_aside
 from harness.diagnose.planting import plant_recordings, planted
@@ -141,8 +140,7 @@ def rehearse(
     began = time.monotonic()
     problem = pool.problem
     say(f"floors of {len(problem.cases)} motions")
-    set_floors(pool, [])
-    torque = disturbances(problem, [])
+    torque = set_floors(pool, [])
     result = _quiet(problem, others, torque)
     took = time.monotonic() - began
     everyone, result.left_out = _chosen(problem, budget, took / 4, pool.workers)

@@ -11,7 +11,7 @@ from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import fit
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
-from harness.diagnose.search import Search, name
+from harness.diagnose.search import Search, Step, name
 
 MOST = 3
 """Rivals that are listed at most."""
@@ -19,6 +19,8 @@ CLOSE = 0.5
 """Share of the best suspect's explanation that a rival's first try must have reached."""
 FITTED = 6
 """Rivals that are fitted per finding."""
+WORSE = (1.2, 0.5)
+"""What came out worse than this multiple and this much more, when the finding was chosen, is no rival."""
 SAME_COST = 0.12
 """How much the mean squared residual of a rival may be larger, on training and on held-out motions."""
 SAME_TRACE = 0.7
@@ -44,6 +46,7 @@ def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
         if not own or not step.ranked:
             continue
         top = step.ranked[0].explained
+        tried = _tried(step, [*train, *judge])
         seen: set[Suspect] = {step.suspect}
         for screened in step.ranked:
             suspect = screened.change.suspect
@@ -52,7 +55,13 @@ def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
             if any(c.suspect == suspect for c in others):
                 continue
             seen.add(suspect)
-            questions.append(([*others, screened.change], train, judge))
+            first = screened.change
+            if step.suspect in tried and suspect in tried:
+                least, fitted = tried[step.suspect][0], tried[suspect]
+                if fitted[0] > WORSE[0] * least + WORSE[1]:
+                    continue
+                first = fitted[1]
+            questions.append(([*others, first], train, judge))
             owners.append(step.suspect)
     fits = pool.map(fit, questions)
     out: dict[Suspect, list[Rival]] = {}
@@ -68,6 +77,16 @@ def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
     for listed in out.values():
         listed.sort(key=lambda r: (len(KNOWN[r.suspect.effect].parameters), order.index(r.suspect.effect)))
         del listed[MOST:]
+    return out
+
+
+def _tried(step: Step, cases: Sequence[int]) -> dict[Suspect, tuple[float, Change]]:
+    """What each suspect left, when the finding was chosen, and how it was fitted."""
+    out: dict[Suspect, tuple[float, Change]] = {}
+    for fitted in step.tried:
+        last, cost = fitted.changes[-1], fitted.mean_cost(cases)
+        if last.suspect not in out or cost < out[last.suspect][0]:
+            out[last.suspect] = (cost, last)
     return out
 
 

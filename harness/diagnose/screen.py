@@ -22,10 +22,6 @@ UNSEEN = 0.3
 """What a straight line promises is believed by this much."""
 KIN = 6
 """Guesses of one effect that are simulated, at most."""
-COARSE = (0.25, 0.5)
-"""First tries are simulated at the least of these shares of the step rate ..."""
-FAITHFUL = 0.3
-"""... that moves the traces by no more than this, in standard deviations (rms): what counts is the change."""
 NEARLY = 0.9
 """A guess that explains this share of what the straight line promises is not tried at half its size."""
 
@@ -49,24 +45,24 @@ def screen(
     """
     problem = pool.problem
     residual = [problem.residuals(accepted, c) for c in train]
+    coarse = _signature(problem, tuple(accepted), tuple(train))
     tangent = _tangent(pool, accepted, train)
     many = crowded(problem)
     alone = [s for s in suspects if not (many and single(s))]
     shared = [s for s in suspects if many and single(s)]
     tries = {s: probes(problem, s, residual) for s in alone}
     base = np.concatenate([r / np.sqrt(len(r)) for r in residual])
-    rate, without = _rate(problem, accepted, train, base)
-    questions = [((*accepted, p), tuple(train), rate) for s in alone for group in tries[s] for p in group]
+    questions = [((*accepted, p), tuple(train)) for s in alone for group in tries[s] for p in group]
     together = combined(problem, shared, residual)
-    questions += [((*accepted, *column.values()), tuple(train), rate) for _, column in together]
+    questions += [((*accepted, *column.values()), tuple(train)) for _, column in together]
     answers = iter(pool.map(_signature, questions))
     robust = 1.0 / np.sqrt(1.0 + (base / (3 * np.sqrt(np.mean(base**2)) + 1e-12)) ** 2)
     found: dict[Suspect, list[list[tuple[Change, Array]]]] = {
-        s: [[(p, next(answers) - without) for p in group] for group in tries[s]] for s in alone
+        s: [[(p, next(answers) - coarse) for p in group] for group in tries[s]] for s in alone
     }
     masks = {s.indices[0]: joint_mask(problem, train, s.indices[0]) for s in shared}
     for start_number, column in together:
-        change = next(answers) - without
+        change = next(answers) - coarse
         for suspect, probe in column.items():
             groups = found.setdefault(suspect, [])
             if start_number == len(groups):
@@ -76,7 +72,7 @@ def screen(
     ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
     ranked = _worth_simulating(ordered, set(shared), deep)
     rest = [g for g in ordered if g not in ranked]
-    checked = pool.map(_explained, [(tuple(accepted), g, tuple(train), base, robust) for g in ranked])
+    checked = pool.map(_explained, [(tuple(accepted), g, tuple(train), base, coarse, robust) for g in ranked])
     out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
     for guess, truly in zip(ranked, checked, strict=True):
         out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
@@ -94,18 +90,10 @@ def _once(ranked: Sequence[Screened]) -> list[Screened]:
     return out
 
 
-def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...], rate: float = 1.0) -> Array:
-    parts = [problem.residuals(changes, c, finer=rate) for c in train]
+def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, ...]) -> Array:
+    """The residual of all training motions, each counting alike, simulated as coarsely as is faithful."""
+    parts = [problem.coarse_residuals(changes, c) for c in train]
     return np.concatenate([r / np.sqrt(len(r)) for r in parts])
-
-
-def _rate(problem: Problem, accepted: Sequence[Change], train: Sequence[int], base: Array) -> tuple[float, Array]:
-    """The share of the step rate that first tries may be simulated at, and the residual without them at that rate."""
-    for share in COARSE:
-        coarse = _signature(problem, tuple(accepted), tuple(train), share)
-        if np.sqrt(np.sum((coarse - base) ** 2) / len(train)) <= FAITHFUL:
-            return share, coarse
-    return 1.0, base
 
 
 def _explained(
@@ -114,13 +102,14 @@ def _explained(
     guess: Screened,
     train: tuple[int, ...],
     base: Array,
+    coarse: Array,
     robust: Array,
 ) -> float:
     """What a guess explains when it is simulated, or half of it: a straight line may lead too far."""
     total = float(np.sum((robust * base) ** 2))
 
     def truly(change: Change) -> float:
-        answer = _signature(problem, (*accepted, change), train)
+        answer = base + _signature(problem, (*accepted, change), train) - coarse
         return 1.0 - float(np.sum((robust * answer) ** 2)) / total
 
     change = guess.change

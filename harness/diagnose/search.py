@@ -52,12 +52,15 @@ EQUAL = 0.03
 
 @dataclass
 class Step:
-    """One accepted finding, what the held-out motions cost before and after, and all suspects as screened then."""
+    """One accepted finding, what the held-out motions cost before and after, all suspects as screened then, and the
+    fits with those that were tried.
+    """
 
     suspect: Suspect
     before: float
     after: float
     ranked: list[Screened] = field(default_factory=list)
+    tried: list[Fit] = field(default_factory=list)
 
 
 @dataclass
@@ -71,6 +74,7 @@ class Search:
         told: by the recordings themselves, which show it and its size.
         refused: sentences on suspects that were close and why they were not named.
         let_go: what was found and not named after all, because most of the gap has another cause.
+        fits: those that were made under the present floors, by their first guesses.
     """
 
     base: Fit
@@ -79,6 +83,7 @@ class Search:
     told: list[Suspect] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
     let_go: list[Change] = field(default_factory=list)
+    fits: dict[tuple[Change, ...], Fit] = field(default_factory=dict)
 
     def forget(self, suspect: Suspect) -> None:
         """Take out the step of a finding that does not stay."""
@@ -131,27 +136,34 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         ranked = screen(pool, possible, found.fit.changes, train)
         if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
             everyone = [s.change.suspect for s in ranked[:MANY]]
-        best = _best(pool, found, ranked, train, judge, say)
+        tried = _tried(pool, found, ranked, train, judge, say)
+        best = _best(pool, found, tried, train, judge)
         if best is None:
             break
-        step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked)
+        step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
         if found.fit.changes and step.after > CLEAR and not large(base.mean_cost(judge), found.fit, best, judge):
             found.refused.append(_stays(step.suspect, step.before, step.after))
             break
         say(f"added {name(best.changes[-1].suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
         found.steps.append(step)
         found.fit = best
-        set_floors(pool, best.changes)
+        _set_floors(pool, found, best.changes)
         found.fit = _shaped(pool, found.fit, train, judge)
         pruned = _pruned(pool, found, train, judge, say)
         if len(pruned.changes) < len(found.fit.changes):  # the floors are those of what stays
-            set_floors(pool, pruned.changes)
+            _set_floors(pool, found, pruned.changes)
             pruned = fit(problem, pruned.changes, train, judge)
         found.fit = pruned
     _last_look(pool, found, base.mean_cost(judge), train, judge)
     found.base = fit(problem, [], train, judge)
     _abstain_from_fragments(problem, found, judge)
     return found
+
+
+def _set_floors(pool: Pool, found: Search, changes: Sequence[Change]) -> None:
+    """New floors: what was fitted under others no longer counts."""
+    set_floors(pool, changes)
+    found.fits.clear()
 
 
 def enough(base: float) -> float:
@@ -199,7 +211,7 @@ def _last_look(pool: Pool, found: Search, base: float, train: Sequence[int], jud
         found.fit = _sized(problem, found, train, judge)
         if len(found.fit.changes) == stood:
             return
-        set_floors(pool, found.fit.changes)
+        _set_floors(pool, found, found.fit.changes)
         found.fit = fit(problem, found.fit.changes, train, judge)
 
 
@@ -224,9 +236,10 @@ def _least_missed(
 ) -> tuple[Suspect, Fit] | None:
     """The change that held-out motions miss least, and the fit without it; what the recordings told stays."""
     dropped = [c for c in among if c.suspect not in found.told]
-    without = [[c for c in current.changes if c is not drop] for drop in dropped]
-    fits = pool.map(fit, [(rest, train, judge) for rest in without])
-    ways = [(drop.suspect, rest) for drop, rest in zip(dropped, fits, strict=True)]
+    without = [tuple(c for c in current.changes if c is not drop) for drop in dropped]
+    new = [rest for rest in without if rest not in found.fits]
+    found.fits |= zip(new, pool.map(fit, [(rest, train, judge) for rest in new]), strict=True)
+    ways = [(drop.suspect, found.fits[rest]) for drop, rest in zip(dropped, without, strict=True)]
     return min(ways, key=lambda way: way[1].mean_cost(judge), default=None)
 
 
@@ -266,19 +279,23 @@ def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) ->
     return False
 
 
-def _best(
+def _tried(
     pool: Pool,
     found: Search,
     ranked: Sequence[Screened],
     train: Sequence[int],
     judge: Sequence[int],
     say: Callable[[str], None],
-) -> Fit | None:
-    """The best fit with one more suspect; None where none is worth it."""
+) -> list[Fit]:
+    """The fits with one more suspect, for those that promise most."""
+    chosen = _varied(ranked)
+    say("fitting " + ", ".join(name(s.change.suspect) for s in chosen))
+    return pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in chosen])
+
+
+def _best(pool: Pool, found: Search, fits: Sequence[Fit], train: Sequence[int], judge: Sequence[int]) -> Fit | None:
+    """The best of the fits with one more suspect; None where none is worth it."""
     problem = pool.problem
-    tried = _varied(ranked)
-    say("fitting " + ", ".join(name(s.change.suspect) for s in tried))
-    fits = pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in tried])
     now = found.fit
     helping = [f for f in fits if refusal(now, f, train, judge) is None]
     assessed = pool.map(assess, [(f, train, judge) for f in helping])
