@@ -11,18 +11,19 @@ import pytest
 from defusedxml.ElementTree import fromstring
 
 from harness.diagnose.confirm import Confirmed
-from harness.diagnose.diagnosis import Diagnosis, Worsened
+from harness.diagnose.diagnosis import Diagnosis
 from harness.diagnose.fit import assess, fit
 from harness.diagnose.floors import set_floors
+from harness.diagnose.found import Found
 from harness.diagnose.locate import locate
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Suspect, build_problem
 from harness.diagnose.rivals import Rival
-from harness.diagnose.search import Search
 from harness.diagnose.story import write_story
 from harness.diagnose.story_figures import Curves, Pair, draw_curves, draw_pairs
 from harness.diagnose.story_text import quantity
 from harness.diagnose.units import unit_there
+from harness.diagnose.worsened import Worsened
 from harness.effects import EFFECTS
 from harness.scenario_file import load_scenario
 
@@ -59,7 +60,7 @@ def told(judged):
         was, left = VERDICTS[verdict]
         named = verdict in ("explained", "partly explained")
         flat = [replace(f, cost=dict.fromkeys(base.cost, c)) for f, c in ((base, was), (done if named else base, left))]
-        found = Search(*flat, refused=["controller_gain at elbow: makes most held-out runs worse"])
+        found = Found(*flat, refused=["controller_gain at elbow: makes most held-out runs worse"])
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), "its own fit differs from this one by 0.41 floors")
         where = locate(problem, before) if verdict != "no gap" else []
         result = Diagnosis(

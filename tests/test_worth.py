@@ -1,9 +1,12 @@
 """What a finding must remove to be named, in mean squared residuals: 1 is the floor."""
 
+import math
+
 import pytest
 
 from harness.diagnose.fit import Fit
-from harness.diagnose.worth import explains, large, removed, stands
+from harness.diagnose.problem import Change, Suspect
+from harness.diagnose.worth import absurd, explains, large, removed, stands
 
 
 def fit_of(*costs: float) -> Fit:
@@ -52,3 +55,24 @@ def test_very_far_from_the_floor_the_typical_run_decides_on_all_findings() -> No
 
 def test_the_share_is_of_what_stands_above_the_floor() -> None:
     assert removed(fit_of(11.0), fit_of(6.0), [0]) == pytest.approx(0.5)
+
+
+def change(effect: str, target: str, **values: float) -> Change:
+    return Change(Suspect(effect, target, (0,)), tuple(values.items()), tuple(values))
+
+
+@pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.1), (-0.25, 0.0), (math.pi, 0.05), (math.pi / 2 - 0.1, -0.2)])
+def test_a_base_may_be_mounted_at_quarter_turns_and_lean_a_little(roll: float, pitch: float) -> None:
+    assert absurd(change("base_tilt", "base", roll=roll, pitch=pitch)) is None
+
+
+def test_a_base_that_leans_far_would_be_seen() -> None:
+    reason = absurd(change("base_tilt", "base", roll=-0.434, pitch=0.02))
+    assert reason is not None
+    assert "25°" in reason
+
+
+def test_stribeck_friction_falls_with_speed() -> None:
+    shape = {"velocity": 0.2, "exponent": 2.0}
+    assert absurd(change("stribeck_friction", "elbow", static=0.5, coulomb=0.2, **shape)) is None
+    assert absurd(change("stribeck_friction", "elbow", static=0.2, coulomb=0.5, **shape)) is not None

@@ -9,9 +9,9 @@ import numpy as np
 
 from engines import Diverged, Unsupported
 from harness.diagnose.fit import assess, fit
+from harness.diagnose.found import Found, name
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
-from harness.diagnose.search import Search, name
 
 HELPS = 0.97
 """A finding helps in an engine where it brings the held-out gap below this part of what it was."""
@@ -27,7 +27,7 @@ class Confirmed:
 
 
 def confirm(
-    pool: Pool, found: Search, others: Sequence[str], say: Callable[[str], None]
+    pool: Pool, found: Found, others: Sequence[str], say: Callable[[str], None]
 ) -> tuple[dict[Suspect, Confirmed], list[str]]:
     """The gap after each finding, engine by engine; findings that help nowhere else are dropped, with a sentence."""
     problem = pool.problem

@@ -8,35 +8,24 @@ from typing import Any
 
 import numpy as np
 
-import engines
 from harness.diagnose.confirm import Confirmed, confirm
+from harness.diagnose.found import Found, name
 from harness.diagnose.locate import Place, locate
 from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.rivals import Rival, experiment, rivals
-from harness.diagnose.search import Search, enough, name, search
+from harness.diagnose.search import enough, search
 from harness.diagnose.units import unit_there
+from harness.diagnose.worsened import Worsened, worsened
 from harness.diagnose.worth import CLEAR, rms, worst
 from harness.drive import Array
 from harness.effects import EFFECTS
-from harness.gap import unit_of
 from harness.recording.faults import faults
 
 NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
-
-
-@dataclass
-class Worsened:
-    """A joint and signal that came out further from the measurement than before, on held-out motions."""
-
-    joint: str
-    signal: str
-    unit: str
-    before: float
-    after: float
 
 
 @dataclass
@@ -48,7 +37,7 @@ class Diagnosis:
 
     problem: Problem
     engines: list[str]
-    found: Search
+    found: Found
     confirmed: dict[Suspect, Confirmed]
     rivals: dict[Suspect, list[Rival]]
     where: list[Place]
@@ -179,8 +168,8 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     others = [e for e in names if e != problem.engine]
     confirmed, artefacts = confirm(pool, found, others, say)
     listed = rivals(pool, found) if found.fit.changes else {}
-    before = _simulated(problem, [])
-    after = _simulated(problem, found.fit.changes) if found.fit.changes else before
+    before = problem.simulations([])
+    after = problem.simulations(found.fit.changes) if found.fit.changes else before
     judge = problem.of("held_out")
     where = locate(problem, before)
     parts = (problem.of("train"), judge)
@@ -197,7 +186,7 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
         rivals=listed,
         where=where,
         left=left,
-        worsened=_worsened(problem, judge, before, after) if found.fit.changes else [],
+        worsened=worsened(problem, judge, before, after) if found.fit.changes else [],
         faults=told,
         before=before,
         after=after,
@@ -214,41 +203,4 @@ def sensor_faults(problem: Problem) -> list[str]:
     return list(dict.fromkeys(out))
 
 
-def _simulated(problem: Problem, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
-    out = {}
-    for i in range(len(problem.cases)):
-        try:
-            out[i] = problem.simulated(changes, i)
-        except (engines.Diverged, engines.Unsupported):
-            continue
-    return out
-
-
-def _worsened(
-    problem: Problem, judge: Sequence[int], before: dict[int, dict[str, Array]], after: dict[int, dict[str, Array]]
-) -> list[Worsened]:
-    """Joints and signals whose mean gap on held-out motions grew by more than the noise floor."""
-    out = []
-    cases = [i for i in judge if i in before and i in after]
-    model = problem.plant.model
-    for j, joint in enumerate(model.joints):
-        for signal in ("position", "velocity", "effort"):
-            with_signal = [i for i in cases if signal in problem.signals(i)]
-            if not with_signal or not problem.judged[j]:
-                continue
-            unit, scale = unit_of(signal, joint.prismatic)
-
-            def gap(
-                sim: dict[int, dict[str, Array]], j: int = j, signal: str = signal, of: list[int] = with_signal
-            ) -> float:
-                parts = [np.abs(sim[i][signal][:, j] - problem.cases[i].value(signal)[:, j]) for i in of]
-                return float(np.nanmean(np.concatenate(parts)))
-
-            noise = float(np.mean([problem.cases[i].noise[signal][j] for i in with_signal]))
-            was, now = gap(before), gap(after)
-            if now > was * 1.05 and now - was > 0.25 * noise:
-                out.append(Worsened(joint.name, signal, unit, was * scale, now * scale))
-    return out
-
-
-__all__ = ["Diagnosis", "Worsened", "diagnose", "name"]
+__all__ = ["Diagnosis", "diagnose", "name"]

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 from harness.diagnose.decoys import DECOYS
 from harness.diagnose.fit import Fit, assess, costs
+from harness.diagnose.found import Found
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Problem
-from harness.diagnose.search import Search
 from harness.diagnose.worth import rms
 
 
-def set_aside(pool: Pool, found: Search, say: Callable[[str], None]) -> list[str]:
+def set_aside(pool: Pool, found: Found, say: Callable[[str], None]) -> list[str]:
     """Take decoys out of what was found; returns a sentence for each. What stays is judged without them."""
     problem = pool.problem
     train, judge = problem.of("train"), problem.of("held_out")
@@ -35,7 +35,7 @@ def set_aside(pool: Pool, found: Search, say: Callable[[str], None]) -> list[str
     return notes
 
 
-def _without(problem: Problem, found: Search, train: list[int], judge: list[int]) -> Fit:
+def _without(problem: Problem, found: Found, train: list[int], judge: list[int]) -> Fit:
     named = [c for c in found.fit.changes if c.suspect.effect not in DECOYS]
     if not named:
         return found.base

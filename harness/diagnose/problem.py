@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -101,6 +102,14 @@ class Problem:
             Unsupported, Diverged: as the engine says.
         """
         return self._sampled(self._trace(changes, case, engine or self.engine, finer), case)
+
+    def simulations(self, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
+        """The signals of every motion that can be simulated with a changed plant, by case."""
+        out = {}
+        for i in range(len(self.cases)):
+            with suppress(Diverged, Unsupported):
+                out[i] = self.simulated(changes, i)
+        return out
 
     def _trace(self, changes: Sequence[Change], case: int, engine: str, finer: float) -> Trace:
         e = self.cases[case].experiment.with_plant(self.changed_plant(changes, case))

@@ -14,12 +14,13 @@ import numpy as np
 
 from engines import Diverged, Unsupported
 from harness.diagnose.floors import set_floors
+from harness.diagnose.found import name
 from harness.diagnose.outside import set_aside
 from harness.diagnose.planting import plant_recordings, planted
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect, build_problem
 from harness.diagnose.rivals import rivals
-from harness.diagnose.search import AT_FLOOR, name, search
+from harness.diagnose.search import AT_FLOOR, search
 from harness.diagnose.suspects import suspects
 from harness.diagnose.visible import Confusable, Visible, confusables, visible
 from harness.diagnose.workflow import SEARCH

@@ -9,9 +9,9 @@ import numpy as np
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import fit
+from harness.diagnose.found import Found, Step, name
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
-from harness.diagnose.search import Search, Step, name
 
 MOST = 3
 """Rivals that are listed at most."""
@@ -35,7 +35,7 @@ class Rival:
     why: str
 
 
-def rivals(pool: Pool, found: Search) -> dict[Suspect, list[Rival]]:
+def rivals(pool: Pool, found: Found) -> dict[Suspect, list[Rival]]:
     """For each finding, the suspects that could stand in its place, the simplest first."""
     problem = pool.problem
     train, judge = problem.of("train"), problem.of("held_out")

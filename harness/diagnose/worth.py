@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import Fit
-from harness.diagnose.problem import Problem, Suspect
+from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.suspects import neutral
 
 VERY_FAR = 200.0
@@ -67,8 +67,7 @@ def refusal(before: Fit, after: Fit, train: Sequence[int], judge: Sequence[int])
 def doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
     """Why a fit is not believed although it helps; None where it is. What it rests on is known once it is assessed."""
     newest = assessed.changes[-1]
-    absurd = KNOWN[newest.suspect.effect].absurd
-    if absurd is not None and (reason := absurd(newest.parameters)) is not None:
+    if (reason := absurd(newest)) is not None:
         return reason
     if not len(assessed.deviation):
         return None
@@ -79,6 +78,12 @@ def doubt(problem: Problem, assessed: Fit, judge: Sequence[int]) -> str | None:
     if assessed.mean_cost(judge) > 2.0 and not _consistent(assessed, last, zero):
         return "no one value fits all runs"
     return None
+
+
+def absurd(change: Change) -> str | None:
+    """Why the values of a change are not its effect; None where they are."""
+    why = KNOWN[change.suspect.effect].absurd
+    return None if why is None else why(change.parameters)
 
 
 def sized(problem: Problem, assessed: Fit, number: int) -> bool:

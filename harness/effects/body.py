@@ -148,6 +148,16 @@ def _is_fixed(plant: Plant, _index: int) -> str | None:
     return None
 
 
+LEAN = 0.3
+"""A base leans by no more than this [rad] from level or from a mount at quarter turns: one would see it."""
+
+
+def _leans(values: Values) -> str | None:
+    quarter = math.pi / 2
+    lean = max(abs((v + quarter / 2) % quarter - quarter / 2) for v in values.values())
+    return f"the base would lean by {math.degrees(lean):.0f}°, and one would see that" if lean > LEAN else None
+
+
 BASE_TILT = Effect(
     name="base_tilt",
     changes="model",
@@ -170,4 +180,5 @@ BASE_TILT = Effect(
         "constant_effort.",
         source="Flemming 2019, chapter 4; any spirit level.",
     ),
+    absurd=_leans,
 )
