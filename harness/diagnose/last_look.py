@@ -10,11 +10,9 @@ from harness.diagnose.floors import set_floors
 from harness.diagnose.found import Found, name
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
-from harness.diagnose.worsened import Worsened, worsened
+from harness.diagnose.worsened import hurt
 from harness.diagnose.worth import FAR, absurd, explains, rms, sized, stands, worst
 
-HURT = 1.5
-"""A signal whose held-out gap grows this many times, and by more than its noise, speaks against all findings."""
 UNSURE = "its size cannot be told from none"
 
 
@@ -107,7 +105,8 @@ def abstain(problem: Problem, found: Found, judge: Sequence[int]) -> None:
     if not found.fit.changes:
         return
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    reasons = [f"{w.signal} of {w.joint} gets far worse with all findings" for w in _hurt(problem, found, judge)]
+    before, after = (problem.simulations(f.changes) for f in (found.base, found.fit))
+    reasons = [f"{signal} gets far worse with all findings" for signal in hurt(problem, judge, before, after)]
     if not explains(found.base, found.fit, judge, left=worst(problem, found.fit), repeated=problem.repeated):
         reasons.append(
             f"held-out gap {rms(was):.2f} -> {rms(left):.2f} with all findings: most of it has another cause"
@@ -116,12 +115,6 @@ def abstain(problem: Problem, found: Found, judge: Sequence[int]) -> None:
         found.refused += [f"{name(change.suspect)}: {reasons[0]}" for change in found.fit.changes]
         found.let_go = [c for c in found.fit.changes if c.suspect not in found.told]
         found.fit, found.steps = found.base, []
-
-
-def _hurt(problem: Problem, found: Found, judge: Sequence[int]) -> list[Worsened]:
-    """The signals whose gap grew so much that what explains the others cannot be what is missing."""
-    listed = worsened(problem, judge, *(problem.simulations(f.changes) for f in (found.base, found.fit)))
-    return [w for w in listed if w.after > max(HURT * w.before, w.before + w.noise)]
 
 
 def new_floors(pool: Pool, found: Found, changes: Sequence[Change]) -> None:

@@ -17,6 +17,9 @@ SEEN = 1.05
 ABOVE = 0.25
 """... and so is one that grows by less than this part of the noise floor."""
 
+HURT = 1.25
+"""A signal whose gap grows this many times, and by more than the floor, is hurt."""
+
 Simulations = Mapping[int, Mapping[str, Array]]
 """Simulated signals by case."""
 
@@ -25,7 +28,7 @@ Simulations = Mapping[int, Mapping[str, Array]]
 class Worsened:
     """A joint and signal that came out further from the measurement than before, on held-out motions.
 
-    `before` and `after` are mean absolute gaps, and `noise` is the standard deviation of the noise, in `unit`.
+    `before` and `after` are mean absolute gaps in `unit`.
     """
 
     joint: str
@@ -33,7 +36,6 @@ class Worsened:
     unit: str
     before: float
     after: float
-    noise: float = 0.0
 
 
 def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[Worsened]:
@@ -49,8 +51,30 @@ def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after:
             was, now = (_gap(problem, with_signal, signal, j, simulated) for simulated in (before, after))
             noise = float(np.mean([problem.cases[i].noise[signal][j] for i in with_signal]))
             if now > was * SEEN and now - was > ABOVE * noise:
-                out.append(Worsened(joint.name, signal, unit, was * scale, now * scale, noise * scale))
+                out.append(Worsened(joint.name, signal, unit, was * scale, now * scale))
     return out
+
+
+def hurt(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[str]:
+    """The signals that came out far worse over all joints and held-out motions, in floors."""
+    cases = [i for i in judge if i in before and i in after]
+    out = []
+    for signal in JOINT_SIGNALS:
+        with_signal = [i for i in cases if signal in problem.signals(i)]
+        if with_signal:
+            was, now = (_mean_square(problem, with_signal, signal, simulated) for simulated in (before, after))
+            if now > HURT**2 * was and now - was > 1.0:
+                out.append(signal)
+    return out
+
+
+def _mean_square(problem: Problem, cases: Sequence[int], signal: str, simulated: Simulations) -> float:
+    parts = []
+    for i in cases:
+        case = problem.cases[i]
+        delta = (simulated[i][signal] - case.value(signal)) / case.sigma(signal)
+        parts.append(np.nanmean(delta[:, problem.judged] ** 2))
+    return float(np.mean(parts))
 
 
 def _gap(problem: Problem, cases: Sequence[int], signal: str, joint: int, simulated: Simulations) -> float:
