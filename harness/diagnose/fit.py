@@ -119,6 +119,38 @@ class _Space:
         return [replace(c, values=tuple(v.items())) for c, v in zip(self.changes, values, strict=True)]
 
 
+class _Residual:
+    """The residuals of the training motions over a vector of scaled values; what was simulated is kept in `memo`."""
+
+    def __init__(self, problem: Problem, space: _Space, train: Sequence[int], misfit: float) -> None:
+        self.problem, self.space, self.train = problem, space, train
+        self.levels = [problem.levels(c, misfit) for c in train]
+        self.memo: dict[bytes, list[Array]] = {}
+
+    def __call__(self, x: Array) -> Array:
+        """Weighted so that every motion counts alike, with the pull towards the first guess at the end."""
+        return self._weighted(self.simulated(x), x)
+
+    def simulated(self, x: Array) -> list[Array]:
+        """As simulated, by motion."""
+        key = x.tobytes()
+        if key not in self.memo:
+            self.memo[key] = [self.problem.residuals(self.space.at(x), c) for c in self.train]
+        return self.memo[key]
+
+    def jacobian(self, x: Array) -> Array:
+        """By differences, as coarsely as is faithful; a step that is exact serves the solver again."""
+        exact = all(self.problem.cases[c].coarse == 1.0 for c in self.train)
+        return _differences(self if exact else self._coarse, x, self.space.bounds()[1])
+
+    def _coarse(self, x: Array) -> Array:
+        return self._weighted([self.problem.coarse_residuals(self.space.at(x), c) for c in self.train], x)
+
+    def _weighted(self, parts: Sequence[Array], x: Array) -> Array:
+        rows = [_alike(level * r) for level, r in zip(self.levels, parts, strict=True)]
+        return np.concatenate([*rows, PRIOR * (x - self.space.first)])
+
+
 def fit(
     problem: Problem,
     changes: Sequence[Change],
@@ -140,33 +172,7 @@ def fit(
     if not any(c.free for c in changes):
         return Fit(list(changes), costs(problem, changes, [*train, *judge]))
     space = _Space(problem, changes)
-    count = 0
-    memo: dict[bytes, list[Array]] = {}
-    levels = [problem.levels(c, misfit) for c in train]
-
-    def simulated(x: Array) -> list[Array]:
-        nonlocal count
-        key = x.tobytes()
-        if key not in memo:
-            count += 1
-            memo[key] = [problem.residuals(space.at(x), c) for c in train]
-        return memo[key]
-
-    def weighted(parts: list[Array], x: Array) -> Array:
-        rows = [_weighted(level * r) for level, r in zip(levels, parts, strict=True)]
-        return np.concatenate([*rows, PRIOR * (x - space.first)])
-
-    def residual(x: Array) -> Array:
-        return weighted(simulated(x), x)
-
-    def coarse(x: Array) -> Array:
-        return weighted([problem.coarse_residuals(space.at(x), c) for c in train], x)
-
-    exact = all(problem.cases[c].coarse == 1.0 for c in train)  # what was simulated already serves again then
-
-    def jacobian(x: Array) -> Array:
-        return _differences(residual if exact else coarse, x, space.bounds()[1])
-
+    residual = _Residual(problem, space, train, misfit)
     before = residual(space.first)
     reach = 1.5 if misfit == 1.0 else OUTLIER
     scale = max(1.0, reach * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
@@ -176,7 +182,7 @@ def fit(
         return least_squares(
             residual,
             x,
-            jac=jacobian,
+            jac=residual.jacobian,
             bounds=space.bounds(),
             loss="soft_l1",
             f_scale=margin,
@@ -195,9 +201,10 @@ def fit(
             again = solve(x)
             solution = again if again.cost < solution.cost else solution
             break
-    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, evaluations=count, misfit=misfit)
-    fitted = dict(zip(train, simulated(solution.x), strict=True))
+    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, misfit=misfit)
+    fitted = dict(zip(train, residual.simulated(solution.x), strict=True))
     out.cost = {c: _mean_square(r) for c, r in fitted.items()} | costs(problem, out.changes, set(judge) - set(train))
+    out.evaluations = len(residual.memo)
     return out
 
 
@@ -214,7 +221,7 @@ def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
     return float(np.mean([problem.length(c) for c in cases]))
 
 
-def _weighted(residual: Array) -> Array:
+def _alike(residual: Array) -> Array:
     """A motion's residual so that its squares sum to their mean: every motion counts alike, however long."""
     return np.asarray(residual / np.sqrt(len(residual)))
 
