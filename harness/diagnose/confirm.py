@@ -15,6 +15,9 @@ from harness.diagnose.problem import WORST, Change, Problem, Suspect
 
 HELPS = 0.97
 """A finding helps in an engine where it brings the held-out gap below this part of what it was."""
+ALIKE = 0.75
+"""... and where it lowers the mean square by at least this share of what it does in the searching engine: what helps
+half as much elsewhere mends that engine's own error."""
 
 
 @dataclass
@@ -39,12 +42,15 @@ def confirm(
         alone = [
             s
             for s, c in out.items()
-            if c.engines and _helps(c.before, c.after) and not any(_helps(*pair) for pair in c.engines.values())
+            if c.engines and _helps(c.before, c.after) and not any(agrees(c, pair) for pair in c.engines.values())
         ]
         if not alone:
             return out, notes
         drop = alone[-1]
-        sentence = f"{name(drop)} helps in {problem.engine} only, which makes it an artefact of that engine: not named"
+        sentence = (
+            f"{name(drop)} helps in {problem.engine} far more than in any other engine, which makes it an artefact of "
+            f"{problem.engine}: not named"
+        )
         say(sentence)
         notes.append(sentence)
         found.forget(drop)
@@ -52,6 +58,13 @@ def confirm(
         found.fit = fit(problem, rest, problem.of("train"), judge)
         if rest:
             found.fit = assess(problem, found.fit, problem.of("train"), judge)
+
+
+def agrees(finding: Confirmed, there: tuple[float, float]) -> bool:
+    """Whether another engine has the gap before and after that says the same of a finding."""
+    before, after = there
+    lowered = finding.before**2 - finding.after**2
+    return _helps(before, after) and before**2 - after**2 >= ALIKE * lowered
 
 
 def _helps(before: float, after: float) -> bool:

@@ -126,14 +126,16 @@ def _finite(values: dict[str, float]) -> bool:
 
 
 def _worth_simulating(ordered: Sequence[Screened], shared: set[Suspect], deep: int) -> list[Screened]:
-    """The best `deep` guesses, few of one effect, and the best joint of every effect that was tried on all at once.
-
-    What such a try shows of a joint is only what happens at that joint; what it would do to the others is not seen.
+    """The best `deep` guesses, few of one effect, and of a whole body the best joint and the best group of joints of
+    every effect: what a try on all joints at once shows of a joint is only what happens at that joint, and a servo type
+    is few suspects among the many single joints.
     """
     out: list[Screened] = []
     for guess in ordered:
-        kin = sum(o.change.suspect.effect == guess.change.suspect.effect for o in out)
-        if (len(out) < deep and kin < KIN) or (guess.change.suspect in shared and not kin):
+        suspect = guess.change.suspect
+        kin = [o.change.suspect for o in out if o.change.suspect.effect == suspect.effect]
+        first = bool(shared) and not any(single(k) == single(suspect) for k in kin)
+        if (len(out) < deep and len(kin) < KIN) or first:
             out.append(guess)
     return out
 
