@@ -22,6 +22,8 @@ UNSEEN = 0.3
 """What a straight line promises is believed by this much."""
 KIN = 6
 """Guesses of one effect that are simulated, at most."""
+GROUP = 0.3
+"""A group of joints promises something with this share of what the best guess does."""
 NEARLY = 0.9
 """A guess that explains this share of what the straight line promises is not tried at half its size."""
 
@@ -126,16 +128,16 @@ def _finite(values: dict[str, float]) -> bool:
 
 
 def _worth_simulating(ordered: Sequence[Screened], shared: set[Suspect], deep: int) -> list[Screened]:
-    """The best `deep` guesses, few of one effect, and of a whole body the best joint and the best group of joints of
-    every effect: what a try on all joints at once shows of a joint is only what happens at that joint, and a servo type
-    is few suspects among the many single joints.
+    """The best `deep` guesses, few of one effect, and of a whole body the best joint of every effect and the groups of
+    joints that promise something: what a try on all joints at once shows of a joint is only what happens at that joint,
+    and the servo types are few suspects among the many single joints.
     """
     out: list[Screened] = []
     for guess in ordered:
         suspect = guess.change.suspect
         kin = [o.change.suspect for o in out if o.change.suspect.effect == suspect.effect]
-        first = bool(shared) and not any(single(k) == single(suspect) for k in kin)
-        if (len(out) < deep and len(kin) < KIN) or first:
+        group = bool(shared) and len(suspect.indices) > 1 and guess.explained >= GROUP * ordered[0].explained
+        if (len(out) < deep and len(kin) < KIN) or (suspect in shared and not kin) or group:
             out.append(guess)
     return out
 
