@@ -168,8 +168,9 @@ def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lamb
     others = [e for e in names if e != problem.engine]
     confirmed, artefacts = confirm(pool, found, others, say)
     listed = rivals(pool, found) if found.fit.changes else {}
-    before = problem.simulations([])
-    after = problem.simulations(found.fit.changes) if found.fit.changes else before
+    every = range(len(problem.cases))
+    before = problem.simulations([], every)
+    after = problem.simulations(found.fit.changes, every) if found.fit.changes else before
     judge = problem.of("held_out")
     where = locate(problem, before)
     parts = (problem.of("train"), judge)

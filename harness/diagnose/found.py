@@ -33,7 +33,7 @@ class Found:
         steps: in the order of acceptance.
         told: by the recordings themselves, which show it and its size.
         refused: sentences on suspects that were close and why they were not named.
-        let_go: what was found and not named after all, because most of the gap has another cause.
+        let_go: what was found and not named after all, because it is not the cause of the gap.
         fits: those that were made under the present floors, by their first guesses.
     """
 

@@ -105,7 +105,7 @@ def abstain(problem: Problem, found: Found, judge: Sequence[int]) -> None:
     if not found.fit.changes:
         return
     was, left = found.base.mean_cost(judge), found.fit.mean_cost(judge)
-    before, after = (problem.simulations(f.changes) for f in (found.base, found.fit))
+    before, after = (problem.simulations(f.changes, judge) for f in (found.base, found.fit))
     reasons = [f"{signal} gets far worse with all findings" for signal in hurt(problem, judge, before, after)]
     if not explains(found.base, found.fit, judge, left=worst(problem, found.fit), repeated=problem.repeated):
         reasons.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -103,10 +103,10 @@ class Problem:
         """
         return self._sampled(self._trace(changes, case, engine or self.engine, finer), case)
 
-    def simulations(self, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
-        """The signals of every motion that can be simulated with a changed plant, by case."""
+    def simulations(self, changes: Sequence[Change], cases: Iterable[int]) -> dict[int, dict[str, Array]]:
+        """The signals of those motions that can be simulated with a changed plant, by case."""
         out = {}
-        for i in range(len(self.cases)):
+        for i in cases:
             with suppress(Diverged, Unsupported):
                 out[i] = self.simulated(changes, i)
         return out
@@ -121,18 +121,22 @@ class Problem:
 
     def residual(self, case: int, simulated: Mapping[str, Array]) -> Array:
         """Simulated minus measured in standard deviations, all signals in one vector; 0 where nothing was measured."""
-        c = self.cases[case]
-        parts = []
-        for signal in self.signals(case):
-            delta = simulated[signal] - c.value(signal)
-            if signal == "base_quaternion":
-                flipped = simulated[signal] + c.value(signal)
-                delta = np.where(np.sum(delta**2, axis=1) > np.sum(flipped**2, axis=1), flipped.T, delta.T).T
-            scaled = delta / c.sigma(signal)
-            if signal in JOINT_SIGNALS:
-                scaled = scaled[:, self.judged]
-            parts.append(np.nan_to_num(scaled.T, nan=0.0, posinf=WORST, neginf=-WORST).ravel())
+        scaled = [self.scaled(case, signal, simulated) for signal in self.signals(case)]
+        parts = [np.nan_to_num(s.T, nan=0.0, posinf=WORST, neginf=-WORST).ravel() for s in scaled]
         return np.clip(np.concatenate(parts), -WORST, WORST)
+
+    def scaled(self, case: int, signal: str, simulated: Mapping[str, Array]) -> Array:
+        """Simulated minus measured in standard deviations, of one signal; NaN where nothing was measured.
+
+        Shape (t, n): of joints, those that are judged.
+        """
+        c = self.cases[case]
+        delta = simulated[signal] - c.value(signal)
+        if signal == "base_quaternion":
+            flipped = simulated[signal] + c.value(signal)
+            delta = np.where(np.sum(delta**2, axis=1) > np.sum(flipped**2, axis=1), flipped.T, delta.T).T
+        out = np.asarray(delta / c.sigma(signal))
+        return out[:, self.judged] if signal in JOINT_SIGNALS else out
 
     def levels(self, case: int, misfit: float) -> Array:
         """What to multiply a motion's residual by where no model comes closer than `misfit` floors.

@@ -48,7 +48,7 @@ def screen(
     problem = pool.problem
     residual = [problem.residuals(accepted, c) for c in train]
     coarse = _signature(problem, tuple(accepted), tuple(train))
-    tangent = _tangent(pool, accepted, train)
+    tangent = _tangent(pool, accepted, train, coarse)
     many = crowded(problem)
     alone = [s for s in suspects if not (many and single(s))]
     shared = [s for s in suspects if many and single(s)]
@@ -142,9 +142,9 @@ def _worth_simulating(ordered: Sequence[Screened], shared: set[Suspect], deep: i
     return out
 
 
-def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Array:
-    """How the residual changes with each accepted parameter. Shape (samples, p)."""
-    questions: list[tuple[tuple[Change, ...], tuple[int, ...]]] = [(tuple(accepted), tuple(train))]
+def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int], coarse: Array) -> Array:
+    """How the residual changes with each accepted parameter, from what it is without a change. Shape (samples, p)."""
+    questions: list[tuple[tuple[Change, ...], tuple[int, ...]]] = []
     steps = []
     for i, change in enumerate(accepted):
         size = sizes(pool.problem.plant, change.suspect)
@@ -157,8 +157,8 @@ def _tangent(pool: Pool, accepted: Sequence[Change], train: Sequence[int]) -> Ar
             steps.append(step / size[name])
     answers = pool.map(_signature, questions)
     if not steps:
-        return np.zeros((len(answers[0]), 0))
-    return np.column_stack([(a - answers[0]) / s for a, s in zip(answers[1:], steps, strict=True)])
+        return np.zeros((len(coarse), 0))
+    return np.column_stack([(a - coarse) / s for a, s in zip(answers, steps, strict=True)])
 
 
 def _guess(

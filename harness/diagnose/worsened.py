@@ -41,15 +41,14 @@ class Worsened:
 def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[Worsened]:
     """Joints and signals whose mean gap on held-out motions grew by more than the noise floor."""
     out = []
-    cases = [i for i in judge if i in before and i in after]
     for j, joint in enumerate(problem.plant.model.joints):
         for signal in JOINT_SIGNALS:
-            with_signal = [i for i in cases if signal in problem.signals(i)]
-            if not with_signal or not problem.judged[j]:
+            cases = _compared(problem, signal, judge, before, after)
+            if not cases or not problem.judged[j]:
                 continue
             unit, scale = unit_of(signal, joint.prismatic)
-            was, now = (_gap(problem, with_signal, signal, j, simulated) for simulated in (before, after))
-            noise = float(np.mean([problem.cases[i].noise[signal][j] for i in with_signal]))
+            was, now = (_gap(problem, cases, signal, j, simulated) for simulated in (before, after))
+            noise = float(np.mean([problem.cases[i].noise[signal][j] for i in cases]))
             if now > was * SEEN and now - was > ABOVE * noise:
                 out.append(Worsened(joint.name, signal, unit, was * scale, now * scale))
     return out
@@ -57,24 +56,25 @@ def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after:
 
 def hurt(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[str]:
     """The signals that came out far worse over all joints and held-out motions, in floors."""
-    cases = [i for i in judge if i in before and i in after]
     out = []
     for signal in JOINT_SIGNALS:
-        with_signal = [i for i in cases if signal in problem.signals(i)]
-        if with_signal:
-            was, now = (_mean_square(problem, with_signal, signal, simulated) for simulated in (before, after))
+        cases = _compared(problem, signal, judge, before, after)
+        if cases:
+            was, now = (_mean_square(problem, cases, signal, simulated) for simulated in (before, after))
             if now > HURT**2 * was and now - was > 1.0:
                 out.append(signal)
     return out
 
 
+def _compared(
+    problem: Problem, signal: str, judge: Sequence[int], before: Simulations, after: Simulations
+) -> list[int]:
+    """The cases in which a signal was measured and simulated both times."""
+    return [i for i in judge if i in before and i in after and signal in problem.signals(i)]
+
+
 def _mean_square(problem: Problem, cases: Sequence[int], signal: str, simulated: Simulations) -> float:
-    parts = []
-    for i in cases:
-        case = problem.cases[i]
-        delta = (simulated[i][signal] - case.value(signal)) / case.sigma(signal)
-        parts.append(np.nanmean(delta[:, problem.judged] ** 2))
-    return float(np.mean(parts))
+    return float(np.mean([np.nanmean(problem.scaled(i, signal, simulated[i]) ** 2) for i in cases]))
 
 
 def _gap(problem: Problem, cases: Sequence[int], signal: str, joint: int, simulated: Simulations) -> float:
