@@ -13,8 +13,9 @@ from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.suspects import fitted, neutral, sizes
 from harness.drive import Array
 
-STEP = 0.02
-"""Step of a numerical derivative, as a part of the parameter's size."""
+STEP, CONTACT_STEP = 0.02, 0.15
+"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a
+free body, where contacts that come and go make small differences tell nothing but that."""
 ELSEWHERE = (0.7, 1.4)
 """A fit is tried again from these multiples of the newest change: friction that holds a joint makes it rough."""
 BETTER = 0.99
@@ -141,7 +142,7 @@ class _Residual:
     def jacobian(self, x: Array) -> Array:
         """By differences, as coarsely as is faithful; a step that is exact serves the solver again."""
         exact = all(self.problem.cases[c].coarse == 1.0 for c in self.train)
-        return _differences(self if exact else self._coarse, x, self.space.bounds()[1])
+        return _differences(self if exact else self._coarse, x, self.space.bounds()[1], _step(self.problem))
 
     def _coarse(self, x: Array) -> Array:
         return self._weighted([self.problem.coarse_residuals(self.space.at(x), c) for c in self.train], x)
@@ -226,11 +227,15 @@ def _alike(residual: Array) -> Array:
     return np.asarray(residual / np.sqrt(len(residual)))
 
 
-def _differences(function: Callable[[Array], Array], x: Array, high: Array) -> Array:
+def _step(problem: Problem) -> float:
+    return CONTACT_STEP if problem.plant.model.floating else STEP
+
+
+def _differences(function: Callable[[Array], Array], x: Array, high: Array, part: float) -> Array:
     base = function(x)
     out = np.empty((len(base), len(x)))
     for k in range(len(x)):
-        step = STEP * max(abs(x[k]), 0.3)
+        step = part * max(abs(x[k]), 0.3)
         if x[k] + step > high[k]:
             step = -step
         moved = x.copy()
@@ -254,7 +259,7 @@ def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[
             return level * problem.coarse_residuals(space.at(y), c)
 
         base = level * problem.residuals(result.changes, c)
-        slope = _differences(coarse, space.first, space.bounds()[1])
+        slope = _differences(coarse, space.first, space.bounds()[1], _step(problem))
         robust = 1.0 / np.sqrt(1.0 + (base / (OUTLIER * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import Fit, assess, fit
@@ -14,7 +13,7 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
-from harness.diagnose.suspects import LATER, suspects
+from harness.diagnose.suspects import richer, suspects
 from harness.diagnose.worth import (
     CLEAR,
     GAIN,
@@ -190,11 +189,10 @@ def _varied(ranked: Sequence[Screened]) -> list[Screened]:
 
 def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
     """The fit with the shape of the last finding freed, where that helps on held-out motions."""
-    last = current.changes[-1]
-    more = LATER.get(last.suspect.effect)
+    more = richer(pool.problem.plant, current.changes[-1])
     if more is None:
         return fit(pool.problem, current.changes, train, judge)
-    freed = [*current.changes[:-1], replace(last, free=more)]
+    freed = [*current.changes[:-1], more]
     plain, rich = pool.map(fit, [(current.changes, train, judge), (freed, train, judge)])
     return rich if rich.mean_cost(judge) < 0.97 * plain.mean_cost(judge) else plain
 

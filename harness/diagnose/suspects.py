@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from harness.diagnose.decoys import DECOYS, KNOWN
-from harness.diagnose.problem import Problem, Suspect
+from harness.diagnose.problem import Change, Problem, Suspect
 from harness.effects import Effect, Parameter
+from harness.effects.joint import speed_scale
 from harness.plant import Plant, match_joints
 
 
@@ -75,6 +77,22 @@ def fitted(effect: Effect) -> list[Parameter]:
     if effect.name in LATER and free is None:
         return [p for p in effect.parameters if not p.shape and p.default is None]
     return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
+
+
+def richer(plant: Plant, change: Change) -> Change | None:
+    """A change with its shape freed too; None where there is none to free.
+
+    Friction under load starts with half of itself at slow speed only: without a static part its speed means nothing.
+    """
+    free = LATER.get(change.suspect.effect)
+    if free is None:
+        return None
+    values = change.parameters
+    if values.get("static_coefficient") == 0.0:
+        half = 0.5 * values["coefficient"]
+        slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
+        values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
+    return replace(change, values=tuple(values.items()), free=free)
 
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:

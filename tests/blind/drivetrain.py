@@ -156,7 +156,9 @@ def joint_efforts(
                 integral[j] += d.ki * error * h
         else:
             integral[j] = 0.0
-        extra = d.constant - d.ripple * np.sin(d.ripple_periods * shaft + d.ripple_phase)
+        turn = rotor[j] if loose or soft else q[j]
+        ripple = -d.ripple * np.sin(d.ripple_periods * turn + d.ripple_phase)
+        extra = d.constant
         if shaft > d.stop:
             extra -= d.stop_stiffness * (shaft - d.stop) + 0.002 * d.stop_stiffness * w[j]
         through[j] += h / 2e-4 * (0.5 * abs(motor[j] + link_torque[j]) - through[j])
@@ -174,18 +176,18 @@ def joint_efforts(
             bound = max(d.static, d.coulomb) + (d.load + d.load_static) * through[j]
             share = d.output_share * bound * np.tanh(w[j] / 2e-3)
             applied[j] = touch + extra + noise[j] - share
-            rotor_w[j] += h * (motor[j] - (1.0 - d.output_share) * friction - drag - touch) / d.armature
+            rotor_w[j] += h * (motor[j] + ripple - (1.0 - d.output_share) * friction - drag - touch) / d.armature
             rotor[j] += h * rotor_w[j]
             link_torque[j] = touch
         elif soft:
             spring = d.stiffness * (rotor[j] - q[j])
             spring += 0.02 * np.sqrt(d.stiffness * d.armature) * (rotor_w[j] - w[j])
             applied[j] = spring + noise[j]
-            rotor_w[j] += h * (motor[j] + extra - friction - drag - spring) / d.armature
+            rotor_w[j] += h * (motor[j] + ripple + extra - friction - drag - spring) / d.armature
             rotor[j] += h * rotor_w[j]
             link_torque[j] = spring
         else:
-            applied[j] = motor[j] + extra + noise[j] - friction - drag
+            applied[j] = motor[j] + ripple + extra + noise[j] - friction - drag
     return bus
 
 
