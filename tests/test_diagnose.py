@@ -12,12 +12,13 @@ import yaml
 
 from harness.diagnose.decoys import KNOWN
 from harness.diagnose.disturbance import LIKELY, disturbances, sensitivity, spread
+from harness.diagnose.fit import start
 from harness.diagnose.noise import local_maximum, own_noise, repetition_noise, shared_noise
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import probes
 from harness.diagnose.problem import Change, Suspect, build_problem, changed
 from harness.diagnose.search import search
-from harness.diagnose.suspects import neutral, suspects
+from harness.diagnose.suspects import neutral, richer, suspects
 from harness.diagnose.workflow import run_diagnosis, summary
 from harness.diagnose.worth import rank
 from harness.errors import InputError
@@ -75,6 +76,25 @@ def test_every_suspect_can_be_neutral() -> None:
         same = {n: v for n, v in zero.items() if KNOWN[suspect.effect].parameter(n).absent is None}
         own = KNOWN[suspect.effect].own(plant, suspect.indices[0])
         assert {n: own[n] for n in same if n in own} == pytest.approx({n: same[n] for n in same if n in own})
+
+
+def test_a_target_is_told_as_people_know_it() -> None:
+    assert Suspect("coulomb_friction", "elbow", (1,)).where == "elbow"
+    assert Suspect("coulomb_friction", ("hip", "knee"), (0, 1)).where == "hip, knee"
+    assert Suspect("coulomb_friction", ("hip", "knee"), (0, 1), "mx106").where == "the 2 joints of servo mx106"
+
+
+def test_friction_under_load_is_the_same_at_rest_when_its_shape_is_freed() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    plain = {s.effect: start(problem, s) for s in suspects(problem) if s.target == "elbow"}
+    found = plain["load_dependent_friction"]
+    freed = richer(problem.plant, found)
+    assert freed is not None
+    values = freed.parameters
+    assert values["coefficient"] + values["static_coefficient"] == pytest.approx(found.parameters["coefficient"])
+    assert set(freed.free) > set(found.free)
+    assert richer(problem.plant, plain["coulomb_friction"]) is None
+    assert richer(problem.plant, freed) == freed  # what has a shape goes on from it
 
 
 def test_an_effect_that_the_scenario_has_is_neutral_at_its_own_value() -> None:

@@ -52,5 +52,4 @@ class Found:
 
 def name(suspect: Suspect) -> str:
     """An effect and its target, for people."""
-    target = suspect.target if isinstance(suspect.target, str) else ", ".join(suspect.target)
-    return f"{suspect.effect} at {target}{' (outside the list)' * (suspect.effect in DECOYS)}"
+    return f"{suspect.effect} at {suspect.where}{' (outside the list)' * (suspect.effect in DECOYS)}"

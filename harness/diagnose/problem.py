@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 import numpy as np
@@ -31,11 +31,21 @@ WORST = 1e6
 
 @dataclass(frozen=True)
 class Suspect:
-    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means."""
+    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means, and the name of
+    the `servo`, where they are all joints of one.
+    """
 
     effect: str
     target: str | tuple[str, ...]
     indices: tuple[int, ...]
+    servo: str = field(default="", compare=False)
+
+    @property
+    def where(self) -> str:
+        """The target for people."""
+        if isinstance(self.target, str):
+            return self.target
+        return f"the {len(self.target)} joints of servo {self.servo}" if self.servo else ", ".join(self.target)
 
 
 @dataclass(frozen=True)

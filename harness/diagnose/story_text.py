@@ -24,10 +24,7 @@ def effect_label(effect: str) -> str:
 
 def target_label(suspect: Suspect) -> str:
     """Where it sits, in words."""
-    target = suspect.target
-    if target == "*":
-        return "all joints"
-    return target if isinstance(target, str) else listed(list(target))
+    return "all joints" if suspect.target == "*" else suspect.where
 
 
 def suspect_label(suspect: Suspect) -> str:

@@ -16,42 +16,38 @@ from harness.plant import Plant, match_joints
 
 def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
-    plant = problem.plant
-    out = []
-    for effect in KNOWN.values():
-        for target, indices in _targets(problem, effect):
-            if all(effect.possible(plant, i) is None for i in indices):
-                out.append(Suspect(effect.name, target, tuple(indices)))
-    return out
+    every = [suspect for effect in KNOWN.values() for suspect in _anywhere(problem, effect)]
+    return [s for s in every if all(KNOWN[s.effect].possible(problem.plant, i) is None for i in s.indices)]
 
 
-def _targets(problem: Problem, effect: Effect) -> list[tuple[str | tuple[str, ...], list[int]]]:
-    plant = problem.plant
+def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
+    """An effect at every target of its kind."""
+    model = problem.plant.model
     if effect.sits_at in ("ground", "base"):
-        return [(effect.sits_at, [0])]
+        return [Suspect(effect.name, effect.sits_at, (0,))]
     if effect.sits_at == "link":
-        first = 0 if plant.model.floating else 1
-        return [(link.name, [i]) for i, link in enumerate(plant.model.links) if i >= first]
-    joints = [j for j in range(len(plant.model.joints)) if problem.judged[j]]
+        first = 0 if model.floating else 1
+        return [Suspect(effect.name, link.name, (i,)) for i, link in enumerate(model.links) if i >= first]
+    names = model.joint_names
+    judged = [j for j in range(len(names)) if problem.judged[j]]
+    single = [Suspect(effect.name, names[j], (j,)) for j in judged]
     if effect.name in DECOYS:
-        return [(plant.model.joint_names[j], [j]) for j in joints] if len(joints) <= FEW_JOINTS else []
-    names = plant.model.joint_names
-    out: list[tuple[str | tuple[str, ...], list[int]]] = [(names[j], [j]) for j in joints]
-    if len(joints) > 1 and effect.name not in OWN:
-        groups = [g for g in _servo_groups(problem) if 1 < len(g) < len(joints)]
-        out += [(tuple(names[j] for j in g), g) for g in groups]
-        out.append(("*", list(range(len(names)))))
-    return out
+        return single if len(judged) <= FEW_JOINTS else []
+    if len(judged) < 2 or effect.name in OWN:
+        return single
+    groups = [(servo, group) for servo, group in _servo_groups(problem) if 1 < len(group) < len(judged)]
+    types = [Suspect(effect.name, tuple(names[j] for j in g), tuple(g), servo) for servo, g in groups]
+    return [*single, *types, Suspect(effect.name, "*", tuple(range(len(names))))]
 
 
-def _servo_groups(problem: Problem) -> list[list[int]]:
-    """The joints of each servo of the scenario: first match wins."""
+def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
+    """The name and the joints of each servo of the scenario: first match wins."""
     taken: set[int] = set()
     out = []
     for servo in problem.file.scenario.servos:
         matched = [j for j in match_joints(problem.plant.model, servo.joints) if j not in taken]
         taken |= set(matched)
-        out.append(matched)
+        out.append((servo.name or "", matched))
     return out
 
 

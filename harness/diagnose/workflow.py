@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.diagnose.diagnosis import Diagnosis, diagnose
+from harness.diagnose.found import name
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import build_problem
 from harness.diagnose.revise import write_revised
@@ -69,15 +70,14 @@ def summary(result: Diagnosis) -> list[str]:
         f"{content['verdict']}: held-out gap {gap['held_out']['before']:g} -> {gap['held_out']['after']:g} "
         "(floor-weighted rms, 1 is the floor)"
     ]
-    for finding in content["findings"]:
-        target = finding["target"] if isinstance(finding["target"], str) else ", ".join(finding["target"])
+    for finding, change in zip(content["findings"], result.found.fit.changes, strict=True):
         values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
         before, after = finding["held_out"]["before"], finding["held_out"]["after"]
-        lines.append(f"  {finding['effect']} at {target}: {values}; held out {before:g} -> {after:g}")
+        lines.append(f"  {name(change.suspect)}: {values}; held out {before:g} -> {after:g}")
         for engine, pair in finding["engines"].items():
             lines.append(f"    {engine}: {pair['before']:g} -> {pair['after']:g}")
-        for other in finding["cannot_tell_from"]:
-            lines.append(f"    cannot be told from {other['effect']} at {other['target']}: {other['why']}")
+        for rival in result.rivals.get(change.suspect, []):
+            lines.append(f"    cannot be told from {name(rival.suspect)}: {rival.why}")
     lines += [
         f"  worse: {w['signal']} of {w['joint']}: {w['before']:g} -> {w['after']:g} {w['unit']}"
         for w in content["worsened"]
