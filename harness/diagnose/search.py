@@ -111,10 +111,46 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
             new_floors(pool, found, pruned.changes)
             pruned = fit(problem, pruned.changes, train, judge)
         found.fit = pruned
+    _choose_again(pool, found, everyone, train, judge, say)
     last_look(pool, found, base.mean_cost(judge), train, judge)
     found.base = fit(problem, [], train, judge)
     abstain(problem, found, judge)
     return found
+
+
+def _choose_again(
+    pool: Pool,
+    found: Found,
+    everyone: Sequence[Suspect],
+    train: Sequence[int],
+    judge: Sequence[int],
+    say: Callable[[str], None],
+) -> None:
+    """What was chosen beside a finding that did not stay is chosen once more, beside those that did."""
+    problem = pool.problem
+    for number, step in enumerate(found.steps):
+        kept = found.fit
+        beside = {c.suspect for f in step.tried for c in f.changes[:-1]}
+        if beside <= {c.suspect for c in kept.changes}:
+            continue
+        say(f"looking again in place of {name(step.suspect)}")
+        own = [c for c in kept.changes if c.suspect == step.suspect]
+        found.fit = fit(problem, [c for c in kept.changes if c not in own], train, judge)
+        possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
+        ranked = screen(pool, possible, found.fit.changes, train)
+        same = fit(problem, [*found.fit.changes, *own], train, judge)
+        tried = [same, *_tried(pool, found, ranked, train, judge, say)]
+        best = _best(pool, found, tried, train, judge)
+        if best is None:
+            found.fit = kept
+            continue
+        newest = best.changes[-1].suspect
+        found.steps[number] = Step(newest, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
+        found.fit = best
+        if newest != step.suspect:
+            say(f"added {name(newest)} in its place")
+            new_floors(pool, found, best.changes)
+            found.fit = _shaped(pool, best, train, judge)
 
 
 def enough(base: float) -> float:
