@@ -6,14 +6,17 @@ from collections.abc import Callable
 
 from harness.diagnose.decoys import DECOYS
 from harness.diagnose.fit import Fit, assess, costs
-from harness.diagnose.found import Found
+from harness.diagnose.found import Found, name
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Problem
-from harness.diagnose.worth import rms
+from harness.diagnose.worth import refusal, rms
 
 
 def set_aside(pool: Pool, found: Found, say: Callable[[str], None]) -> list[str]:
-    """Take decoys out of what was found; returns a sentence for each. What stays is judged without them."""
+    """Take decoys out of what was found; returns a sentence for each.
+
+    What stays is judged without them: where it mends nothing then, it only mended them, and is not named either.
+    """
     problem = pool.problem
     train, judge = problem.of("train"), problem.of("held_out")
     decoys = [c for c in found.fit.changes if c.suspect.effect in DECOYS]
@@ -40,4 +43,8 @@ def _without(problem: Problem, found: Found, train: list[int], judge: list[int])
     if not named:
         return found.base
     kept = Fit(named, costs(problem, named, [*train, *judge]))
+    if (reason := refusal(found.base, kept, train, judge)) is not None:
+        found.refused += [f"{name(c.suspect)}: {reason}, without what is not on the list" for c in named]
+        found.steps = []
+        return found.base
     return assess(problem, kept, train, judge)
