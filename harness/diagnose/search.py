@@ -13,9 +13,11 @@ from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
+from harness.diagnose.split import keep_back
 from harness.diagnose.suspects import richer, suspects
 from harness.diagnose.worth import (
     CLEAR,
+    FAR,
     GAIN,
     LEAST,
     doubt,
@@ -71,9 +73,15 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
 def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) -> Found:
     """One forward selection among the suspects."""
     problem = pool.problem
-    train, judge = problem.of("train"), problem.of("held_out")
     set_floors(pool, [])
+    train, judge = problem.of("train"), problem.of("held_out")
     base = fit(problem, [], train, judge)
+    hidden = max(base.cost[c] for c in judge) <= CLEAR
+    if hidden and (said := keep_back(problem.cases, [c for c in train if base.cost[c] > FAR])):
+        problem.split = "; ".join(filter(None, [problem.split, said]))
+        set_floors(pool, [])
+        judge = problem.of("held_out")
+        base = fit(problem, [], train, judge)
     found = Found(base, base)
     for change in velocity_filters(problem, everyone):  # the recordings show them and tell their size
         was, seen = found.fit, fit(problem, [*found.fit.changes, change], train, judge)

@@ -59,14 +59,26 @@ def _mark(file: ScenarioFile, cases: list[Case]) -> str:
             c.use = "held_out" if i % 3 == 2 or (len(cases) == 2 and i == 1) else "train"
         kept = ", ".join(c.name for c in cases if c.use == "held_out")
         return f"no run was marked held_out: every third motion was kept back ({kept})"
-    only = cases[0]
-    time = only.measured.time
+    cases[0].use = "train"
+    return f"there is one run: {_cut(cases, cases[0])}"
+
+
+def _cut(cases: list[Case], case: Case) -> str:
+    """Keep back the later part of a case, as one more; returns where it was cut, in words."""
+    time = case.measured.time
     middle = float(time[0] + FITTED * (time[-1] - time[0]))
-    later = replace(only, measured=only.measured.between(middle, np.inf), use="held_out", name=f"{only.name} (rest)")
-    only.measured = only.measured.between(-np.inf, middle)
-    only.use = "train"
+    later = replace(case, measured=case.measured.between(middle, np.inf), use="held_out", name=f"{case.name} (rest)")
+    case.measured = case.measured.between(-np.inf, middle)
     cases.append(later)
-    return f"there is one run: it was fitted up to {middle:.2f} s and judged on the rest"
+    return f"it was fitted up to {middle:.2f} s and judged on the rest"
+
+
+def keep_back(cases: list[Case], showing: Sequence[int]) -> str:
+    """Cut in two the training runs that show a gap which no held-out run shows, where they are long enough; returns
+    what the user should know of it, nothing where none was cut.
+    """
+    long = [cases[c] for c in showing if (1.0 - FITTED) * len(cases[c].measured.time) >= 2 * LEAST]
+    return "; ".join(f"{case.name} shows a gap that no held-out run does: {_cut(cases, case)}" for case in long)
 
 
 def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> None:
