@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from harness.diagnose.decoys import KNOWN
+from harness.diagnose.decoys import DECOYS, KNOWN
 from harness.diagnose.fit import Fit, assess, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.found import Found, Step, name
 from harness.diagnose.last_look import abstain, last_look, least_missed, new_floors, stays
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Change, Suspect
+from harness.diagnose.problem import Change, Problem, Suspect
 from harness.diagnose.screen import Screened, screen
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.split import keep_back
@@ -45,6 +45,8 @@ SURELY = 2
 """Suspects that are fitted at least ..."""
 NEAR = 0.3
 """... and the share of the best one's explanation that the others must reach."""
+MUCH = 0.15
+"""What all findings together leave of a gap, from which on the first of them may have led astray."""
 EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 
@@ -52,22 +54,38 @@ EQUAL = 0.03
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
     """Find the effects that explain the gap, by forward selection with removal.
 
-    Where that ends in nothing, because what helped first led astray, it is tried once more without that effect, and
-    believed if it explains everything.
+    Where that ends in nothing or leaves much, because what helped first led astray, it is tried once more without that
+    effect, and believed if it explains everything.
     """
     problem = pool.problem
     everyone = suspects(problem)
     found = _chain(pool, everyone, say)
-    if not found.let_go or len(everyone) > MANY:
+    first = misleading(problem, found)
+    if first is None or len(everyone) > MANY:
         return found
-    first = found.let_go[0].suspect
     say(f"looking again without {first.effect}")
     again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
     if again.fit.changes and worst(problem, again.fit) <= CLEAR:
         return again
-    set_floors(pool, [])
-    found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
+    set_floors(pool, found.fit.changes)
+    if found.let_go:
+        found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
     return found
+
+
+def misleading(problem: Problem, found: Found) -> Suspect | None:
+    """What was found first, where that may have led astray: all was let go, or much of a gap stays far from the floor.
+
+    What is not on the list of effects does not count: without it the search would only blame another for it.
+    """
+    if found.let_go:
+        return found.let_go[0].suspect
+    first = next((s.suspect for s in found.steps if s.suspect not in found.told), None)
+    if first is None or first.effect in DECOYS or worst(problem, found.fit) <= FAR:
+        return None
+    parts = (problem.of("train"), problem.of("held_out"))
+    left = max(found.fit.mean_cost(part) / found.base.mean_cost(part) for part in parts)
+    return first if left > MUCH else None
 
 
 def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) -> Found:
