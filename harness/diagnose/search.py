@@ -4,30 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from harness.diagnose.choice import best_fit, tried_fits
 from harness.diagnose.decoys import DECOYS, KNOWN
-from harness.diagnose.fit import Fit, assess, fit
+from harness.diagnose.fit import Fit, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.found import Found, Step, name
 from harness.diagnose.last_look import abstain, last_look, least_missed, new_floors, stays
 from harness.diagnose.pool import Pool
 from harness.diagnose.problem import Change, Problem, Suspect
-from harness.diagnose.screen import Screened, screen
+from harness.diagnose.screen import screen
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.split import keep_back
 from harness.diagnose.suspects import richer, suspects
-from harness.diagnose.worth import (
-    CLEAR,
-    FAR,
-    GAIN,
-    LEAST,
-    doubt,
-    gain,
-    large,
-    rank,
-    refusal,
-    rms,
-    worst,
-)
+from harness.diagnose.worth import CLEAR, FAR, GAIN, LEAST, large, rms, worst
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -39,16 +28,8 @@ MOST = 6
 """Findings at most."""
 MANY = 120
 """Suspects that are looked at again after the first round, at most."""
-TRIED = 7
-"""Suspects that are fitted per round."""
-SURELY = 2
-"""Suspects that are fitted at least ..."""
-NEAR = 0.3
-"""... and the share of the best one's explanation that the others must reach."""
 MUCH = 0.15
 """What all findings together leave of a gap, from which on the first of them may have led astray."""
-EQUAL = 0.03
-"""Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 
 
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
@@ -119,8 +100,8 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         ranked = screen(pool, possible, found.fit.changes, train)
         if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
             everyone = [s.change.suspect for s in ranked[:MANY]]
-        tried = _tried(pool, found, ranked, train, judge, say)
-        best = _best(pool, found, tried, train, judge)
+        tried = tried_fits(pool, found, ranked, train, judge, say)
+        best = best_fit(pool, found, tried, train, judge)
         if best is None:
             break
         step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
@@ -165,8 +146,8 @@ def _choose_again(
         possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
         ranked = screen(pool, possible, found.fit.changes, train)
         same = fit(problem, [*found.fit.changes, *own], train, judge)
-        tried = [same, *_tried(pool, found, ranked, train, judge, say)]
-        best = _best(pool, found, tried, train, judge)
+        tried = [same, *tried_fits(pool, found, ranked, train, judge, say)]
+        best = best_fit(pool, found, tried, train, judge)
         if best is None:
             found.fit = kept
             continue
@@ -194,59 +175,6 @@ def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) ->
         ):
             return True
     return False
-
-
-def _tried(
-    pool: Pool,
-    found: Found,
-    ranked: Sequence[Screened],
-    train: Sequence[int],
-    judge: Sequence[int],
-    say: Callable[[str], None],
-) -> list[Fit]:
-    """The fits with one more suspect, for those that promise most."""
-    chosen = _varied(ranked)
-    say("fitting " + ", ".join(name(s.change.suspect) for s in chosen))
-    return pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in chosen])
-
-
-def _best(pool: Pool, found: Found, fits: Sequence[Fit], train: Sequence[int], judge: Sequence[int]) -> Fit | None:
-    """The best of the fits with one more suspect; None where none is worth it."""
-    problem = pool.problem
-    now = found.fit
-    helping = [f for f in fits if refusal(now, f, train, judge) is None]
-    assessed = pool.map(assess, [(f, train, judge) for f in helping])
-    worthy = [f for f in assessed if doubt(problem, f, judge) is None]
-    for candidate in [*(f for f in fits if f not in helping), *assessed]:
-        reason = refusal(now, candidate, train, judge) or doubt(problem, candidate, judge)
-        if reason and candidate.mean_cost(judge) < 0.8 * now.mean_cost(judge):
-            found.refused.append(f"{name(candidate.changes[-1].suspect)}: {reason}")
-    if not worthy:
-        return None
-    gains = [gain(now, f, train, judge) for f in worthy]
-    top = max(gains)
-    equal = [f for f, g in zip(worthy, gains, strict=True) if g >= top - EQUAL * abs(top)]
-
-    def simplicity(candidate: Fit) -> tuple[int, float]:
-        last = candidate.changes[-1]
-        return len(last.free), rank(problem, last.suspect)
-
-    return min(equal, key=simplicity)
-
-
-def _varied(ranked: Sequence[Screened]) -> list[Screened]:
-    """The best suspects, at most two starts of one and three targets of one effect, while they are near the best."""
-    out: list[Screened] = []
-    for s in ranked:
-        if len(out) >= SURELY and s.explained < NEAR * ranked[0].explained:
-            break
-        same = [o for o in out if o.change.suspect == s.change.suspect]
-        kin = [o for o in out if o.change.suspect.effect == s.change.suspect.effect]
-        if len(same) < 2 and len(kin) < 3 and s.explained > 0.01:
-            out.append(s)
-        if len(out) == TRIED:
-            break
-    return out
 
 
 def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
