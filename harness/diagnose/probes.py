@@ -14,7 +14,7 @@ from harness.diagnose.suspects import fitted, neutral, sizes, whole
 from harness.drive import Array
 from harness.effects import Effect
 
-WHOLE_FIRST = (1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
+WHOLE_FIRST = (1.8, 1.3, 0.9, 0.65, 0.45, 0.3, 0.2)
 WHOLE_SECOND = (1.0, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 SOFTER = (1.0, 0.3, 0.1)

@@ -29,14 +29,16 @@ MOST = 6
 MANY = 120
 """Suspects that are looked at again after the first round, at most."""
 MUCH = 0.15
-"""What all findings together leave of a gap, from which on the first of them may have led astray."""
+"""What all findings together leave of a gap, from which on the first of them may have led astray ..."""
+LESS = 0.25
+"""... and the share of that, in mean squares, which another search may leave to be believed instead."""
 
 
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
     """Find the effects that explain the gap, by forward selection with removal.
 
     Where that ends in nothing or leaves much, because what helped first led astray, it is tried once more without that
-    effect, and believed if it explains everything.
+    effect, and believed if it explains everything, or leaves far less than what was found with it.
     """
     problem = pool.problem
     everyone = suspects(problem)
@@ -46,7 +48,8 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
         return found
     say(f"looking again without {first.effect}")
     again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
-    if again.fit.changes and worst(problem, again.fit) <= CLEAR:
+    most = CLEAR if found.let_go else max(CLEAR, LESS * worst(problem, found.fit))
+    if again.fit.changes and worst(problem, again.fit) <= most:
         return again
     set_floors(pool, found.fit.changes)
     if found.let_go:
