@@ -21,6 +21,13 @@ FITTED = 6
 """Rivals that are fitted per finding."""
 WORSE = (1.2, 0.5)
 """What came out worse than this multiple and this much more, when the finding was chosen, is no rival."""
+TWINS = {
+    "rotor_inertia": "link_inertia",
+    "link_inertia": "rotor_inertia",
+    "joint_offset": "base_tilt",
+    "base_tilt": "joint_offset",
+}
+"""What is the same thing on one joint: it is fitted however little its first try promised."""
 SAME_COST = 0.12
 """How much the mean squared residual of a rival may be larger, on training and on held-out motions."""
 SAME_TRACE = 0.7
@@ -47,12 +54,12 @@ def rivals(pool: Pool, found: Found) -> dict[Suspect, list[Rival]]:
             continue
         top = step.ranked[0].explained
         tried = _tried(step, [*train, *judge])
-        seen: set[Suspect] = {step.suspect}
+        seen: set[Suspect] = {step.suspect, *(c.suspect for c in others)}
+        most = len(seen) + FITTED
         for screened in step.ranked:
             suspect = screened.change.suspect
-            if suspect in seen or screened.explained < CLOSE * top or len(seen) > FITTED:
-                continue
-            if any(c.suspect == suspect for c in others):
+            promising = screened.explained >= CLOSE * top and len(seen) < most
+            if suspect in seen or not (promising or _twins(problem, step.suspect, suspect)):
                 continue
             seen.add(suspect)
             first = screened.change
@@ -78,6 +85,17 @@ def rivals(pool: Pool, found: Found) -> dict[Suspect, list[Rival]]:
         listed.sort(key=lambda r: (len(KNOWN[r.suspect.effect].parameters), order.index(r.suspect.effect)))
         del listed[MOST:]
     return out
+
+
+def _twins(problem: Problem, a: Suspect, b: Suspect) -> bool:
+    """Whether both can be the same thing on one joint of a robot on a fixed base."""
+    alike = TWINS.get(a.effect) == b.effect and not problem.plant.model.floating
+    return alike and _first_joint(a) == _first_joint(b)
+
+
+def _first_joint(suspect: Suspect) -> int:
+    """The joint that a suspect acts at; a link's is the one that carries it, the base acts at the first."""
+    return suspect.indices[0] - (KNOWN[suspect.effect].sits_at == "link")
 
 
 def _tried(step: Step, cases: Sequence[int]) -> dict[Suspect, tuple[float, Change]]:

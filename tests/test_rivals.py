@@ -1,0 +1,44 @@
+"""What cannot be told apart, on the bundled demo (synthetic)."""
+
+from pathlib import Path
+
+import pytest
+
+from harness.diagnose.fit import fit, start
+from harness.diagnose.found import Found, Step
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Change, Problem, build_problem
+from harness.diagnose.rivals import rivals
+from harness.diagnose.screen import Screened
+from harness.diagnose.suspects import suspects
+from harness.scenario_file import load_scenario
+
+DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return build_problem(load_scenario(DEMO), "mujoco")
+
+
+def change(problem: Problem, effect: str, target: str) -> Change:
+    return start(problem, next(s for s in suspects(problem) if s.effect == effect and s.target == target))
+
+
+@pytest.mark.parametrize(
+    ("named", "twin"),
+    [
+        (("base_tilt", "base"), ("joint_offset", "shoulder")),
+        (("link_inertia", "upper_arm"), ("rotor_inertia", "shoulder")),
+    ],
+)
+def test_the_same_thing_on_one_joint_is_listed_however_little_it_promised(
+    problem: Problem, named: tuple[str, str], twin: tuple[str, str]
+) -> None:
+    train, judge = problem.of("train"), problem.of("held_out")
+    own, same, elsewhere = (change(problem, *what) for what in (named, twin, (twin[0], "elbow")))
+    ranked = [Screened(own, 1.0), Screened(same, 0.0), Screened(elsewhere, 0.0)]
+    base, found = (fit(problem, changes, train, judge) for changes in ([], [own]))
+    with Pool(problem, 1) as pool:
+        listed = rivals(pool, Found(base, found, [Step(own.suspect, 2.0, 1.0, ranked)]))
+    assert [(r.suspect.effect, r.suspect.target) for r in listed[own.suspect]] == [twin]
