@@ -78,7 +78,7 @@ def keep_back(cases: list[Case], showing: Sequence[int]) -> str:
     what the user should know of it, nothing where none was cut.
     """
     long = [cases[c] for c in showing if (1.0 - FITTED) * len(cases[c].measured.time) >= 2 * LEAST]
-    return "; ".join(f"{case.name} shows a gap that no held-out run does: {_cut(cases, case)}" for case in long)
+    return "; ".join(f"no held-out run shows the gap of {case.name}: {_cut(cases, case)}" for case in long)
 
 
 def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> None:
