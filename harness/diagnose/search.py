@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from harness.diagnose.choice import best_fit, tried_fits
 from harness.diagnose.decoys import DECOYS, KNOWN
@@ -47,12 +48,15 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
     if first is None or len(everyone) > MANY:
         return found
     say(f"looking again without {first.effect}")
+    kept = [replace(c, noise=dict(c.noise)) for c in problem.cases]  # floors depend on those before them
     again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
     most = CLEAR if found.let_go else max(CLEAR, LESS * worst(problem, found.fit))
     if again.fit.changes and worst(problem, again.fit) <= most:
         return again
-    set_floors(pool, found.fit.changes)
+    problem.cases = kept
+    pool.renew()
     if found.let_go:
+        set_floors(pool, [])
         found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
     return found
 
