@@ -1,13 +1,15 @@
-"""The choice: which suspects are fitted, and which of the fits is added."""
+"""The choice: what is screened, which suspects are fitted, and which of the fits is added."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from harness.diagnose.decoys import KNOWN
 from harness.diagnose.fit import Fit, assess, fit
-from harness.diagnose.found import Found, name
+from harness.diagnose.found import Found, Step, name
 from harness.diagnose.pool import Pool
-from harness.diagnose.screen import Screened
+from harness.diagnose.problem import Change, Suspect
+from harness.diagnose.screen import Screened, screen
 from harness.diagnose.worth import doubt, gain, rank, refusal
 
 TRIED = 7
@@ -20,21 +22,50 @@ EQUAL = 0.03
 """Gains within this share of the best are equal: then fewer parameters win, then the order of the table."""
 
 
-def tried_fits(
+def choose(
     pool: Pool,
     found: Found,
-    ranked: Sequence[Screened],
+    everyone: Sequence[Suspect],
     train: Sequence[int],
     judge: Sequence[int],
     say: Callable[[str], None],
-) -> list[Fit]:
-    """The fits with one more suspect, for those that promise most."""
+    *also: Fit,
+) -> tuple[Fit, Step] | None:
+    """The best fit with one more suspect, and the step to it; None where none is worth it.
+
+    Args:
+        pool: of the problem, with its floors set.
+        found: so far.
+        everyone: suspects; those that clash with what was found are left out.
+        train: cases to fit to.
+        judge: cases to judge on.
+        say: told what is being done.
+        also: further fits with one more suspect that compete.
+    """
+    possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
+    say(f"screening {len(possible)} suspects")
+    ranked = screen(pool, possible, found.fit.changes, train)
     chosen = _varied(ranked)
     say("fitting " + ", ".join(name(s.change.suspect) for s in chosen))
-    return pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in chosen])
+    tried = [*also, *pool.map(fit, [([*found.fit.changes, s.change], train, judge) for s in chosen])]
+    best = _best(pool, found, tried, train, judge)
+    if best is None:
+        return None
+    return best, Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
 
 
-def best_fit(pool: Pool, found: Found, fits: Sequence[Fit], train: Sequence[int], judge: Sequence[int]) -> Fit | None:
+def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) -> bool:
+    """Whether an effect is already there, or excluded by one that is, at one of the targets."""
+    for change in accepted:
+        other = change.suspect
+        if set(indices) & set(other.indices) and (
+            effect == other.effect or effect in KNOWN[other.effect].excludes or other.effect in KNOWN[effect].excludes
+        ):
+            return True
+    return False
+
+
+def _best(pool: Pool, found: Found, fits: Sequence[Fit], train: Sequence[int], judge: Sequence[int]) -> Fit | None:
     """The best of the fits with one more suspect; None where none is worth it."""
     problem = pool.problem
     now = found.fit

@@ -94,6 +94,7 @@ class _Space:
                 first.append(min(max(value, p.low), p.high))
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
         self.first = np.array(first) / self.scale
+        self.step = CONTACT_STEP if problem.plant.model.floating else STEP
 
     def bounds(self) -> tuple[Array, Array]:
         return self.low / self.scale, self.high / self.scale
@@ -142,7 +143,7 @@ class _Residual:
     def jacobian(self, x: Array) -> Array:
         """By differences, as coarsely as is faithful; a step that is exact serves the solver again."""
         exact = all(self.problem.cases[c].coarse == 1.0 for c in self.train)
-        return _differences(self if exact else self._coarse, x, self.space.bounds()[1], _step(self.problem))
+        return _differences(self if exact else self._coarse, x, self.space)
 
     def _coarse(self, x: Array) -> Array:
         return self._weighted([self.problem.coarse_residuals(self.space.at(x), c) for c in self.train], x)
@@ -227,15 +228,11 @@ def _alike(residual: Array) -> Array:
     return np.asarray(residual / np.sqrt(len(residual)))
 
 
-def _step(problem: Problem) -> float:
-    return CONTACT_STEP if problem.plant.model.floating else STEP
-
-
-def _differences(function: Callable[[Array], Array], x: Array, high: Array, part: float) -> Array:
-    base = function(x)
+def _differences(function: Callable[[Array], Array], x: Array, space: _Space) -> Array:
+    base, high = function(x), space.bounds()[1]
     out = np.empty((len(base), len(x)))
     for k in range(len(x)):
-        step = part * max(abs(x[k]), 0.3)
+        step = space.step * max(abs(x[k]), 0.3)
         if x[k] + step > high[k]:
             step = -step
         moved = x.copy()
@@ -259,7 +256,7 @@ def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[
             return level * problem.coarse_residuals(space.at(y), c)
 
         base = level * problem.residuals(result.changes, c)
-        slope = _differences(coarse, space.first, space.bounds()[1], _step(problem))
+        slope = _differences(coarse, space.first, space)
         robust = 1.0 / np.sqrt(1.0 + (base / (OUTLIER * max(1.0, np.sqrt(out.cost[c])))) ** 2)
         gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
         out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale

@@ -8,7 +8,6 @@ from harness.diagnose.decoys import DECOYS
 from harness.diagnose.fit import Fit, assess, costs
 from harness.diagnose.found import Found, name
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Problem
 from harness.diagnose.worth import refusal, rms
 
 
@@ -31,20 +30,15 @@ def set_aside(pool: Pool, found: Found, say: Callable[[str], None]) -> list[str]
             f"outside the list of effects: what is seen at {change.suspect.target} looks like a "
             f"{change.suspect.effect.replace('_', ' ')} ({values}){gain}; it is not named as a finding"
         )
-    found.steps = [s for s in found.steps if s.suspect.effect not in DECOYS]
-    found.fit = _without(problem, found, train, judge)
+    named = [c for c in found.fit.changes if c.suspect.effect not in DECOYS]
+    kept = Fit(named, costs(problem, named, [*train, *judge])) if named else found.base
+    reason = refusal(found.base, kept, train, judge)
+    if reason is None:
+        found.fit = assess(problem, kept, train, judge)
+        found.steps = [s for s in found.steps if s.suspect.effect not in DECOYS]
+    else:
+        found.refused += [f"{name(c.suspect)}: {reason}, without what is not on the list" for c in named]
+        found.fit, found.steps = found.base, []
     for note in notes:
         say(note)
     return notes
-
-
-def _without(problem: Problem, found: Found, train: list[int], judge: list[int]) -> Fit:
-    named = [c for c in found.fit.changes if c.suspect.effect not in DECOYS]
-    if not named:
-        return found.base
-    kept = Fit(named, costs(problem, named, [*train, *judge]))
-    if (reason := refusal(found.base, kept, train, judge)) is not None:
-        found.refused += [f"{name(c.suspect)}: {reason}, without what is not on the list" for c in named]
-        found.steps = []
-        return found.base
-    return assess(problem, kept, train, judge)

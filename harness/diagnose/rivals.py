@@ -21,12 +21,7 @@ FITTED = 6
 """Rivals that are fitted per finding."""
 WORSE = (1.2, 0.5)
 """What came out worse than this multiple and this much more, when the finding was chosen, is no rival."""
-TWINS = {
-    "rotor_inertia": "link_inertia",
-    "link_inertia": "rotor_inertia",
-    "joint_offset": "base_tilt",
-    "base_tilt": "joint_offset",
-}
+TWINS = ({"rotor_inertia", "link_inertia"}, {"joint_offset", "base_tilt"})
 """What is the same thing on one joint: it is fitted however little its first try promised."""
 SAME_COST = 0.12
 """How much the mean squared residual of a rival may be larger, on training and on held-out motions."""
@@ -89,8 +84,8 @@ def rivals(pool: Pool, found: Found) -> dict[Suspect, list[Rival]]:
 
 def _twins(problem: Problem, a: Suspect, b: Suspect) -> bool:
     """Whether both can be the same thing on one joint of a robot on a fixed base."""
-    alike = TWINS.get(a.effect) == b.effect and not problem.plant.model.floating
-    return alike and _first_joint(a) == _first_joint(b)
+    fixed = not problem.plant.model.floating
+    return fixed and {a.effect, b.effect} in TWINS and _first_joint(a) == _first_joint(b)
 
 
 def _first_joint(suspect: Suspect) -> int:

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from harness.diagnose.choice import best_fit, tried_fits
-from harness.diagnose.decoys import DECOYS, KNOWN
+from harness.diagnose.choice import choose
+from harness.diagnose.decoys import DECOYS
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.found import Found, Step, name
 from harness.diagnose.last_look import abstain, last_look, least_missed, new_floors, stays
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Change, Problem, Suspect
-from harness.diagnose.screen import screen
+from harness.diagnose.problem import Problem, Suspect
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.split import keep_back
 from harness.diagnose.suspects import richer, suspects
@@ -102,20 +101,16 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) 
         left = [found.fit.mean_cost(part) - enough(base.mean_cost(part)) for part in (train, judge)]
         if max(left) <= 0.0 or (found.fit.changes and found.fit.mean_cost(train) <= FITTED):
             break
-        possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
-        say(f"screening {len(possible)} suspects")
-        ranked = screen(pool, possible, found.fit.changes, train)
-        if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
-            everyone = [s.change.suspect for s in ranked[:MANY]]
-        tried = tried_fits(pool, found, ranked, train, judge, say)
-        best = best_fit(pool, found, tried, train, judge)
-        if best is None:
+        chosen = choose(pool, found, everyone, train, judge, say)
+        if chosen is None:
             break
-        step = Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
+        best, step = chosen
+        if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
+            everyone = [s.change.suspect for s in step.ranked[:MANY]]
         if found.fit.changes and step.after > CLEAR and not large(base.mean_cost(judge), found.fit, best, judge):
             found.refused.append(stays(step.suspect, step.before, step.after))
             break
-        say(f"added {name(best.changes[-1].suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
+        say(f"added {name(step.suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
         found.steps.append(step)
         found.fit = best
         new_floors(pool, found, best.changes)
@@ -149,39 +144,25 @@ def _choose_again(
             continue
         say(f"looking again in place of {name(step.suspect)}")
         own = [c for c in kept.changes if c.suspect == step.suspect]
-        found.fit = fit(problem, [c for c in kept.changes if c not in own], train, judge)
-        possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
-        ranked = screen(pool, possible, found.fit.changes, train)
+        others = [c for c in kept.changes if c not in own]
+        found.fit = fit(problem, others, train, judge)
         same = fit(problem, [*found.fit.changes, *own], train, judge)
-        tried = [same, *tried_fits(pool, found, ranked, train, judge, say)]
-        best = best_fit(pool, found, tried, train, judge)
-        if best is None:
+        chosen = choose(pool, found, everyone, train, judge, say, same)
+        if chosen is None:
             found.fit = kept
             continue
-        newest = best.changes[-1].suspect
-        found.steps[number] = Step(newest, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
-        found.fit = best
+        found.fit, found.steps[number] = chosen
+        newest = found.steps[number].suspect
         if newest != step.suspect:
             say(f"added {name(newest)} in its place")
-            new_floors(pool, found, best.changes)
-            found.fit = _shaped(pool, best, train, judge)
+            new_floors(pool, found, found.fit.changes)
+            found.fit = _shaped(pool, found.fit, train, judge)
 
 
 def enough(base: float) -> float:
     """The mean squared residual at which nothing is left to explain, of a gap that was `base`."""
     share, most = CLOSE
     return AT_FLOOR + min(share * max(base - 1.0, 0.0), most)
-
-
-def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) -> bool:
-    """Whether an effect is already there, or excluded by one that is, at one of the targets."""
-    for change in accepted:
-        other = change.suspect
-        if set(indices) & set(other.indices) and (
-            effect == other.effect or effect in KNOWN[other.effect].excludes or other.effect in KNOWN[effect].excludes
-        ):
-            return True
-    return False
 
 
 def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
