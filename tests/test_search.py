@@ -7,7 +7,7 @@ import pytest
 from harness.diagnose.fit import Fit, start
 from harness.diagnose.found import Found, Step
 from harness.diagnose.problem import Change, Problem, build_problem
-from harness.diagnose.search import misleading
+from harness.diagnose.search import alone, misleading
 from harness.diagnose.suspects import suspects
 from harness.scenario_file import load_scenario
 
@@ -54,3 +54,14 @@ def test_what_the_recordings_told_does_not_lead_astray(problem: Problem) -> None
     first = misleading(problem, found)
     assert first is not None
     assert first.effect == "viscous_friction"
+
+
+@pytest.mark.parametrize(
+    ("fitted", "judged", "only"), [(3.0, 1.5, False), (10.0, 1.5, True), (10.0, 3.0, False), (100.0, 3.0, True)]
+)
+def test_a_training_run_far_beyond_all_held_out_runs_shows_a_gap_of_its_own(
+    problem: Problem, fitted: float, judged: float, only: bool
+) -> None:
+    train, judge = problem.of("train"), problem.of("held_out")
+    cost = dict.fromkeys([*train, *judge], 1.0) | {train[0]: fitted, judge[0]: judged}
+    assert alone(problem, Fit([], cost)) == ([train[0]] if only else [])

@@ -6,7 +6,7 @@ import pytest
 
 from harness.diagnose.fit import Fit
 from harness.diagnose.problem import Change, Suspect
-from harness.diagnose.worth import absurd, explains, large, removed, stands
+from harness.diagnose.worth import absurd, explains, large, lowered, removed, stands
 
 
 def fit_of(*costs: float) -> Fit:
@@ -51,6 +51,12 @@ def test_very_far_from_the_floor_the_typical_run_decides_on_all_findings() -> No
     before, after = fit_of(400.0, 400.0, 90000.0), fit_of(100.0, 100.0, 120000.0)
     assert explains(before, after, [0, 1, 2], left=40000.0, repeated=False)
     assert not explains(after, before, [0, 1, 2], left=40000.0, repeated=False)
+
+
+def test_very_far_from_the_floor_the_typical_run_decides_on_one_finding() -> None:
+    far, near = ([300.0, 300.0, 330.0], [270.0, 270.0, 390.0]), ([30.0, 30.0, 33.0], [27.0, 27.0, 39.0])
+    assert lowered(fit_of(*far[0]), fit_of(*far[1]), [0, 1, 2]) == pytest.approx(-math.log(0.9))
+    assert lowered(fit_of(*near[0]), fit_of(*near[1]), [0, 1, 2]) == pytest.approx(0.0)
 
 
 def test_the_share_is_of_what_stands_above_the_floor() -> None:

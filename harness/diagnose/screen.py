@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -12,7 +12,7 @@ from harness.diagnose.decoys import KNOWN
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import SHAPES, combined, crowded, joint_mask, probes, signed, single, with_values
 from harness.diagnose.problem import WORST, Change, Problem, Suspect
-from harness.diagnose.suspects import neutral, sizes, whole
+from harness.diagnose.suspects import bounds, neutral, sizes, whole
 from harness.drive import Array
 from harness.effects import Effect
 
@@ -25,7 +25,9 @@ KIN = 6
 GROUP = 0.3
 """A group of joints promises something with this share of what the best guess does."""
 NEARLY = 0.9
-"""A guess that explains this share of what the straight line promises is not tried at half its size."""
+"""A guess that explains this share of what the straight line promises is not tried at half its size, but at more."""
+ONWARD = 2
+"""How often a guess that keeps its promise is doubled, while that explains more: a straight line may end too early."""
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,10 @@ def screen(
     ordered = sorted((g for g in guesses if g is not None), key=lambda g: -g.explained)
     ranked = _worth_simulating(ordered, set(shared), deep)
     rest = [g for g in ordered if g not in ranked]
-    checked = pool.map(_explained, [(tuple(accepted), g, tuple(train), base, coarse, robust) for g in ranked])
+    tried = pool.map(_tried, [(tuple(accepted), g, tuple(train), base, coarse, robust) for g in ranked])
     out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
-    for guess, truly in zip(ranked, checked, strict=True):
-        out.append(Screened(guess.change, max(truly, UNSEEN * guess.explained)))
+    for guess, found_so in zip(ranked, tried, strict=True):
+        out.append(replace(found_so, explained=max(found_so.explained, UNSEEN * guess.explained)))
     return _once(sorted(out, key=lambda s: -s.explained))
 
 
@@ -98,7 +100,7 @@ def _signature(problem: Problem, changes: tuple[Change, ...], train: tuple[int, 
     return np.concatenate([r / np.sqrt(len(r)) for r in parts])
 
 
-def _explained(
+def _tried(
     problem: Problem,
     accepted: tuple[Change, ...],
     guess: Screened,
@@ -106,21 +108,32 @@ def _explained(
     base: Array,
     coarse: Array,
     robust: Array,
-) -> float:
-    """What a guess explains when it is simulated, or half of it: a straight line may lead too far."""
+) -> Screened:
+    """A guess with what it explains when it is simulated; a straight line may lead too far, or end too early."""
     total = float(np.sum((robust * base) ** 2))
-
-    def truly(change: Change) -> float:
-        answer = base + _signature(problem, (*accepted, change), train) - coarse
-        return 1.0 - float(np.sum((robust * answer) ** 2)) / total
-
     change = guess.change
-    zero = neutral(problem.plant, change.suspect)
-    here = truly(change)
-    if here >= NEARLY * guess.explained or whole(KNOWN[change.suspect.effect]) or not _finite(zero):
-        return here
-    half = {n: (v + zero[n]) / 2 for n, v in change.values if n in change.free and n not in SHAPES}
-    return max(here, truly(with_values(change, {n: v for n, v in half.items() if np.isfinite(v)})))
+    effect, zero = KNOWN[change.suspect.effect], neutral(problem.plant, change.suspect)
+
+    def truly(tried: Change) -> Screened:
+        answer = base + _signature(problem, (*accepted, tried), train) - coarse
+        return Screened(tried, 1.0 - float(np.sum((robust * answer) ** 2)) / total)
+
+    def times(factor: float) -> Change:
+        far = {n: zero[n] + factor * (v - zero[n]) for n, v in change.values if n in change.free and n not in SHAPES}
+        low, high = bounds(change.suspect, list(far))
+        return with_values(change, dict(zip(far, np.clip(list(far.values()), low, high).tolist(), strict=True)))
+
+    best = truly(change)
+    if whole(effect) or not _finite(zero):
+        return best
+    if best.explained < NEARLY * guess.explained:
+        return Screened(change, max(best.explained, truly(times(0.5)).explained))
+    for k in range(ONWARD):
+        further = truly(times(2.0 ** (k + 1)))
+        if further.explained <= best.explained:
+            break
+        best = further
+    return best
 
 
 def _finite(values: dict[str, float]) -> bool:

@@ -32,6 +32,9 @@ MUCH = 0.15
 """What all findings together leave of a gap, from which on the first of them may have led astray ..."""
 LESS = 0.25
 """... and the share of that, in mean squares, which another search may leave to be believed instead."""
+UNLIKE = 25.0
+"""A training run shows a gap of its own where its cost is this many times that of any held-out run (five times the
+gap)."""
 
 
 def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
@@ -42,22 +45,38 @@ def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
     """
     problem = pool.problem
     everyone = suspects(problem)
-    found = _chain(pool, everyone, say)
+    base = _unchanged(pool)
+    if said := keep_back(problem.cases, alone(problem, base)):
+        problem.split = "; ".join(filter(None, [problem.split, said]))
+        base = _unchanged(pool)
+    found = _chain(pool, everyone, base, say)
     first = misleading(problem, found)
     if first is None or len(everyone) > MANY:
         return found
     say(f"looking again without {first.effect}")
-    kept = [replace(c, noise=dict(c.noise)) for c in problem.cases]  # floors depend on those before them
-    again = _chain(pool, [s for s in everyone if s.effect != first.effect], say)
+    kept = [replace(c, noise=dict(c.noise)) for c in problem.cases]  # the floors under which it was found
+    again = _chain(pool, [s for s in everyone if s.effect != first.effect], _unchanged(pool), say)
     most = CLEAR if found.let_go else max(CLEAR, LESS * worst(problem, found.fit))
     if again.fit.changes and worst(problem, again.fit) <= most:
         return again
     problem.cases = kept
     pool.renew()
     if found.let_go:
-        set_floors(pool, [])
-        found.base = found.fit = fit(problem, [], problem.of("train"), problem.of("held_out"))
+        found.base = found.fit = _unchanged(pool)
     return found
+
+
+def _unchanged(pool: Pool) -> Fit:
+    """The model as it is, under its own floors."""
+    set_floors(pool, [])
+    return fit(pool.problem, [], pool.problem.of("train"), pool.problem.of("held_out"))
+
+
+def alone(problem: Problem, base: Fit) -> list[int]:
+    """The training runs that show a gap as no held-out run does."""
+    shown = max(base.cost[c] for c in problem.of("held_out"))
+    least = FAR if shown <= CLEAR else UNLIKE * shown
+    return [c for c in problem.of("train") if base.cost[c] > least]
 
 
 def misleading(problem: Problem, found: Found) -> Suspect | None:
@@ -75,18 +94,10 @@ def misleading(problem: Problem, found: Found) -> Suspect | None:
     return first if left > MUCH else None
 
 
-def _chain(pool: Pool, everyone: Sequence[Suspect], say: Callable[[str], None]) -> Found:
-    """One forward selection among the suspects."""
+def _chain(pool: Pool, everyone: Sequence[Suspect], base: Fit, say: Callable[[str], None]) -> Found:
+    """One forward selection among the suspects, from the model as it is."""
     problem = pool.problem
-    set_floors(pool, [])
     train, judge = problem.of("train"), problem.of("held_out")
-    base = fit(problem, [], train, judge)
-    hidden = max(base.cost[c] for c in judge) <= CLEAR
-    if hidden and (said := keep_back(problem.cases, [c for c in train if base.cost[c] > FAR])):
-        problem.split = "; ".join(filter(None, [problem.split, said]))
-        set_floors(pool, [])
-        judge = problem.of("held_out")
-        base = fit(problem, [], train, judge)
     found = Found(base, base)
     for change in velocity_filters(problem, everyone):  # the recordings show them and tell their size
         was, seen = found.fit, fit(problem, [*found.fit.changes, change], train, judge)

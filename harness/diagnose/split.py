@@ -74,11 +74,11 @@ def _cut(cases: list[Case], case: Case) -> str:
 
 
 def keep_back(cases: list[Case], showing: Sequence[int]) -> str:
-    """Cut in two the training runs that show a gap which no held-out run shows, where they are long enough; returns
+    """Cut in two the training runs that show a gap as no held-out run does, where they are long enough; returns
     what the user should know of it, nothing where none was cut.
     """
     long = [cases[c] for c in showing if (1.0 - FITTED) * len(cases[c].measured.time) >= 2 * LEAST]
-    return "; ".join(f"no held-out run shows the gap of {case.name}: {_cut(cases, case)}" for case in long)
+    return "; ".join(f"no held-out run shows a gap like that of {case.name}: {_cut(cases, case)}" for case in long)
 
 
 def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> None:

@@ -1,0 +1,36 @@
+"""Screening follows a suspect as far as it helps: effects much larger than their first try, in the demo (synthetic)."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from harness.diagnose.floors import set_floors
+from harness.diagnose.planting import plant_recordings, planted
+from harness.diagnose.pool import Pool
+from harness.diagnose.problem import Problem, build_problem
+from harness.diagnose.screen import screen
+from harness.diagnose.suspects import suspects
+from harness.scenario_file import load_scenario
+
+DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return build_problem(load_scenario(DEMO), "mujoco")
+
+
+@pytest.mark.parametrize(("effect", "times"), [("supply_voltage", 6.0), ("torque_constant", 3.0)])
+def test_a_first_guess_is_as_large_as_the_effect(problem: Problem, effect: str, times: float) -> None:
+    suspect = next(s for s in suspects(problem) if s.effect == effect and s.target == "*")
+    truth = planted(problem, suspect, times)
+    robot = plant_recordings(problem, [truth], "drake", np.zeros(2))
+    with Pool(robot, 1) as pool:
+        set_floors(pool, [])
+        guess = screen(pool, [suspect], [], robot.of("train"))[0]
+    (name,) = truth.free
+    zero = planted(problem, suspect, 0.0).parameters[name]
+    share = (guess.change.parameters[name] - zero) / (truth.parameters[name] - zero)
+    assert guess.explained > 0.5
+    assert 0.6 < share < 1.5
