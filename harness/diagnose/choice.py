@@ -42,7 +42,7 @@ def choose(
         say: told what is being done.
         also: further fits with one more suspect that compete.
     """
-    possible = [s for s in everyone if not _clashes(s.effect, s.indices, found.fit.changes)]
+    possible = [s for s in everyone if not clashes(s, found.fit.changes)]
     say(f"screening {len(possible)} suspects")
     ranked = screen(pool, possible, found.fit.changes, train)
     chosen = _varied(ranked)
@@ -54,11 +54,11 @@ def choose(
     return best, Step(best.changes[-1].suspect, found.fit.mean_cost(judge), best.mean_cost(judge), ranked, tried)
 
 
-def _clashes(effect: str, indices: Sequence[int], accepted: Sequence[Change]) -> bool:
-    """Whether an effect is already there, or excluded by one that is, at one of the targets."""
-    for change in accepted:
-        other = change.suspect
-        if set(indices) & set(other.indices) and (
+def clashes(suspect: Suspect, accepted: Sequence[Change]) -> bool:
+    """Whether an effect is already there, or excluded by one that is, at one of its targets."""
+    effect = suspect.effect
+    for other in (change.suspect for change in accepted):
+        if set(suspect.indices) & set(other.indices) and (
             effect == other.effect or effect in KNOWN[other.effect].excludes or other.effect in KNOWN[effect].excludes
         ):
             return True

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from harness.diagnose.choice import choose
 from harness.diagnose.decoys import DECOYS
+from harness.diagnose.exchange import exchange
 from harness.diagnose.fit import Fit, fit
 from harness.diagnose.floors import set_floors
 from harness.diagnose.found import Found, Step, name
@@ -106,18 +107,32 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], base: Fit, say: Callable[[st
             found.steps.append(Step(change.suspect, was.mean_cost(judge), seen.mean_cost(judge)))
             found.told.append(change.suspect)
             found.fit = seen
+    _forward(pool, found, everyone, say)
+    for _ in range(MOST):
+        if not exchange(pool, found, train, judge, say):
+            break
+        _forward(pool, found, everyone, say)
+    _choose_again(pool, found, everyone, train, judge, say)
+    last_look(pool, found, base.mean_cost(judge), train, judge)
+    found.base = fit(problem, [], train, judge)
+    abstain(problem, found, judge)
+    return found
+
+
+def _forward(pool: Pool, found: Found, everyone: Sequence[Suspect], say: Callable[[str], None]) -> None:
+    """Add what helps most, as long as something does and is worth it."""
+    problem, base = pool.problem, found.base
+    train, judge = problem.of("train"), problem.of("held_out")
     while len(found.fit.changes) < MOST:
         now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
         say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
         left = [found.fit.mean_cost(part) - enough(base.mean_cost(part)) for part in (train, judge)]
         if max(left) <= 0.0 or (found.fit.changes and found.fit.mean_cost(train) <= FITTED):
             break
-        chosen = choose(pool, found, everyone, train, judge, say)
+        chosen = choose(pool, found, _near(everyone, found), train, judge, say)
         if chosen is None:
             break
         best, step = chosen
-        if len(everyone) > MANY:  # of a whole body, later rounds look at what the first one saw anything in
-            everyone = [s.change.suspect for s in step.ranked[:MANY]]
         if found.fit.changes and step.after > CLEAR and not large(base.mean_cost(judge), found.fit, best, judge):
             found.refused.append(stays(step.suspect, step.before, step.after))
             break
@@ -131,11 +146,12 @@ def _chain(pool: Pool, everyone: Sequence[Suspect], base: Fit, say: Callable[[st
             new_floors(pool, found, pruned.changes)
             pruned = fit(problem, pruned.changes, train, judge)
         found.fit = pruned
-    _choose_again(pool, found, everyone, train, judge, say)
-    last_look(pool, found, base.mean_cost(judge), train, judge)
-    found.base = fit(problem, [], train, judge)
-    abstain(problem, found, judge)
-    return found
+
+
+def _near(everyone: Sequence[Suspect], found: Found) -> Sequence[Suspect]:
+    """Of a whole body, after the first round, what that one saw anything in."""
+    ranked = next((step.ranked for step in found.steps if step.ranked), [])
+    return [s.change.suspect for s in ranked[:MANY]] if ranked and len(everyone) > MANY else everyone
 
 
 def _choose_again(
@@ -158,7 +174,7 @@ def _choose_again(
         others = [c for c in kept.changes if c not in own]
         found.fit = fit(problem, others, train, judge)
         same = fit(problem, [*found.fit.changes, *own], train, judge)
-        chosen = choose(pool, found, everyone, train, judge, say, same)
+        chosen = choose(pool, found, _near(everyone, found), train, judge, say, same)
         if chosen is None:
             found.fit = kept
             continue

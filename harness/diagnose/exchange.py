@@ -1,0 +1,62 @@
+"""The exchange: a finding that was chosen before others were known makes room for what explains more beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from harness.diagnose.choice import clashes
+from harness.diagnose.fit import Fit, assess, fit
+from harness.diagnose.found import Found, Step, name
+from harness.diagnose.last_look import new_floors
+from harness.diagnose.pool import Pool
+from harness.diagnose.worth import CLEAR, FAR, doubt, gain, lowered, worst
+
+LOWER = 0.1
+"""How much lower both costs are, in log terms, with what takes the place of a finding."""
+
+
+def exchange(pool: Pool, found: Found, train: Sequence[int], judge: Sequence[int], say: Callable[[str], None]) -> bool:
+    """Put another suspect in the place of a finding that others followed, where it explains more beside those.
+
+    Tried are the suspects that were fitted when it was chosen: the same effect elsewhere, and far from the floor all of
+    them. Where nearly everything is explained there is nothing to exchange.
+
+    Returns:
+        Whether a finding was replaced.
+    """
+    left = worst(pool.problem, found.fit)
+    if left <= CLEAR:
+        return False
+    for number, step in enumerate(found.steps[:-1]):
+        best = _in_place_of(pool, found, step, train, judge, alike=left <= FAR)
+        if best is None:
+            continue
+        newest = best.changes[-1].suspect
+        after = min(f.mean_cost(judge) for f in step.tried if f.changes[-1].suspect == newest)
+        say(f"added {name(newest)} in place of {name(step.suspect)}")
+        found.steps[number] = replace(step, suspect=newest, after=after)
+        new_floors(pool, found, best.changes)
+        found.fit = fit(pool.problem, best.changes, train, judge)
+        return True
+    return False
+
+
+def _in_place_of(
+    pool: Pool, found: Found, step: Step, train: Sequence[int], judge: Sequence[int], *, alike: bool
+) -> Fit | None:
+    """The best fit with another suspect instead of a finding; None where none is clearly better."""
+    others = [c for c in found.fit.changes if c.suspect != step.suspect]
+    instead = [
+        f.changes[-1]
+        for f in step.tried
+        if (s := f.changes[-1].suspect) != step.suspect
+        and not (alike and s.effect != step.suspect.effect)
+        and not clashes(s, others)
+    ]
+    fits = pool.map(fit, [([*others, change], train, judge) for change in instead])
+    better = [f for f in fits if min(lowered(found.fit, f, cases) for cases in (train, judge)) > LOWER]
+    if not better:
+        return None
+    best = assess(pool.problem, max(better, key=lambda f: gain(found.fit, f, train, judge)), train, judge)
+    return best if doubt(pool.problem, best, judge) is None else None
