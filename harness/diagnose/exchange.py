@@ -10,6 +10,7 @@ from harness.diagnose.fit import Fit, assess, fit
 from harness.diagnose.found import Found, Step, name
 from harness.diagnose.last_look import new_floors
 from harness.diagnose.pool import Pool
+from harness.diagnose.probes import crowded
 from harness.diagnose.worth import CLEAR, FAR, doubt, gain, lowered, worst
 
 LOWER = 0.1
@@ -20,7 +21,7 @@ def exchange(pool: Pool, found: Found, train: Sequence[int], judge: Sequence[int
     """Put another suspect in the place of a finding that others followed, where it explains more beside those.
 
     Tried are the suspects that were fitted when it was chosen: the same effect elsewhere, and far from the floor all of
-    them. Where nearly everything is explained there is nothing to exchange.
+    them, unless the joints are many. Where nearly everything is explained there is nothing to exchange.
 
     Returns:
         Whether a finding was replaced.
@@ -29,7 +30,7 @@ def exchange(pool: Pool, found: Found, train: Sequence[int], judge: Sequence[int
     if left <= CLEAR:
         return False
     for number, step in enumerate(found.steps[:-1]):
-        best = _in_place_of(pool, found, step, train, judge, alike=left <= FAR)
+        best = _in_place_of(pool, found, step, train, judge, alike=left <= FAR or crowded(pool.problem))
         if best is None:
             continue
         newest = best.changes[-1].suspect
