@@ -18,17 +18,24 @@ from harness.scenario_file import load_scenario
 DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 
 
-@pytest.mark.parametrize(("chosen", "replaced"), [("*", True), ("shoulder", False)])
-def test_a_finding_makes_room_for_what_explains_more_beside_a_later_one(chosen: str, replaced: bool) -> None:
+@pytest.mark.parametrize(
+    ("effect", "target", "replaced"),
+    [("viscous_friction", "*", True), ("viscous_friction", "shoulder", False), ("rotor_inertia", "elbow", True)],
+)
+def test_a_finding_makes_room_for_what_explains_more_beside_a_later_one(
+    effect: str, target: str, replaced: bool
+) -> None:
     problem = build_problem(load_scenario(DEMO), "mujoco")
 
     def suspect(effect: str, target: str) -> Suspect:
         return next(s for s in suspects(problem) if s.effect == effect and s.target == target)
 
     truth = (suspect("viscous_friction", "shoulder"), suspect("constant_effort", "shoulder"))
-    robot = plant_recordings(problem, [planted(problem, s, 1.5) for s in truth], "drake", np.zeros(2))
+    robot = plant_recordings(
+        problem, [planted(problem, s, times) for s, times in zip(truth, (4.0, 1.0), strict=True)], "drake", np.zeros(2)
+    )
     train, judge = robot.of("train"), robot.of("held_out")
-    first, other, last = suspect("viscous_friction", chosen), suspect("viscous_friction", "shoulder"), truth[1]
+    first, other, last = suspect(effect, target), suspect("viscous_friction", "shoulder"), truth[1]
     with Pool(robot, 2) as pool:
         set_floors(pool, [])
         tried = pool.map(fit, [([start(robot, s)], train, judge) for s in (first, other)])

@@ -11,7 +11,7 @@ from harness.diagnose.found import Found, Step, name
 from harness.diagnose.last_look import new_floors
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import crowded
-from harness.diagnose.worth import CLEAR, FAR, doubt, gain, lowered, worst
+from harness.diagnose.worth import CLEAR, doubt, gain, lowered, much_left, worst
 
 LOWER = 0.1
 """How much lower both costs are, in log terms, with what takes the place of a finding."""
@@ -20,17 +20,17 @@ LOWER = 0.1
 def exchange(pool: Pool, found: Found, train: Sequence[int], judge: Sequence[int], say: Callable[[str], None]) -> bool:
     """Put another suspect in the place of a finding that others followed, where it explains more beside those.
 
-    Tried are the suspects that were fitted when it was chosen: the same effect elsewhere, and far from the floor all of
-    them, unless the joints are many. Where nearly everything is explained there is nothing to exchange.
+    Tried are the suspects that were fitted when it was chosen: the same effect elsewhere, and where much is left all
+    of them, unless the joints are many. Where nearly everything is explained there is nothing to exchange.
 
     Returns:
         Whether a finding was replaced.
     """
-    left = worst(pool.problem, found.fit)
-    if left <= CLEAR:
+    if worst(pool.problem, found.fit) <= CLEAR:
         return False
+    alike = crowded(pool.problem) or not much_left(pool.problem, found.base, found.fit)
     for number, step in enumerate(found.steps[:-1]):
-        best = _in_place_of(pool, found, step, train, judge, alike=left <= FAR or crowded(pool.problem))
+        best = _in_place_of(pool, found, step, train, judge, alike=alike)
         if best is None:
             continue
         newest = best.changes[-1].suspect

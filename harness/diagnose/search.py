@@ -17,7 +17,7 @@ from harness.diagnose.problem import Problem, Suspect
 from harness.diagnose.sensors import velocity_filters
 from harness.diagnose.split import keep_back
 from harness.diagnose.suspects import richer, suspects
-from harness.diagnose.worth import CLEAR, FAR, GAIN, LEAST, large, rms, worst
+from harness.diagnose.worth import CLEAR, FAR, GAIN, LEAST, large, much_left, rms, worst
 
 AT_FLOOR = 1.25
 """A mean squared residual up to this is what noise alone would give."""
@@ -29,10 +29,8 @@ MOST = 6
 """Findings at most."""
 MANY = 120
 """Suspects that are looked at again after the first round, at most."""
-MUCH = 0.15
-"""What all findings together leave of a gap, from which on the first of them may have led astray ..."""
 LESS = 0.25
-"""... and the share of that, in mean squares, which another search may leave to be believed instead."""
+"""The share of what a search leaves, in mean squares, which another one may leave to be believed instead."""
 UNLIKE = 25.0
 """A training run shows a gap of its own where its cost is this many times that of any held-out run (five times the
 gap)."""
@@ -88,11 +86,9 @@ def misleading(problem: Problem, found: Found) -> Suspect | None:
     if found.let_go:
         return found.let_go[0].suspect
     first = next((s.suspect for s in found.steps if s.suspect not in found.told), None)
-    if first is None or first.effect in DECOYS or worst(problem, found.fit) <= FAR:
+    if first is None or first.effect in DECOYS or not much_left(problem, found.base, found.fit):
         return None
-    parts = (problem.of("train"), problem.of("held_out"))
-    left = max(found.fit.mean_cost(part) / found.base.mean_cost(part) for part in parts)
-    return first if left > MUCH else None
+    return first
 
 
 def _chain(pool: Pool, everyone: Sequence[Suspect], base: Fit, say: Callable[[str], None]) -> Found:

@@ -13,6 +13,8 @@ from harness.diagnose.suspects import neutral
 
 VERY_FAR = 200.0
 """Above this no model comes near the floor, and one run in which the robot falls would decide: the median run does."""
+MUCH = 0.15
+"""Findings that leave this share of a gap, far from the floor, may be the wrong ones."""
 GAIN = 0.10
 """A finding lowers the held-out cost above the floor by at least this share ..."""
 LEAST = 0.12
@@ -155,6 +157,12 @@ def explains(base: Fit, fitted: Fit, cases: Sequence[int], *, left: float, repea
 def worst(problem: Problem, result: Fit) -> float:
     """The larger mean squared residual of the training and the held-out runs."""
     return max(result.mean_cost(problem.of(use)) for use in ("train", "held_out"))
+
+
+def much_left(problem: Problem, base: Fit, result: Fit) -> bool:
+    """Whether a fit leaves much of the gap of `base`, far from the floor."""
+    shares = [result.mean_cost(part) / base.mean_cost(part) for part in map(problem.of, ("train", "held_out"))]
+    return worst(problem, result) > FAR and max(shares) > MUCH
 
 
 def rms(cost: float) -> float:
