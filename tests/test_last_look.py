@@ -1,28 +1,23 @@
 """The last look at all findings: what is let go, on the bundled demo (synthetic)."""
 
-from pathlib import Path
-
 import pytest
+from demo_problem import demo_problem, suspect_of
 
 from harness.diagnose.fit import Fit, fit, start
 from harness.diagnose.found import Found, Step
 from harness.diagnose.last_look import abstain, least_missed
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import with_values
-from harness.diagnose.problem import Change, Problem, build_problem
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+from harness.diagnose.problem import Change, Problem
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 def change(problem: Problem, effect: str, joint: str, **values: float) -> Change:
-    suspect = next(s for s in suspects(problem) if s.effect == effect and s.target == joint)
+    suspect = suspect_of(problem, effect, joint)
     return with_values(start(problem, suspect), values)
 
 

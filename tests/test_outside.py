@@ -1,28 +1,23 @@
 """What is not on the list of effects is told and not named, on the bundled demo (synthetic)."""
 
-from pathlib import Path
-
 import pytest
+from demo_problem import demo_problem, suspect_of
 
 from harness.diagnose.fit import Fit, costs, fit, start
 from harness.diagnose.found import Found, Step
 from harness.diagnose.outside import set_aside
 from harness.diagnose.pool import Pool
 from harness.diagnose.probes import with_values
-from harness.diagnose.problem import Change, Problem, build_problem
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+from harness.diagnose.problem import Change, Problem
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 def change(problem: Problem, effect: str, **values: float) -> Change:
-    suspect = next(s for s in suspects(problem) if s.effect == effect and s.target == "elbow")
+    suspect = suspect_of(problem, effect, "elbow")
     return with_values(start(problem, suspect), values)
 
 

@@ -1,28 +1,23 @@
 """What cannot be told apart, on the bundled demo (synthetic)."""
 
-from pathlib import Path
-
 import pytest
+from demo_problem import demo_problem, suspect_of
 
 from harness.diagnose.fit import fit, start
 from harness.diagnose.found import Found, Step
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Change, Problem, build_problem
+from harness.diagnose.problem import Change, Problem
 from harness.diagnose.rivals import rivals
 from harness.diagnose.screen import Screened
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 def change(problem: Problem, effect: str, target: str) -> Change:
-    return start(problem, next(s for s in suspects(problem) if s.effect == effect and s.target == target))
+    return start(problem, suspect_of(problem, effect, target))
 
 
 @pytest.mark.parametrize(

@@ -1,29 +1,24 @@
 """Screening follows a suspect as far as it helps: effects much larger than their first try, in the demo (synthetic)."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from demo_problem import demo_problem, suspect_of
 
 from harness.diagnose.floors import set_floors
 from harness.diagnose.planting import plant_recordings, planted
 from harness.diagnose.pool import Pool
-from harness.diagnose.problem import Problem, build_problem
+from harness.diagnose.problem import Problem
 from harness.diagnose.screen import screen
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 @pytest.mark.parametrize(("effect", "times"), [("supply_voltage", 6.0), ("torque_constant", 3.0)])
 def test_a_first_guess_is_as_large_as_the_effect(problem: Problem, effect: str, times: float) -> None:
-    suspect = next(s for s in suspects(problem) if s.effect == effect and s.target == "*")
+    suspect = suspect_of(problem, effect, "*")
     truth = planted(problem, suspect, times)
     robot = plant_recordings(problem, [truth], "drake", np.zeros(2))
     with Pool(robot, 1) as pool:

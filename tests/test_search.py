@@ -1,31 +1,23 @@
 """When a search looks again, on the bundled demo (synthetic)."""
 
-from pathlib import Path
-
 import pytest
+from demo_problem import demo_problem, suspect_of
 
 from harness.diagnose.fit import Fit, start
 from harness.diagnose.found import Found, Step
-from harness.diagnose.problem import Change, Problem, build_problem
+from harness.diagnose.problem import Change, Problem
 from harness.diagnose.search import alone, misleading
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 def found_with(problem: Problem, effect: str, cost: float) -> Found:
     """What a search that brought a gap of 100 down to `cost` with two findings says it found."""
     cases = range(len(problem.cases))
-    changes: list[Change] = [
-        start(problem, next(s for s in suspects(problem) if s.effect == e and s.target == "elbow"))
-        for e in (effect, "viscous_friction")
-    ]
+    changes: list[Change] = [start(problem, suspect_of(problem, e, "elbow")) for e in (effect, "viscous_friction")]
     after = Fit(changes, dict.fromkeys(cases, cost))
     return Found(Fit([], dict.fromkeys(cases, 100.0)), after, [Step(c.suspect, 100.0, cost) for c in changes])
 

@@ -1,20 +1,16 @@
 """Which motions are kept back, on the bundled demo (synthetic)."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from demo_problem import demo_problem
 
-from harness.diagnose.problem import Problem, build_problem
+from harness.diagnose.problem import Problem
 from harness.diagnose.split import keep_back
-from harness.scenario_file import load_scenario
-
-DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 
 
 @pytest.fixture
 def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
+    return demo_problem()
 
 
 def test_of_a_run_that_alone_shows_a_gap_the_rest_is_kept_back(problem: Problem) -> None:

@@ -78,8 +78,8 @@ def screen(
     rest = [g for g in ordered if g not in ranked]
     tried = pool.map(_tried, [(tuple(accepted), g, tuple(train), base, coarse, robust) for g in ranked])
     out = [Screened(g.change, UNSEEN * g.explained) for g in rest]
-    for guess, found_so in zip(ranked, tried, strict=True):
-        out.append(replace(found_so, explained=max(found_so.explained, UNSEEN * guess.explained)))
+    for guess, truly in zip(ranked, tried, strict=True):
+        out.append(replace(truly, explained=max(truly.explained, UNSEEN * guess.explained)))
     return _once(sorted(out, key=lambda s: -s.explained))
 
 

@@ -1,0 +1,17 @@
+"""The bundled demo (synthetic) as a diagnosis sees it, and one of its suspects."""
+
+from pathlib import Path
+
+from harness.diagnose.problem import Problem, Suspect, build_problem
+from harness.diagnose.suspects import suspects
+from harness.scenario_file import load_scenario
+
+DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+
+
+def demo_problem() -> Problem:
+    return build_problem(load_scenario(DEMO), "mujoco")
+
+
+def suspect_of(problem: Problem, effect: str, target: str) -> Suspect:
+    return next(s for s in suspects(problem) if s.effect == effect and s.target == target)
