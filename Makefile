@@ -41,7 +41,7 @@ check: lint types test  ## lint, types and tests
 
 .PHONY: blind
 blind: $(READY)  ## diagnose the whole blind suite and write results/reference/blind.csv (hours)
-	$(BIN)/python tests/blind/run.py --reference results/reference
+	$(BIN)/python tests/planted/run.py --reference results/reference
 
 .PHONY: bench
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine
@@ -49,7 +49,7 @@ bench: $(READY)  ## measure what the harness costs over a bare loop of each engi
 
 .PHONY: reference
 reference: $(READY)  ## write the reference of all files that people write into scenarios/README.md
-	$(BIN)/python -m harness.reference
+	$(BIN)/python -m realitygap.cli.reference
 
 .PHONY: lock
 lock: $(READY)  ## write requirements.lock anew from pyproject.toml; keeps versions that still fit

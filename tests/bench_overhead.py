@@ -1,7 +1,7 @@
 """What the harness costs: its time loop against a bare loop over the same engine, and a full servo against a plain one.
 
 The bare loops are what a person would write for one engine: its own calls, the same control law and, where the engine
-lacks a part of the joint law, the same `engines.joints`; they read and record the same numbers. Each batch runs a
+lacks a part of the joint law, the same `law.joints`; they read and record the same numbers. Each batch runs a
 bare motion and then the harness's, and the least time of each counts, so that a busy machine shows least.
 
     python tests/bench_overhead.py [--batches 7] [--write results/reference/overhead.csv]
@@ -15,17 +15,16 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import realitygap_engines as engines
+from realitygap.robot.drive import DC, LOG, PID, STATE, neutral_drive
+from realitygap.robot.drive_law import drive_effort
+from realitygap.robot.plant import Plant
+from realitygap.simulate.commands import Commands, on_steps
+from realitygap.simulate.rollout import rollout
+from realitygap.simulate.start import start_state
+from realitygap_engines import Ground, Physics, State
+from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere
 from scipy.spatial.transform import Rotation
-
-import engines
-from engines import Ground, Physics, State
-from engines.model import Array, Joint, Link, Model, Sphere
-from harness.commands import Commands, on_steps
-from harness.drive import DC, LOG, PID, STATE, neutral_drive
-from harness.drive_law import drive_effort
-from harness.plant import Plant
-from harness.rollout import rollout
-from harness.start import start_state
 
 H = 1e-3
 SERVO = {"torque_constant": 2.19, "resistance": 2.96, "supply": 15.0, "gain": 5.056, "duty_limit": 0.9625}
@@ -155,7 +154,7 @@ def mujoco_loop(simulation: engines.Simulation, tape: Tape) -> None:
 
 
 def dart_loop(simulation: engines.Simulation, tape: Tape) -> None:
-    from engines.dart import _quaternion_from_rotation_vector
+    from realitygap_engines.dart import _quaternion_from_rotation_vector
 
     world, skeleton, law = simulation._world, simulation._skeleton, simulation._law
     n = tape.q.shape[1]
@@ -223,8 +222,7 @@ def drake_loop(simulation: engines.Simulation, tape: Tape) -> None:
 
 def pybullet_loop(simulation: engines.Simulation, tape: Tape) -> None:
     import pybullet
-
-    from engines.pybullet import _cross, _product, _rotate
+    from realitygap_engines.pybullet import _cross, _product, _rotate
 
     body, client, law = simulation._body, simulation._client, simulation._law
     n, com, back = tape.q.shape[1], simulation._com, simulation._from_principal

@@ -11,12 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-import engines
-from harness.comparison import compare, motions
-from harness.experiment import experiments
-from harness.results import EXCLUDED, table
-from harness.scenario_file import load_scenario
+import realitygap_engines as engines
+from realitygap.compare.comparison import compare, motions
+from realitygap.compare.table import EXCLUDED, table
+from realitygap.scenario.file import load_scenario
+from realitygap.simulate.experiment import experiments
 
 ROOT = Path(__file__).parents[1]
 

@@ -14,15 +14,14 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-import engines
-from engines import Diverged, Unsupported
-from harness.diagnose.diagnosis import Diagnosis
-from harness.diagnose.problem import Change
-from harness.diagnose.workflow import run_diagnosis, summary
-from harness.drive import Array
-from harness.progress import Progress
-from harness.recording.frames import angle_between
+import realitygap_engines as engines
+from realitygap.diagnose.data.problem import Change
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.workflow import run_diagnosis, summary
+from realitygap.files.progress import Progress
+from realitygap.recording.frames import angle_between
+from realitygap.robot.drive import Array
+from realitygap_engines import Diverged, Unsupported
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 STORIES = {

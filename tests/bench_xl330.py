@@ -11,11 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-import engines
-from harness.comparison import compare, motions
-from harness.experiment import experiments
-from harness.scenario_file import load_scenario
+import realitygap_engines as engines
+from realitygap.compare.comparison import compare, motions
+from realitygap.scenario.file import load_scenario
+from realitygap.simulate.experiment import experiments
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "xl330_pendulum" / "scenario.yaml"
 RECORDINGS = ("lift_and_drop_kp400", "sin_sin_kp400")

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from harness.diagnose.problem import Problem, Suspect, build_problem
-from harness.diagnose.suspects import suspects
-from harness.scenario_file import load_scenario
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.problem import Problem, Suspect, build_problem
+from realitygap.scenario.file import load_scenario
 
 DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
 

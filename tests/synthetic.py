@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-from engines.model import Joint, Link, Model
-from harness.gap import differences
-from harness.report import write_curves
-from harness.results import COLUMNS, Cell, Row, failed, row, table, to_csv, write_whole
-from harness.trace import Trace
+from realitygap.compare.gap import differences
+from realitygap.compare.table import COLUMNS, Cell, Row, failed, row, table, to_csv
+from realitygap.files.whole import write_whole
+from realitygap.report import write_curves
+from realitygap.trace.trace import Trace
+from realitygap_engines.model.robot import Joint, Link, Model
 
 
 def model(joints: Sequence[str]) -> Model:

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-
-from harness.experiment import experiments, simulate
-from harness.scenario_file import load_scenario
+from realitygap.scenario.file import load_scenario
+from realitygap.simulate.experiment import experiments, simulate
 
 CUBE = """<robot name="cube"><link name="body"><inertial><mass value="0.4"/>
 <inertia ixx="6e-4" iyy="6e-4" izz="6e-4" ixy="0" ixz="0" iyz="0"/></inertial>

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from page import write_page
+from realitygap.compare.table import slug
+from realitygap.files.progress import Progress
+from realitygap.matrix.matrix import Settings, run_matrix
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
-
-from harness.matrix.matrix import Settings, run_matrix
-from harness.progress import Progress
-from harness.results import slug
 
 HERE = Path(__file__).parent
 RESULTS = HERE.parents[1] / "results"

@@ -12,19 +12,18 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import realitygap_engines as engines
 from page import write_page
-
-import engines
-from engines import Diverged, Physics, State
-from engines.dynamics import Dynamics
-from engines.model import Array, rotation_from_quaternion
-from harness.commands import Commands
-from harness.motion import first_goals, read_animation
-from harness.plant import build_plant
-from harness.progress import Progress
-from harness.rollout import rollout
-from harness.scenario_file import load_scenario
-from harness.start import start_state
+from realitygap.files.progress import Progress
+from realitygap.robot.plant import build_plant
+from realitygap.scenario.file import load_scenario
+from realitygap.simulate.commands import Commands
+from realitygap.simulate.motion import first_goals, read_animation
+from realitygap.simulate.rollout import rollout
+from realitygap.simulate.start import start_state
+from realitygap_engines import Diverged, Physics, State
+from realitygap_engines.law.dynamics import Dynamics
+from realitygap_engines.model.robot import Array, rotation_from_quaternion
 
 HERE = Path(__file__).parent
 OUT = HERE.parents[1] / "results" / "reference"

@@ -1,0 +1,187 @@
+"""The contract between the harness and a physics engine.
+
+An engine turns a `Model` and its `Physics` into a `Simulation`; a simulation advances by one step under
+generalized efforts and is read back. Nothing here knows of recordings, servos or metrics.
+
+The joint law is the same in every engine. Over one step of length h from joint velocity v to v',
+
+    effort[j] - damping[j]*v'[j] + dry[j],     abs(dry[j]) <= friction[j]
+
+acts on joint j, where `dry` opposes the motion and holds the joint (v' = 0) when it can. Damping is implicit, so
+that it is stable at any size; armature is part of the model. An engine without one of these natively uses
+`law.joints`, which solves the same law outside the engine.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap_engines.model.robot import Model
+
+Array = NDArray[np.float64]
+GRAVITY = 9.81
+"""[m/s²]"""
+
+
+class Unsupported(Exception):
+    """An engine was asked for physics that it cannot express; the message says what, why and what can be done."""
+
+
+class Diverged(Exception):
+    """The simulation blew up: a state that is not finite or not physical, or an engine's silent reset.
+
+    `time` [s] is the end of the step that failed and `joint` the first joint (or "base") seen to be wrong.
+    """
+
+    def __init__(self, time: float, joint: str, what: str) -> None:
+        super().__init__(f"diverged at {time:.4f} s at {joint}: {what}")
+        self.time = time
+        self.joint = joint
+        self.what = what
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A horizontal plane at z = 0.
+
+    `friction` is the coefficient of the *pair* robot-ground. `stiffness` [N/m] and `damping` [N·s/m] act per
+    contact point; None is rigid ground.
+    """
+
+    friction: float = 0.8
+    stiffness: float | None = None
+    damping: float | None = None
+
+
+@dataclass(frozen=True)
+class Physics:
+    """How to simulate: `timestep` [s], solver effort (None: the engine's default), ground and gravity [m/s²]."""
+
+    timestep: float = 1e-3
+    solver_iterations: int | None = None
+    ground: Ground | None = None
+    gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
+
+
+@dataclass
+class State:
+    """A full state of the model. Joints in the model's order; angles in rad.
+
+    `base_position` (3,) [m] is the origin of the base link, `base_quaternion` (4,) w x y z its orientation,
+    `base_linear` (3,) [m/s] the velocity of that origin and `base_angular` (3,) [rad/s] the angular velocity, both
+    in world axes. Ignored for a fixed base except for position and quaternion at reset.
+    """
+
+    position: Array
+    velocity: Array
+    base_position: Array = field(default_factory=lambda: np.zeros(3))
+    base_quaternion: Array = field(default_factory=lambda: np.array([1.0, 0.0, 0.0, 0.0]))
+    base_linear: Array = field(default_factory=lambda: np.zeros(3))
+    base_angular: Array = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Capability:
+    """What an engine does about one piece of physics: `native`, `emulated` or `no`, and how, in words."""
+
+    level: str
+    how: str
+
+
+class Simulation(ABC):
+    """One open simulation. Created by `Engine.open`; closed with `close()` or as a context manager.
+
+    Attributes:
+        model: the machine being simulated.
+        physics: the settings it was opened with.
+        settings: what the adapter really set, by the engine's own names; written to `manifest.json`.
+    """
+
+    model: Model
+    physics: Physics
+    settings: dict[str, object]
+
+    @abstractmethod
+    def reset(self, state: State) -> None:
+        """Set the full state, forget all history (warm starts, contact caches) and start the clock at 0."""
+
+    @abstractmethod
+    def step(self, effort: Array, damping: Array, friction: Array) -> None:
+        """Advance one timestep under the joint law above. All Shape (n,), in the model's joint order.
+
+        Raises:
+            Diverged: where the engine itself notices a blow-up (the rollout checks the rest).
+        """
+
+    @abstractmethod
+    def read(self, position: Array, velocity: Array, base: Array) -> None:
+        """Write the joint positions and velocities into Shape (n,) arrays and the base into Shape (13,).
+
+        The base is position (3), quaternion w x y z (4), linear velocity of the base link's origin (3) and angular
+        velocity (3) in world axes; untouched for a fixed base.
+        """
+
+    @abstractmethod
+    def dry_friction(self) -> Array:
+        """The dry friction effort of the last step, signed [N·m or N]. Shape (n,)."""
+
+    @abstractmethod
+    def mass_matrix(self) -> Array:
+        """The joint-space inertia at the present state. Shape (nv, nv).
+
+        A floating base comes first, as the linear velocity of the base link's origin in world axes and the angular
+        velocity in world axes, then the joints in the model's order. Includes armature only where that is native.
+        """
+
+    @abstractmethod
+    def bias(self) -> Array:
+        """Coriolis, centrifugal and gravity terms c of M·a + c = effort, in the coordinates of `mass_matrix`.
+
+        Shape (nv,). Here the base acceleration is the time derivative of the base velocity in world axes.
+        """
+
+    def close(self) -> None:
+        """Free what the engine holds."""
+
+    def __enter__(self) -> "Simulation":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+class Engine(ABC):
+    """A physics engine: its name, version, what it can express, and how to open a model in it."""
+
+    name: str
+
+    @property
+    @abstractmethod
+    def version(self) -> str:
+        """The installed version."""
+
+    @abstractmethod
+    def capabilities(self) -> dict[str, Capability]:
+        """What the engine can and cannot express, by the names in `CAPABILITIES`."""
+
+    @abstractmethod
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        """A simulation of the model at its zero state.
+
+        Raises:
+            Unsupported: where the engine cannot express what the model or the physics ask for.
+        """
+
+
+CAPABILITIES = {
+    "armature": "rotor inertia at the joint",
+    "forward_dynamics": "joints that are met exactly, a step that is forward dynamics",
+    "joint_damping": "implicit viscous joint damping",
+    "joint_friction": "dry joint friction that holds at rest",
+    "joint_limits": "position limits",
+    "rigid_ground": "rigid contact with dry friction of the pair",
+    "soft_ground": "contact stiffness and damping per point",
+    "solver_iterations": "a number of solver iterations",
+}

@@ -1,0 +1,1 @@
+"""The canonical robot that every engine gets, and what makes it: URDF, contact points, checks."""

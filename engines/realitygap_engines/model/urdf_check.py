@@ -1,0 +1,155 @@
+"""What a URDF file must be before it is read: well-formed, harmless, with numbers where numbers belong, and a tree."""
+
+import io
+import logging
+import math
+from pathlib import Path
+from xml.etree import ElementTree
+
+import defusedxml.ElementTree
+import yourdfpy
+from defusedxml.common import DefusedXmlException
+
+from realitygap_engines.model.robot import ModelError
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+NUMBERS = {  # element -> attribute -> how many numbers
+    "origin": {"xyz": 3, "rpy": 3},
+    "axis": {"xyz": 3},
+    "mass": {"value": 1},
+    "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
+    "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
+    "dynamics": {"damping": 1, "friction": 1},
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "mesh": {"scale": 3},
+}
+NEEDED = {"mass", "inertia", "box", "cylinder", "sphere"}
+"""Elements whose attributes must all be there."""
+SIZES = {"box", "cylinder", "sphere"}
+
+logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # what it complains about is said here
+
+
+def parse_urdf(path: Path) -> yourdfpy.Robot:
+    """The links and joints of a URDF file; visuals, materials, transmissions and extensions are dropped.
+
+    Raises:
+        ModelError: for a file that is not a URDF of a tree of links, in one sentence.
+    """
+    root = _root(path)
+    for other in [child for child in root if child.tag not in ("link", "joint")]:
+        root.remove(other)
+    for link in root.iterfind("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    for part in root:
+        _check_part(path, part)
+    try:
+        robot = yourdfpy.URDF.load(
+            io.BytesIO(ElementTree.tostring(root)),
+            build_scene_graph=False,
+            load_meshes=False,
+            build_collision_scene_graph=False,
+            load_collision_meshes=False,
+        ).robot
+    except Exception as error:
+        raise ModelError(f"{path}: is not a usable URDF ({type(error).__name__}: {error})") from None
+    _check_tree(path, robot)
+    return robot
+
+
+def _root(path: Path) -> ElementTree.Element:
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be read ({error.strerror}); expected a URDF file") from None
+    if path.suffix == ".xacro" or b"<xacro:" in text:
+        raise ModelError(
+            f"{path}: is a xacro file, not a URDF; expand it first: xacro {path.name} > {path.name.split('.')[0]}.urdf"
+        )
+    try:
+        root: ElementTree.Element = defusedxml.ElementTree.fromstring(text)
+    except DefusedXmlException as error:
+        raise ModelError(f"{path}: found XML entities ({type(error).__name__}), expected a URDF without them") from None
+    except (ElementTree.ParseError, ValueError, LookupError) as error:  # ValueError, LookupError: its encoding
+        raise ModelError(f"{path}: is not well-formed XML ({error}); expected a URDF") from None
+    if root.tag != "robot":
+        raise ModelError(f"{path}: the root element is <{root.tag}>, expected <robot>")
+    root.attrib.setdefault("name", path.stem)
+    return root
+
+
+def _check_part(path: Path, part: ElementTree.Element) -> None:
+    """A link or joint has a name, a joint two ends, and numbers are numbers."""
+    name = part.get("name")
+    if not name:
+        raise ModelError(f"{path}: a {part.tag} has no name, expected one")
+    for end in ("parent", "child") if part.tag == "joint" else ():
+        element = part.find(end)
+        if element is None or not element.get("link"):
+            raise ModelError(f'{path}: joint {name} has no {end}, expected <{end} link="..."/>')
+    for element in part.iter():
+        for attribute, count in NUMBERS.get(element.tag, {}).items():
+            text = element.get(attribute)
+            if text is None and element.tag in NEEDED:
+                raise ModelError(f"{path}: {part.tag} {name}: {element.tag} has no {attribute}, expected a number")
+            if text is not None:
+                _check_numbers(f"{path}: {part.tag} {name}: {element.tag} {attribute}", element.tag, text, count)
+
+
+def _check_numbers(what: str, tag: str, text: str, count: int) -> None:
+    expected = "a finite number" if count == 1 else f"{count} finite numbers"
+    try:
+        values = [float(word) for word in text.replace(",", " ").split()]
+    except ValueError:
+        raise ModelError(f"{what} is {text!r}, expected {expected}") from None
+    endless = tag == "limit" and not any(math.isnan(v) for v in values)
+    if len(values) != count or not (endless or all(math.isfinite(v) for v in values)):
+        raise ModelError(f"{what} is {text!r}, expected {expected}")
+    if tag in SIZES and min(values) <= 0:
+        raise ModelError(f"{what} is {text!r}, expected more than 0 m")
+    if tag in ("mass", "dynamics") and min(values) < 0:
+        raise ModelError(f"{what} is {text!r}, expected no negative number")
+
+
+def _check_tree(path: Path, robot: yourdfpy.Robot) -> None:
+    links = {link.name for link in robot.links}
+    if not links:
+        raise ModelError(f"{path}: has no link, expected at least one")
+    for kind, names in (("link", [x.name for x in robot.links]), ("joint", [x.name for x in robot.joints])):
+        double = sorted({n for n in names if names.count(n) > 1})
+        if double:
+            raise ModelError(
+                f"{path}: {kind} {double[0]} is defined {names.count(double[0])} times, expected every name once"
+            )
+    children: dict[str, list[str]] = {}
+    seen: set[str] = set()
+    for joint in robot.joints:
+        _check_joint(path, joint, links)
+        if joint.child in seen:
+            raise ModelError(f"{path}: link {joint.child} has two parent joints; expected a tree")
+        seen.add(joint.child)
+        children.setdefault(joint.parent, []).append(joint.child)
+    roots = sorted(links - seen)
+    if len(roots) != 1:
+        found = ", ".join(roots) or "none (a loop)"
+        raise ModelError(f"{path}: expected one root link, found {found}")
+    reached, todo = set(), roots
+    while todo:
+        name = todo.pop()
+        reached.add(name)
+        todo += children.get(name, [])
+    if len(reached) < len(links):
+        raise ModelError(f"{path}: link {min(links - reached)} is in a loop of joints; expected a tree")
+
+
+def _check_joint(path: Path, joint: yourdfpy.Joint, links: set[str]) -> None:
+    for end in (joint.parent, joint.child):
+        if end not in links:
+            raise ModelError(f"{path}: joint {joint.name} names link {end}, which is not defined")
+    if joint.type not in JOINT_TYPES:
+        raise ModelError(f"{path}: joint {joint.name} is {joint.type}; expected one of {', '.join(JOINT_TYPES)}")
+    if joint.mimic is not None:
+        raise ModelError(f"{path}: joint {joint.name} mimics {joint.mimic.joint}; mimic joints are not supported")

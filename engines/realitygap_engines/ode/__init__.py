@@ -1,0 +1,1 @@
+"""ODE, the thesis' engine, through its C library."""

@@ -1,0 +1,1 @@
+"""Comparison: the gap, its floors, the table of gaps and the budget."""

@@ -1,0 +1,207 @@
+"""Comparing one motion in one engine with what was measured: the rows of the result table."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import realitygap_engines as engines
+from realitygap_engines import Diverged, Unsupported
+
+from realitygap.compare.gap import JOINT_SIGNALS, Difference, differences, mean_trace
+from realitygap.compare.table import EXCLUDED, Cell, Row, failed, row
+from realitygap.files.errors import InputError
+from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
+from realitygap.scenario.file import ScenarioFile
+from realitygap.simulate.experiment import Experiment, check_excluded, experiments, simulate
+from realitygap.simulate.rollout import Rollout
+from realitygap.trace.trace import Array, Trace
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Repetitions of one motion under the same conditions, and what was measured in the mean.
+
+    Attributes:
+        name: of the recording, or what the repetitions' names have in common.
+        experiments: the repetitions; one where the motion was recorded once or not at all.
+        measured: their mean, in the window, on the first repetition's clock; None where nothing was measured.
+        shifts: what to add to the first repetition's clock to get each one's [s].
+        noise: (joint, signal) -> noise floor in SI.
+    """
+
+    name: str
+    experiments: tuple[Experiment, ...]
+    measured: Trace | None
+    shifts: tuple[float, ...]
+    noise: dict[tuple[str, str], float]
+
+
+@dataclass
+class Comparison:
+    """One motion in one engine: rows for the table and, where it went well, traces for the figures."""
+
+    cell: Cell
+    rows: list[Row]
+    outcome: str
+    note: str = ""
+    simulated: Trace | None = None
+    measured: Trace | None = None
+    rollout: Rollout | None = None
+    settings: dict[str, object] = field(default_factory=dict)
+
+
+def motions_of(file: ScenarioFile) -> list[Motion]:
+    """The motions of a scenario.
+
+    Raises:
+        InputError: for whatever is wrong with the scenario's files, also where nothing is there that is left out.
+    """
+    recorded = experiments(file)
+    check_excluded(file, recorded)
+    return motions(recorded)
+
+
+def motions(experiments: Sequence[Experiment]) -> list[Motion]:
+    """Recordings grouped into motions, each with the mean of its repetitions and their noise floor.
+
+    Raises:
+        InputError: for a window that holds no samples.
+    """
+    out = [Motion(e.name, (e,), None, (0.0,), {}) for e in experiments if e.recording is None]
+    recorded = [e for e in experiments if e.recording is not None]
+    for group in group_repetitions(recorded):
+        out.append(_motion([recorded[i] for i in group.indices], group))
+    return out
+
+
+def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
+    traces = on_first_clock(group, repetitions.shifts)
+    if len(traces[0].time) < 2:
+        first = group[0]
+        assert first.recording is not None
+        whole = first.recording.trace.time
+        raise InputError(
+            f"{first.where}.window: found {list(first.window)}, which holds {len(traces[0].time)} samples of "
+            f"{first.recording.path}; the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
+        )
+    _check_different(group)
+    name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"
+    return Motion(name, tuple(group), mean_trace(traces), repetitions.shifts, noise_floor(traces))
+
+
+def _check_different(group: Sequence[Experiment]) -> None:
+    """Two copies of one recording are no repetitions: their noise floor would be zero."""
+    recordings = [e.recording for e in group if e.recording is not None]
+    for a, b in combinations(recordings, 2):
+        signals = [(a.trace.time, b.trace.time), *((getattr(a.trace, s), getattr(b.trace, s)) for s in Trace.SIGNALS)]
+        if all(x is y is None or (x is not None and y is not None and _equal(x, y)) for x, y in signals):
+            raise InputError(f"{b.path}: holds the same measurement as {a.path}; expected another repetition")
+
+
+def _equal(a: Array, b: Array) -> bool:
+    return np.array_equal(a, b, equal_nan=True)
+
+
+def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list[Trace]:
+    """What was measured in each repetition, in the window, at the first one's stamps where all have data."""
+    whole = [e.recording.trace for e in group if e.recording is not None]
+    first = whole[0].between(*group[0].window)
+    if len(whole) == 1:
+        return [first]
+    clock = first.time
+    for trace, shift in zip(whole, shifts, strict=True):
+        clock = clock[(clock + shift >= trace.time[0]) & (clock + shift <= trace.time[-1])]
+    return [replace(t.at(clock + shift), time=clock) for t, shift in zip(whole, shifts, strict=True)]
+
+
+def cell_of(motion: Motion, engine: str, revision: str = "") -> Cell:
+    """The key columns of one motion in one engine."""
+    scenario = motion.experiments[0].scenario
+    recordings = scenario.recordings
+    return Cell(
+        scenario=scenario.name,
+        robot_revision=revision or scenario.robot.urdf.rsplit("/", 1)[-1].removesuffix(".urdf"),
+        engine=engine,
+        engine_version=engines.load(engine).version,
+        ground=scenario.ground_name,
+        recorded_ground=(recordings.ground or "") if recordings else "",
+        step_rate=scenario.physics.step_rate,
+        solver_iterations=scenario.physics.solver_iterations,
+        overrides=motion.experiments[0].overrides,
+        recording=motion.name if motion.measured is not None else "",
+        use=motion.experiments[0].use or "",
+    )
+
+
+def compare(motion: Motion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
+    """Simulate a motion and its numerical floor; a failure becomes rows that say what happened.
+
+    Args:
+        motion: what is simulated.
+        engine: in which engine.
+        floors: whether to simulate again with half the step for the numerical floor.
+        revision: the robot's revision in tables (default: the name of its URDF).
+    """
+    cell = cell_of(motion, engine, revision)
+    excluded = scenario_excluded(motion)
+    try:
+        rollout, mean = _simulated(motion, engine, 1.0)
+        fine = _simulated(motion, engine, 2.0)[1] if floors and motion.measured is not None else None
+    except (Unsupported, Diverged) as error:
+        return failure(cell, motion, "diverged" if isinstance(error, Diverged) else "unsupported", str(error))
+    done = Comparison(cell, [], "ok", "", mean, motion.measured, rollout, rollout.settings)
+    if motion.measured is None:
+        return done
+    model = motion.experiments[0].plant.model
+    numerical = {}
+    if fine is not None:
+        on_stamps = replace(fine.at(motion.measured.time), command=motion.measured.command)
+        numerical = {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+    for d in differences(model, mean, motion.measured):
+        note = EXCLUDED if any(fnmatchcase(d.joint, p) for p in excluded) else ""
+        if d.values.size:
+            done.rows.append(row(cell, d, _noise(motion, d), numerical.get((d.joint, d.signal), float("nan")), note))
+    return done
+
+
+def failure(cell: Cell, motion: Motion, outcome: str, note: str) -> Comparison:
+    """A cell that could not be simulated: rows that say what happened, with infinite gaps."""
+    rows = [failed(cell, d, _noise(motion, d), outcome, note) for d in _expected(motion)]
+    return Comparison(cell, rows, outcome, note, measured=motion.measured)
+
+
+def scenario_excluded(motion: Motion) -> list[str]:
+    """Patterns of the joints that the scenario leaves out of the means."""
+    recordings = motion.experiments[0].scenario.recordings
+    return recordings.exclude if recordings else []
+
+
+def _simulated(motion: Motion, engine: str, finer: float) -> tuple[Rollout, Trace]:
+    """Every repetition simulated, and their mean on the measured clock."""
+    rollouts = []
+    for e in motion.experiments:
+        rollouts.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer))
+    if motion.measured is None or len(rollouts) == 1:
+        return rollouts[0], rollouts[0].trace
+    clock = motion.measured.time
+    parts = [replace(r.trace.at(clock + s), time=clock) for r, s in zip(rollouts, motion.shifts, strict=True)]
+    return rollouts[0], mean_trace(parts)
+
+
+def _noise(motion: Motion, difference: Difference) -> float:
+    return motion.noise.get((difference.joint, difference.signal), float("nan")) * difference.scale
+
+
+def _expected(motion: Motion) -> list[Difference]:
+    """The differences that a cell would have had: those of the measurement with itself."""
+    if motion.measured is None:
+        return []
+    model = motion.experiments[0].plant.model
+    measured = motion.measured
+    names = model.joint_names
+    order = [measured.index(n) for n in names]
+    twin: dict[str, Any] = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in JOINT_SIGNALS}
+    return differences(model, replace(measured, joints=tuple(names), **twin), measured)

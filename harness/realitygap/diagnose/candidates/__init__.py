@@ -1,0 +1,1 @@
+"""Candidates: the effects that could be missing, and where."""

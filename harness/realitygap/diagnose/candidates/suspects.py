@@ -1,0 +1,133 @@
+"""Every effect at every target that could act: what a diagnosis suspects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.data.decoys import DECOYS, KNOWN
+from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.robot.effects import Effect, Parameter
+from realitygap.robot.effects.joint import speed_scale
+from realitygap.robot.plant import Plant, match_joints
+
+
+def suspects(problem: Problem) -> list[Suspect]:
+    """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
+    every = [suspect for effect in KNOWN.values() for suspect in _anywhere(problem, effect)]
+    return [s for s in every if all(KNOWN[s.effect].possible(problem.plant, i) is None for i in s.indices)]
+
+
+def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
+    """An effect at every target of its kind."""
+    model = problem.plant.model
+    if effect.sits_at in ("ground", "base"):
+        return [Suspect(effect.name, effect.sits_at, (0,))]
+    if effect.sits_at == "link":
+        first = 0 if model.floating else 1
+        return [Suspect(effect.name, link.name, (i,)) for i, link in enumerate(model.links) if i >= first]
+    names = model.joint_names
+    judged = [j for j in range(len(names)) if problem.judged[j]]
+    single = [Suspect(effect.name, names[j], (j,)) for j in judged]
+    if effect.name in DECOYS:
+        return single if len(judged) <= FEW_JOINTS else []
+    if len(judged) < 2 or effect.name in OWN:
+        return single
+    groups = [(servo, group) for servo, group in _servo_groups(problem) if 1 < len(group) < len(judged)]
+    types = [Suspect(effect.name, tuple(names[j] for j in g), tuple(g), servo) for servo, g in groups]
+    return [*single, *types, Suspect(effect.name, "*", tuple(range(len(names))))]
+
+
+def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
+    """The name and the joints of each servo of the scenario: first match wins."""
+    taken: set[int] = set()
+    out = []
+    for servo in problem.file.scenario.servos:
+        matched = [j for j in match_joints(problem.plant.model, servo.joints) if j not in taken]
+        taken |= set(matched)
+        out.append((servo.name or "", matched))
+    return out
+
+
+OWN = ("joint_offset", "torque_ripple", "constant_effort")
+"""Effects whose value is each joint's own: all joints of a type do not share it."""
+FEW_JOINTS = 6
+"""Decoys are tried on robots with no more joints than this."""
+ALWAYS_FREE = {
+    "torque_ripple": ("amplitude", "periods", "phase"),
+    "stribeck_friction": ("static", "coulomb", "velocity"),
+}
+"""Effects that say nothing without fitting their shape too."""
+LATER = {
+    "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
+    "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
+}
+"""What is freed when an effect was found, if that helps."""
+
+
+def fitted(effect: Effect) -> list[Parameter]:
+    """The parameters that are fitted: those that act on their own."""
+    free = ALWAYS_FREE.get(effect.name)
+    if effect.name in LATER and free is None:
+        return [p for p in effect.parameters if not p.shape and p.default is None]
+    return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
+
+
+def richer(plant: Plant, change: Change) -> Change | None:
+    """A change with its shape freed too; None where there is none to free.
+
+    Friction under load starts with half of itself at slow speed only: without a static part its speed means nothing.
+    """
+    free = LATER.get(change.suspect.effect)
+    if free is None:
+        return None
+    values = change.parameters
+    if values.get("static_coefficient") == 0.0:
+        half = 0.5 * values["coefficient"]
+        slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
+        values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
+    return replace(change, values=tuple(values.items()), free=free)
+
+
+def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
+    """The values that change nothing: the plant's own, also of an effect that the scenario has already."""
+    effect = KNOWN[suspect.effect]
+    own = effect.own(plant, suspect.indices[0])
+    out = {}
+    for p in effect.parameters:
+        value = own.get(p.name, p.absent)
+        if value is None:
+            value = p.default if p.default is not None else p.first
+        out[p.name] = value
+    return out
+
+
+def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
+    """A sensible first change of each parameter at this target, above zero."""
+    effect = KNOWN[suspect.effect]
+    first = effect.first_size(plant, suspect.indices[0])
+    zero = neutral(plant, suspect)
+    common = max(
+        (abs(first[p.name] - zero[p.name]) for p in effect.parameters if np.isfinite(zero[p.name])), default=0.0
+    )
+    out = {}
+    for p in effect.parameters:
+        change = abs(first[p.name] - zero[p.name])
+        if not np.isfinite(change) or change == 0.0:
+            change = 0.3 * abs(first[p.name]) or common or 0.01
+        out[p.name] = change
+    return out
+
+
+def whole(effect: Effect) -> bool:
+    """Whether an effect is absent at zero but cannot be small: its parameters only mean something together."""
+    return any(p.logarithmic and p.absent == 0.0 for p in effect.parameters) or effect.name == "soft_ground"
+
+
+def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds of the named parameters."""
+    effect = KNOWN[suspect.effect]
+    chosen = [effect.parameter(n) for n in names]
+    return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])

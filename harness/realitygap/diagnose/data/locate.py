@@ -1,0 +1,127 @@
+"""Where and when simulation and measurement disagree: per joint, signal and phase of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap.compare.gap import unit_of
+from realitygap.diagnose.data.case import Case
+from realitygap.diagnose.data.problem import Problem
+from realitygap.robot.drive import Array
+
+Mask = NDArray[np.bool_]
+SLOW = 0.05
+"""A joint slower than this part of its fastest holds."""
+NEAR = 0.08
+"""How close to a change of direction is a reversal [s]."""
+LOADED = 0.6
+"""A joint is loaded above this part of its largest effort."""
+STANDS_OUT = 1.3
+"""A phase is named where its residual is this much larger than that of the whole."""
+ABOVE = 1.5
+"""A gap is above its floor where its root mean square residual exceeds this."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A joint and signal with a gap: mean absolute values in `unit`, and the phases in which it is large."""
+
+    joint: str
+    signal: str
+    unit: str
+    gap: float
+    noise_floor: float
+    numerical_floor: float
+    when: tuple[str, ...]
+    weight: float
+
+
+def locate(problem: Problem, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
+    """Every joint and signal whose gap stands above its floors, the largest first.
+
+    Args:
+        problem: with its floors set.
+        simulated: signals by case.
+    """
+    names = problem.plant.model.joint_names
+    out = []
+    for j, joint in enumerate(names):
+        if not problem.judged[j]:
+            continue
+        for signal in ("position", "velocity", "effort"):
+            cases = [i for i in simulated if signal in problem.signals(i)]
+            if cases:
+                place = _place(problem, joint, j, signal, {i: simulated[i] for i in cases})
+                if place.weight > ABOVE:
+                    out.append(place)
+    return sorted(out, key=lambda p: -p.weight)
+
+
+def _place(problem: Problem, joint: str, j: int, signal: str, simulated: Mapping[int, dict[str, Array]]) -> Place:
+    unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
+    gaps, noises, floors, scaled = [], [], [], []
+    masks: dict[str, list[Mask]] = {}
+    for i, sim in simulated.items():
+        case = problem.cases[i]
+        delta = sim[signal][:, j] - case.value(signal)[:, j]
+        gaps.append(np.abs(delta))
+        noises.append(np.full(len(delta), case.noise[signal][j] * np.sqrt(2 / np.pi)))
+        floor = case.floor.get(signal)
+        floors.append(np.zeros(len(delta)) if floor is None else floor[:, j])
+        scaled.append(delta / case.sigma(signal)[:, j])
+        for phase, mask in phases(problem, case, j, sim).items():
+            masks.setdefault(phase, []).append(mask)
+    residual = np.nan_to_num(np.concatenate(scaled))
+    whole = float(np.sqrt(np.mean(residual**2)))
+    when = []
+    for phase, parts in masks.items():
+        mask = np.concatenate(parts)
+        if mask.sum() >= 5 and np.sqrt(np.mean(residual[mask] ** 2)) > STANDS_OUT * whole:
+            when.append(phase)
+
+    def mean(values: Sequence[Array]) -> float:
+        return float(np.nanmean(np.concatenate(values)) * scale)
+
+    return Place(joint, signal, unit, mean(gaps), mean(noises), mean(floors), tuple(when) or ("throughout",), whole)
+
+
+def phases(problem: Problem, case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:
+    """Which samples of a motion belong to which phase of joint j. Shape (t,) each.
+
+    Phases: holding, moving, reversal, saturation (the servo gives all it can), loaded, impact (of a moving base).
+    """
+    time = case.measured.time
+    position = simulated["position"][:, j]
+    speed = np.gradient(position, time) if len(time) > 2 else np.zeros(len(time))
+    fast = np.abs(speed).max(initial=0.0)
+    holding = np.abs(speed) < SLOW * fast if fast > 0 else np.ones(len(time), dtype=bool)
+    out = {"holding": holding, "moving": ~holding}
+    sign = np.sign(np.where(holding, 0.0, speed))
+    moving = np.flatnonzero(sign)
+    turns = moving[1:][np.diff(sign[moving]) != 0] if len(moving) > 1 else np.zeros(0, dtype=int)
+    rate = (len(time) - 1) / max(time[-1] - time[0], 1e-9)
+    reach = max(int(NEAR * rate), 1)
+    out["reversal"] = _around(turns, reach, len(time))
+    command = case.measured.command
+    if command is not None:
+        drive = problem.changed_plant([], problem.cases.index(case)).drive[j]
+        error = np.abs(drive["gain"] * (command[:, j] - position))
+        out["saturation"] = np.nan_to_num(error) >= drive["duty_limit"]
+    effort = simulated.get("effort")
+    if effort is not None and np.abs(effort[:, j]).max(initial=0.0) > 0:
+        out["loaded"] = np.abs(effort[:, j]) > LOADED * np.abs(effort[:, j]).max()
+    if case.measured.imu_angular is not None:
+        jerk = np.abs(np.gradient(np.linalg.norm(case.measured.imu_angular, axis=1), time))
+        out["impact"] = _around(np.flatnonzero(jerk > 6 * np.median(jerk) + 1e-9), reach, len(time))
+    return out
+
+
+def _around(centers: NDArray[np.int64], reach: int, count: int) -> Mask:
+    out = np.zeros(count, dtype=bool)
+    for c in centers:
+        out[max(c - reach, 0) : c + reach + 1] = True
+    return out

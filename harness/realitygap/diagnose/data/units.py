@@ -1,0 +1,30 @@
+"""The unit of a parameter at its target."""
+
+from realitygap.diagnose.data.problem import Problem, Suspect
+from realitygap.robot.drive import CASCADE, PID
+from realitygap.robot.effects import EFFECTS
+from realitygap.robot.effects.effect import Parameter
+
+LINEAR = {
+    "N·m": "N",
+    "N·m·s/rad": "N·s/m",
+    "N·m/rad": "N/m",
+    "N·m/A": "N/A",
+    "duty/rad": "duty/m",
+    "rad": "m",
+    "rad/s": "m/s",
+    "kg·m²": "kg",
+}
+"""Units of a prismatic joint, in place of those of a revolute one."""
+
+
+def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
+    """The unit of a parameter at its target: that of the servo's kind, and of the joint's."""
+    unit = parameter.unit
+    if EFFECTS[suspect.effect].sits_at != "joint":
+        return unit
+    j = suspect.indices[0]
+    if " or " in unit:
+        kind = int(problem.plant.drive["kind"][j])
+        unit = "N·m" if kind == CASCADE else unit.split(" or ")[kind == PID]
+    return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit

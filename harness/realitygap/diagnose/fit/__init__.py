@@ -1,0 +1,1 @@
+"""Fits: parameters of effects from residuals."""

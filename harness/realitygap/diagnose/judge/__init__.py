@@ -1,0 +1,1 @@
+"""The judges: other engines, held-out runs, rivals."""

@@ -1,0 +1,1 @@
+"""The likelihood: how far a sample may be off without meaning anything."""

@@ -1,0 +1,1 @@
+"""Rehearsal: effects planted in a scenario, to see what its recordings could reveal."""

@@ -1,0 +1,92 @@
+"""Recordings with a planted effect: a scenario's own motions, noise and stamps, simulated with what its model lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import neutral, whole
+from realitygap.diagnose.data.case import Case
+from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.fit.fit import start
+from realitygap.diagnose.likelihood.disturbance import Push, coloured
+from realitygap.recording.quantum import quantum
+from realitygap.robot.drive import Array
+from realitygap.robot.effects import EFFECTS
+from realitygap.simulate.experiment import simulate
+from realitygap.trace.trace import Trace
+
+FINER = 4.0
+"""Recordings are simulated with this many times the step rate of the diagnosing simulation."""
+
+
+def planted(problem: Problem, suspect: Suspect, factor: float) -> Change:
+    """A suspect at some times its first size. Values that leave the effect's bounds are put back to them."""
+    effect, first = EFFECTS[suspect.effect], start(problem, suspect)
+    zero, values = neutral(problem.plant, suspect), first.parameters
+    for p in effect.parameters:
+        if p.shape:
+            continue
+        if whole(effect) or not np.isfinite(zero[p.name]):
+            value = values[p.name] / factor  # a limit or a stiffness: the lower, the more it does
+        else:
+            value = zero[p.name] + factor * (values[p.name] - zero[p.name])
+        values[p.name] = float(np.clip(value, p.low, p.high))
+    return replace(first, values=tuple(values.items()))
+
+
+def plant_recordings(problem: Problem, changes: Sequence[Change], engine: str, torque: Array, seed: int = 0) -> Problem:
+    """A copy of a problem in which what was measured is simulated with changes, in an engine and with a finer step.
+
+    Args:
+        problem: with its floors set.
+        changes: what the simulated robot has and the model lacks.
+        engine: that plays the robot.
+        torque: disturbing torque on each joint in one repetition [N·m], (n,).
+        seed: of the noise.
+
+    Raises:
+        Unsupported, Diverged: as the engine says.
+    """
+    random = np.random.default_rng(seed)
+    cases = [_recorded(problem, changes, i, engine, torque, random) for i in range(len(problem.cases))]
+    return replace(problem, cases=cases)
+
+
+def _recorded(
+    problem: Problem, changes: Sequence[Change], number: int, engine: str, torque: Array, random: np.random.Generator
+) -> Case:
+    case = problem.cases[number]
+    e, plant = case.experiment, problem.changed_plant(changes, number)
+    rate = e.scenario.physics.step_rate * FINER
+    steps = int(e.duration * rate) + 3
+    for j in np.flatnonzero(torque > 0):
+        push = coloured(steps, 1 / rate, int(random.integers(1 << 31))) * torque[j] / np.sqrt(case.repetitions)
+        plant.efforts.append(Push(push, 1 / rate, int(j), len(torque)))
+    trace = simulate(e.with_plant(plant), engine, step_rate=rate).trace.at(case.measured.time)
+    values = {s: _sensed(np.asarray(getattr(trace, s)), case, s, random) for s in problem.signals(number)}
+    return replace(case, measured=_measured(case.measured, values), noise=dict(case.noise))
+
+
+def _sensed(value: Array, case: Case, signal: str, random: np.random.Generator) -> Array:
+    """What the scenario's own sensor would have said: its noise, its quantum, and its gaps."""
+    step = quantum(case.value(signal)) if case.repetitions == 1 else np.zeros(value.shape[1])
+    beside = np.sqrt(np.maximum(case.noise[signal] ** 2 - step**2 / 12, 0.0))  # rounding is noise, too
+    out = value + beside * random.standard_normal(value.shape)
+    out = np.where(step > 0, np.round(out / np.where(step > 0, step, 1.0)) * step, out)
+    if signal == "base_quaternion":
+        out = out / np.linalg.norm(out, axis=1, keepdims=True)
+    return np.asarray(np.where(np.isnan(case.value(signal)), np.nan, out))
+
+
+def _measured(trace: Trace, values: dict[str, Array]) -> Trace:
+    return replace(
+        trace,
+        position=values.get("position", trace.position),
+        velocity=values.get("velocity", trace.velocity),
+        effort=values.get("effort", trace.effort),
+        base_position=values.get("base_position", trace.base_position),
+        base_quaternion=values.get("base_quaternion", trace.base_quaternion),
+    )

@@ -1,0 +1,1 @@
+"""What a diagnosis leaves: the file, the mended model and the page."""

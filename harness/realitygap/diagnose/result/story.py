@@ -1,0 +1,218 @@
+"""The page of a diagnosis: one file that opens offline and tells the story in order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+
+from realitygap.compare.gap import unit_of
+from realitygap.diagnose.data.locate import Place, phases
+from realitygap.diagnose.data.problem import Change
+from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_text import (
+    effect_label,
+    interval,
+    lacks,
+    model_value,
+    quantity,
+    suspect_label,
+    target_label,
+    verdict,
+)
+from realitygap.diagnose.search.worth import rms
+from realitygap.files.whole import write_whole
+from realitygap.page.shell import render
+from realitygap.page.style import engine_label, number, unit_label
+from realitygap.robot.effects import EFFECTS
+
+SHOWN = 4
+"""Joints whose curves are shown: those with the largest gap."""
+USES = {"held_out": "held out", "train": "training"}
+
+
+def write_story(result: Diagnosis, out: Path) -> Path:
+    """Write the page of a diagnosis into a result folder. Returns the page."""
+    path = out / "report.html"
+    write_whole(path, render("realitygap.diagnose.result", "story.html.j2", **_story(result)))
+    return path
+
+
+def _story(result: Diagnosis) -> dict[str, Any]:
+    problem, found = result.problem, result.found
+    changes = found.fit.changes
+    recordings = problem.file.scenario.recordings
+    train, judge = problem.of("train"), problem.of("held_out")
+    gaps = {use: [number(rms(f.mean_cost(part)), 3) for f in (found.base, found.fit)]
+            for use, part in (("held_out", judge), ("train", train))}  # fmt: skip
+    return {
+        "title": problem.file.scenario.name,
+        "meta": _meta(result),
+        "virtual": bool(recordings and recordings.virtual),
+        "verdict": result.verdict,
+        "sentence": verdict(result),
+        "gaps": gaps,
+        "mended": bool(changes),
+        "where": [_place(p) for p in result.where],
+        "findings": [_finding(result, c) for c in changes],
+        "curves": _curves(result),
+        "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
+        "apart": [
+            (suspect_label(s), [(suspect_label(r.suspect), r.why) for r in listed])
+            for s, listed in result.rivals.items()
+            if listed
+        ],
+        "experiment": _sentences(result.experiment()),
+        "worsened": [
+            (w.joint, w.signal, number(w.before), number(w.after), unit_label(w.unit)) for w in result.worsened
+        ],
+        "left": [_place(p) for p in result.left],
+        "faults": result.faults,
+        "refused": [text.replace("_", " ") for text in dict.fromkeys(found.refused)],
+        "notes": result.notes,
+        "split": problem.split,
+        "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
+        "repeated": sum(c.repetitions > 1 for c in problem.cases),
+        "engines": [engine_label(e) for e in result.engines],
+        "effects": len(EFFECTS),
+    }
+
+
+def _meta(result: Diagnosis) -> str:
+    counts = {
+        "recorded motion": len({c.experiment.name for c in result.problem.cases}),
+        "joint": int(result.problem.judged.sum()),
+        "engine": len(result.engines),
+    }
+    return " · ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in counts.items() if n)
+
+
+def _place(place: Place) -> dict[str, str]:
+    return {
+        "joint": place.joint,
+        "signal": f"{place.signal} [{unit_label(place.unit)}]",
+        "gap": number(place.gap),
+        "noise": number(place.noise_floor),
+        "numerical": number(place.numerical_floor),
+        "floors": number(place.weight, 2),
+        "when": ", ".join(place.when),
+    }
+
+
+def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
+    content = result.to_json()["findings"][result.found.fit.changes.index(change)]
+    effect, suspect = EFFECTS[change.suspect.effect], change.suspect
+    parameters = []
+    for p in effect.parameters:
+        unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
+        fitted = p.name in change.free
+        spread = interval(told["low"], told["high"], unit) if fitted else "not fitted"
+        parameters.append(
+            (
+                p.name.replace("_", " "),
+                quantity(told["value"], unit),
+                spread,
+                model_value(result.problem, suspect, p),
+            )
+        )
+    done = result.confirmed[suspect]
+    searched = f"{engine_label(result.engines[0])} (searched)"
+    pairs = [Pair(searched, done.before, done.after)]
+    pairs += [Pair(engine_label(e), before, after) for e, (before, after) in done.engines.items()]
+    missing = [engine_label(e) for e in result.engines[1:] if e not in done.engines]
+    return {
+        "name": effect_label(suspect.effect),
+        "command": suspect.effect,
+        "target": target_label(suspect),
+        "sits_at": effect.sits_at,
+        "said": lacks(result, change),
+        "parameters": parameters,
+        "page": effect.page,
+        "before": number(done.before),
+        "after": number(done.after),
+        "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {effect_label(suspect.effect)}, by engine")),
+        "missing": missing,
+    }
+
+
+def _runs(result: Diagnosis) -> list[Pair]:
+    base, fit = result.found.base, result.found.fit
+    return [
+        Pair(
+            result.problem.cases[i].name,
+            rms(base.cost[i]),
+            rms(fit.cost[i]) if fit.changes else None,
+            "held out" if use == "held_out" else "training",
+        )
+        for use in USES
+        for i in result.problem.of(use)
+    ]
+
+
+def _curves(result: Diagnosis) -> list[dict[str, Any]]:
+    """One held-out and one training run for each joint with a gap; where there is none, of the first joints."""
+    places: dict[str, Place | None] = {}
+    for place in result.where:
+        places.setdefault(place.joint, place)
+    problem = result.problem
+    if not places:
+        names = problem.plant.model.joint_names
+        places = {n: None for j, n in enumerate(names) if problem.judged[j]}
+    out = []
+    for joint, worst in list(places.items())[:SHOWN]:
+        j = problem.plant.model.joint_names.index(joint)
+        signal, when = (worst.signal, worst.when) if worst is not None else ("position", ())
+        figures = {}
+        for use in USES:
+            case = _telling(result, use, signal, j)
+            if case is not None:
+                name = problem.cases[case].name
+                title = f"{signal} of {joint} in {name}: measured and simulated"
+                figures[use] = (name, Markup(draw_curves(_curve(result, case, signal, j, when), title)))
+        out.append({"joint": joint, "signal": signal, "when": when, "figures": figures})
+    return out
+
+
+def _telling(result: Diagnosis, use: str, signal: str, j: int) -> int | None:
+    """The run in which this joint's gap is largest."""
+    cases = [i for i in result.problem.of(use) if i in result.before and i in result.after]
+    cases = [i for i in cases if signal in result.problem.signals(i)]
+
+    def gap(i: int) -> float:
+        case = result.problem.cases[i]
+        delta = result.before[i][signal][:, j] - case.value(signal)[:, j]
+        return float(np.nanmean((delta / case.sigma(signal)[:, j]) ** 2))
+
+    return max(cases, key=gap, default=None)
+
+
+def _curve(result: Diagnosis, case: int, signal: str, j: int, when: tuple[str, ...]) -> Curves:
+    problem = result.problem
+    c = problem.cases[case]
+    unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
+    masks = phases(problem, c, j, result.before[case])
+    inside = [masks[w] for w in when if w in masks]
+    return Curves(
+        time=c.measured.time,
+        measured=c.value(signal)[:, j] * scale,
+        before=result.before[case][signal][:, j] * scale,
+        after=result.after[case][signal][:, j] * scale if result.found.fit.changes else None,
+        sigma=c.sigma(signal)[:, j] * scale,
+        unit=unit,
+        signal=signal,
+        spans=_spans(c.measured.time, np.any(inside, axis=0)) if inside else (),
+    )
+
+
+def _spans(time: np.ndarray[Any, Any], inside: np.ndarray[Any, Any]) -> list[tuple[float, float]]:
+    """The intervals [s] in which a mask holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+    return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _sentences(text: str) -> list[str]:
+    return [t[0].upper() + t[1:].replace("_", " ") for t in text.split("; ") if t]

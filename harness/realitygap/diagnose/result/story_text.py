@@ -1,0 +1,123 @@
+"""What the page of a diagnosis says in words: the verdict, and findings as a person would say them."""
+
+from __future__ import annotations
+
+import math
+
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.locate import Place
+from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.search.worth import rms
+from realitygap.page.style import number
+from realitygap.robot.effects import EFFECTS, Parameter
+
+DEGREES = {"rad": "°", "rad/s": "°/s"}
+"""Units that people read in degrees, and what they become."""
+
+
+def effect_label(effect: str) -> str:
+    """An effect in words: coulomb friction."""
+    return effect.replace("_", " ")
+
+
+def target_label(suspect: Suspect) -> str:
+    """Where it sits, in words."""
+    return "all joints" if suspect.target == "*" else suspect.where
+
+
+def suspect_label(suspect: Suspect) -> str:
+    """An effect and where it sits: coulomb friction at elbow."""
+    return f"{effect_label(suspect.effect)} at {target_label(suspect)}"
+
+
+def listed(items: list[str]) -> str:
+    """a, b and c."""
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def quantity(value: float, unit: str, *, short: bool = False, digits: int = 3) -> str:
+    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad), in short 0.840°."""
+    if unit in DEGREES and math.isfinite(value) and not short:
+        return f"{_people(value, unit)} ({number(value)} {unit})"
+    return _people(value, unit, digits)
+
+
+def _people(value: float, unit: str, digits: int = 3) -> str:
+    if unit in DEGREES:
+        return f"{number(math.degrees(value), digits)}{' ' * (unit != 'rad')}{DEGREES[unit]}"
+    return f"{number(value, digits)} {unit}".strip()
+
+
+def interval(low: float, high: float, unit: str) -> str:
+    """A 95 % interval in the same words."""
+    if unit in DEGREES:
+        return f"{number(math.degrees(low))} to {_people(high, unit)}"
+    return f"{number(low)} to {_people(high, unit)}"
+
+
+def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
+    """What the scenario's model has there, in words."""
+    if parameter.absent is not None:
+        return "none"
+    return quantity(neutral(problem.plant, suspect)[parameter.name], unit_there(problem, suspect, parameter))
+
+
+def lacks(result: Diagnosis, change: Change) -> str:
+    """A finding as part of a sentence: `coulomb friction at elbow is missing (torque 0.250 N·m)`."""
+    effect, problem = EFFECTS[change.suspect.effect], result.problem
+    zero = neutral(problem.plant, change.suspect)
+    label = suspect_label(change.suspect)
+    shown = [p for p in effect.parameters if not p.shape and change.parameters[p.name] != zero[p.name]]
+    shown = shown or list(effect.parameters[:1])
+    units = {p.name: unit_there(problem, change.suspect, p) for p in shown}
+    missing = all(p.absent is not None or zero[p.name] == 0 for p in shown)
+    parts = []
+    for p in shown:
+        name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 else ""
+        own = "" if missing else f" instead of {_people(zero[p.name], units[p.name])}"
+        parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
+    return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
+
+
+def verdict(result: Diagnosis) -> str:
+    """The verdict in one sentence."""
+    judge = result.problem.of("held_out")
+    before, after = (rms(f.mean_cost(judge)) for f in (result.found.base, result.found.fit))
+    changes = result.found.fit.changes
+    if result.verdict == "no gap":
+        return (
+            "Nothing is missing: simulation and recordings agree within the floors "
+            f"(the gap on held-out motions is {number(before, 2)} times the floor)."
+        )
+    if result.verdict == "unexplained":
+        return (
+            f"Something is missing that no effect explains: the gap on held-out motions is {number(before, 2)} times "
+            f"the floor{_most(result.where)}, and no effect brings it down enough to be named."
+        )
+    what = listed([lacks(result, c) for c in changes])
+    text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
+    text += f"falls from {number(before, 2)} to {number(after, 2)} times the floor"
+    if result.verdict == "explained":
+        return f"{text}, and nothing worth a name is left."
+    return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
+
+
+def _most(places: list[Place]) -> str:
+    if not places:
+        return ""
+    worst = places[0]
+    when = "" if worst.when == ("throughout",) else f" while {listed([WHILE[w] for w in worst.when])}"
+    return f", most of all in the {worst.signal} of {worst.joint}{when}"
+
+
+WHILE = {
+    "holding": "holding",
+    "moving": "moving",
+    "reversal": "reversing",
+    "saturation": "saturated",
+    "impact": "hitting the ground",
+    "loaded": "loaded",
+}
+"""Phases as part of a sentence."""

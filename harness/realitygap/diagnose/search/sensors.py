@@ -1,0 +1,58 @@
+"""Velocities that are no derivatives: told from the recordings alone, before physics is blamed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.fit.fit import start
+from realitygap.diagnose.fit.probes import with_values
+from realitygap.recording.faults import velocity_of_position
+
+SURE = 0.9
+"""Correlation of the travel by velocity with that by position from which on a filter is believed."""
+OFF = 0.04
+"""A scale further than this from 1, or a time constant above the sampling period, is a fault."""
+MOST = 0.8
+"""The share of the runs that could tell in which a joint's velocity must be at fault."""
+
+
+def velocity_filters(problem: Problem, suspects: Sequence[Suspect]) -> list[Change]:
+    """The velocity filters that the recordings show by themselves, held at the scale and time constant seen there.
+
+    One for all joints where every joint that can tell has it, otherwise one per joint.
+    """
+    filters = [s for s in suspects if s.effect == "velocity_filter"]
+    seen = {int(j): _seen(problem, int(j)) for j in np.flatnonzero(problem.judged)}
+    told = {j: rows for j, rows in seen.items() if rows}
+    faulty = {j: rows for j, rows in told.items() if np.mean([bad for *_, bad in rows]) >= MOST}
+    if not faulty:
+        return []
+    everywhere = [s for s in filters if s.target == "*"]
+    if everywhere and len(faulty) >= MOST * len(told) and len(faulty) > 1:
+        return [_change(problem, everywhere[0], [row for rows in faulty.values() for row in rows])]
+    return [
+        _change(problem, s, faulty[s.indices[0]]) for s in filters if len(s.indices) == 1 and s.indices[0] in faulty
+    ]
+
+
+def _seen(problem: Problem, joint: int) -> list[tuple[float, float, bool]]:
+    """Scale, time constant [s] and whether they are a fault, of every run that can tell."""
+    out = []
+    for c, case in enumerate(problem.cases):
+        if "velocity" not in problem.signals(c):
+            continue
+        time = case.measured.time
+        fit = velocity_of_position(time, case.value("position")[:, joint], case.value("velocity")[:, joint])
+        if fit is not None and abs(fit[2]) > SURE:
+            period = float(np.median(np.diff(time)))
+            out.append((fit[0], fit[1], abs(fit[0] - 1.0) > OFF or fit[1] > period))
+    return out
+
+
+def _change(problem: Problem, suspect: Suspect, rows: Sequence[tuple[float, float, bool]]) -> Change:
+    scale, constant = (float(np.median([row[k] for row in rows])) for k in (0, 1))
+    return replace(with_values(start(problem, suspect), {"scale": scale, "time": constant}), free=())

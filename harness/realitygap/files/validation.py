@@ -1,0 +1,123 @@
+"""Checking data against its schema; the first thing that is wrong becomes one sentence."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from realitygap.files.errors import InputError, did_you_mean
+
+Checked = TypeVar("Checked", bound=BaseModel)
+Part = int | str
+WORDS = {
+    "a valid dictionary or object to extract fields from": "a mapping",
+    "a valid dictionary": "a mapping",
+    "a valid list": "a list",
+    "a valid string": "text",
+    "a valid number": "a number",
+    "a valid integer": "a whole number",
+}
+"""What pydantic says, in the words of a YAML file."""
+
+
+def validate(path: Path, model: type[Checked], raw: dict[str, Any]) -> Checked:
+    """Checked data.
+
+    Raises:
+        InputError: one sentence with the file, the key, what was found and what was expected.
+    """
+    try:
+        return model.model_validate(raw)
+    except ValidationError as error:
+        # of several tries at a union, the one that got deepest is what was meant
+        worst = max(error.errors(include_url=False), key=_depth)
+        raise InputError(f"{path}: {_sentence(model, raw, worst)}") from None
+
+
+def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) -> str:
+    loc, kind, found = error["loc"], error["type"], error["input"]
+    key = _key(raw, loc)
+    if kind == "extra_forbidden":
+        known = sorted(_fields(_sections_at(model, loc[:-1])))
+        return f"{key}: unknown key; known here: {', '.join(known)}{did_you_mean(str(loc[-1]), known)}"
+    if kind == "missing":
+        return f"{key}: is missing; expected {_meaning(model, loc) or 'a value'}"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        tag = found.get("kind") if isinstance(found, dict) else found
+        expected = [_tag(section) for section in _sections_at(model, loc)]
+        return f"{key}.kind: found {_short(tag)}; expected one of {', '.join(t for t in expected if t)}"
+    if kind == "invalid_key":
+        return f"{key or 'its top'}: found the key {_short(found)}, expected text"
+    message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+    for long, short in WORDS.items():
+        message = message.replace(long, short)
+    meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
+    return f"{key}: found {_short(found)}; {message[0].lower() + message[1:]}" + (f" ({meaning})" if meaning else "")
+
+
+def _depth(error: ErrorDetails) -> tuple[bool, int, bool]:
+    """How close one of several complaints about a union is to what the writer meant."""
+    named = error["type"] == "literal_error" and isinstance(error["input"], str)
+    return error["type"] == "extra_forbidden", len(error["loc"]), named
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) < 80 else text[:77] + "..."
+
+
+def _key(raw: Any, loc: Sequence[Part]) -> str:
+    """The key as a person wrote it: parts of a location that are not in the data name a choice of the schema."""
+    out = ""
+    for i, part in enumerate(loc):
+        inside = isinstance(raw, list) if isinstance(part, int) else isinstance(raw, dict)
+        if inside and (part < len(raw) if isinstance(part, int) else part in raw):
+            raw = raw[part]
+        elif i < len(loc) - 1 or not inside:
+            continue
+        out += f"[{part}]" if isinstance(part, int) else f".{part}" if out else part
+    return out
+
+
+def _sections_at(model: type[BaseModel], loc: Sequence[Part]) -> list[type[BaseModel]]:
+    """The sections of the schema that may stand at a location."""
+    sections = [model]
+    for part in loc:
+        if isinstance(part, int):
+            continue
+        chosen = [s for s in sections if part in (s.__name__, _tag(s))]
+        field = _fields(sections).get(part)
+        if chosen:
+            sections = chosen
+        elif field is not None:
+            sections = _sections(field.annotation)
+    return sections
+
+
+def _meaning(model: type[BaseModel], loc: Sequence[Part]) -> str | None:
+    names = [part for part in loc if isinstance(part, str)]
+    for i in range(len(names), 0, -1):  # the last names may be choices of a union
+        field = _fields(_sections_at(model, names[: i - 1])).get(names[i - 1])
+        if field is not None:
+            return field.description
+    return None
+
+
+def _fields(sections: Sequence[type[BaseModel]]) -> dict[str, FieldInfo]:
+    return {field.alias or name: field for s in sections for name, field in s.model_fields.items()}
+
+
+def _sections(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [section for part in get_args(annotation) for section in _sections(part)]
+
+
+def _tag(section: type[BaseModel]) -> str | None:
+    """The `kind` that chooses a section among others."""
+    kind = section.model_fields.get("kind")
+    choices = get_args(kind.annotation) if kind else ()
+    return str(choices[0]) if choices else None

@@ -1,0 +1,43 @@
+"""Files that are written whole or not at all, and the check, before long work, that a folder takes files."""
+
+import os
+import tempfile
+from pathlib import Path
+
+from realitygap.files.errors import InputError
+
+
+def check_writable(folder: Path, option: str = "--out") -> None:
+    """Make sure, before long work and leaving nothing behind, that a result folder can be written.
+
+    Raises:
+        InputError: where a file is in the way or the place takes no files.
+    """
+    place = folder.absolute()
+    while not place.exists():
+        place = place.parent
+    if not place.is_dir():
+        raise InputError(f"{option}: {folder} cannot be made because {place} is a file; expected a folder")
+    try:
+        tempfile.TemporaryFile(dir=place).close()  # permissions do not tell of read-only disks or of /proc
+    except OSError as error:
+        raise InputError(
+            f"{option}: {folder} cannot be written, {place} takes no files ({error.strerror}); expected a folder to "
+            "write to"
+        ) from None
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Write a file whole or not at all: beside its place first, then moved there."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    part = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        part.chmod(0o644)
+        part.replace(path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,117 @@
+"""Which stream of a recording is the command, which the state, and which the effort: guesses, with their reasons."""
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from realitygap.init.probe import Contents, JointStream
+from realitygap.recording.delay import MOVING, mean_squared_difference
+
+STATE = re.compile(r"state|measured|feedback|actual|sensor|encoder", re.IGNORECASE)
+COMMAND = re.compile(r"command|cmd|goal|target|desired|reference|setpoint", re.IGNORECASE)
+DUTY = re.compile(r"duty|pwm", re.IGNORECASE)
+CURRENT = re.compile(r"current|amp", re.IGNORECASE)
+LONGEST_LEAD = 0.5  # s
+
+
+@dataclass(frozen=True)
+class Role:
+    """A stream in a role, and why."""
+
+    stream: JointStream
+    reason: str
+
+
+@dataclass(frozen=True)
+class Roles:
+    """The streams of a scenario; `meaning` is what the command is: position, duty or effort."""
+
+    state: Role | None = None
+    command: Role | None = None
+    meaning: str = "position"
+    effort: Role | None = None
+
+
+def roles_of(contents: Contents) -> Roles:
+    """The roles of a bag's joint streams, from their names and from what they hold."""
+    streams = contents.joint_streams
+    controllers = [s for s in streams if s.controller]
+    positions = [s for s in streams if "position" in s.signals and not s.controller]
+    if not positions and controllers:
+        told = Role(controllers[0], "a controller's state holds both what it measures and what it asks for")
+        return Roles(told, told, effort=_effort(told.stream, streams))
+    if not positions:
+        return Roles()
+    state = max(positions, key=_like_a_state)
+    others = [s for s in positions if s is not state and set(s.joints) & set(state.joints)]
+    leads = {s.topic: lead(s, state) for s in others}
+    unnamed = not STATE.search(state.topic) and not COMMAND.search(state.topic)
+    if unnamed and len(others) == 1 and (found := leads[others[0].topic]) is not None and found < 0:
+        # names say nothing, and the one taken for the state comes first: it is the command
+        state, others = others[0], [state]
+        leads = {others[0].topic: -found}
+    roles = Roles(Role(state, _state_reason(state)), effort=_effort(state, streams))
+    commands = [s for s in others if COMMAND.search(s.topic) or (leads[s.topic] or 0.0) > 0]
+    if commands:
+        chosen = max(commands, key=lambda s: (bool(COMMAND.search(s.topic)), leads[s.topic] or 0.0))
+        return replace(roles, command=Role(chosen, _command_reason(chosen, state, leads[chosen.topic])))
+    for stream in streams:
+        if "position" not in stream.signals and "effort" in stream.signals and COMMAND.search(stream.topic):
+            within_one = float(np.nanmax(np.abs(stream.signals["effort"]))) <= 1.0
+            meaning = "duty" if within_one and DUTY.search(stream.topic) else "effort"
+            return replace(roles, command=Role(stream, "its name says command, and it holds efforts"), meaning=meaning)
+    return roles
+
+
+def lead(command: JointStream, state: JointStream) -> float | None:
+    """The time [s] by which one stream of positions comes before another; None where that cannot be told."""
+    joints = [j for j in command.joints if j in state.joints]
+    start, end = max(command.time[0], state.time[0]), min(command.time[-1], state.time[-1])
+    step = min(float(np.median(np.diff(s.time))) for s in (command, state) if len(s.time) > 1) / 2.0
+    if not end - start > 10 * step:
+        return None
+    even = np.arange(start, end, step)
+    sampled = []
+    for stream in (command, state):
+        columns = [stream.signals["position"][:, stream.joints.index(j)] for j in joints]
+        sampled.append(np.column_stack([np.interp(even, stream.time, np.nan_to_num(c)) for c in columns]))
+    moving = (np.ptp(sampled[0], axis=0) > MOVING) & (np.ptp(sampled[1], axis=0) > MOVING)
+    if not moving.any():
+        return None
+    error, lags = mean_squared_difference(sampled[0][:, moving], sampled[1][:, moving])
+    near = np.abs(lags * step) <= LONGEST_LEAD
+    best = int(np.argmin(error[near]))
+    at_the_edge = best in (0, int(near.sum()) - 1)  # no least difference in between: the streams do not fit
+    return None if at_the_edge else float(lags[near][best] * step)
+
+
+def _like_a_state(stream: JointStream) -> float:
+    named = 4.0 * bool(STATE.search(stream.topic)) - 4.0 * bool(COMMAND.search(stream.topic))
+    return named + len(stream.joints) / 100.0 + ("velocity" in stream.signals) + ("effort" in stream.signals)
+
+
+def _state_reason(state: JointStream) -> str:
+    parts = ["its name says state"] if STATE.search(state.topic) else []
+    held = [name for name in ("velocity", "effort") if name in state.signals]
+    if held:
+        parts.append(f"it holds {' and '.join(held)}")
+    return ", ".join(parts) or "it holds positions"
+
+
+def _command_reason(command: JointStream, state: JointStream, ahead: float | None) -> str:
+    parts = ["its name says command"] if COMMAND.search(command.topic) else []
+    if ahead is not None and ahead > 0:
+        parts.append(f"it comes {1e3 * ahead:.0f} ms before {state.topic}")
+    return ", ".join(parts) or "it holds positions and is not the state"
+
+
+def _effort(state: JointStream, streams: list[JointStream]) -> Role | None:
+    if "effort" in state.signals:
+        return Role(state, "unit and place of measurement are not in the recording")
+    for s in streams:
+        bare = "effort" in s.signals and "position" not in s.signals
+        if bare and not COMMAND.search(s.topic) and not DUTY.search(s.topic):
+            current = bool(CURRENT.search(s.topic))
+            return Role(s, "its name says current, so the factor is N·m per A" if current else "its unit is not known")
+    return None

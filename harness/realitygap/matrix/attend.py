@@ -1,0 +1,72 @@
+"""Getting one cell done, whatever happens to the process that does it."""
+
+import threading
+
+from realitygap.matrix.store import open_store
+from realitygap.matrix.task import Task, lost
+from realitygap.matrix.worker import Died, Hung, Worker
+
+TRIES = 2
+"""A cell whose process was killed from outside is tried once more."""
+
+
+class Closed(Exception):
+    """The work is over: no process is started any more."""
+
+
+class Workers:
+    """The processes that compute cells: one for each thread that asks."""
+
+    def __init__(self) -> None:
+        self._own = threading.local()
+        self._all: set[Worker] = set()
+        self._closed = False
+        self._lock = threading.Lock()
+
+    def own(self) -> Worker:
+        """The process of this thread, started where there is none.
+
+        Raises:
+            Closed: after `close`.
+        """
+        worker: Worker | None = getattr(self._own, "worker", None)
+        with self._lock:
+            if self._closed:
+                raise Closed
+            if worker is None or not worker.alive:
+                worker = self._own.worker = Worker()
+                self._all.add(worker)
+        return worker
+
+    def close(self) -> None:
+        """End all processes, from any thread: whoever waits for one gets `Closed`."""
+        with self._lock:
+            self._closed = True
+            for worker in self._all:
+                worker.kill()
+
+
+def attend(task: Task, pickled: bytes, store: str, limit: float, workers: Workers) -> str | None:
+    """Compute a cell in the process that belongs to this thread. Afterwards its file is in the store.
+
+    Returns:
+        None; or what happened, in words, where the process was killed every time: the cell then stays to be done.
+
+    Raises:
+        Closed: where the work ended before the cell did.
+    """
+    what = ""
+    for _ in range(TRIES):
+        try:
+            workers.own().run(pickled, store, limit)
+            return None
+        except Hung:
+            data = lost(task, "timeout", f"took longer than the time limit of {limit:g} s")
+        except Died as end:
+            what = str(end)
+            if end.killed:
+                continue
+            data = lost(task, "crashed", what)
+        open_store(store).write(task.key, data)
+        return None
+    return what

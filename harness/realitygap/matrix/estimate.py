@@ -1,0 +1,45 @@
+"""How long cells will take: from cells of the same kind that are done, else from what steps were measured to cost."""
+
+from collections.abc import Iterable, Sequence
+from statistics import median
+
+from realitygap.matrix.task import Outcome, Task
+
+STEP = {"dart": (4.0, 3.2), "drake": (8.0, 5.5), "mujoco": (4.0, 0.8), "pybullet": (5.0, 4.0)}
+"""µs per step and further µs per joint, servos included; on a machine of 2023."""
+UNKNOWN = (8.0, 5.5)
+OVERHEAD = 0.1
+"""s per cell for opening, comparing and writing."""
+START = 8.0
+"""s until the worker processes are ready and know their engines."""
+REPORT = 10.0
+"""s for the figures and the page."""
+
+
+def steps(task: Task) -> float:
+    """Steps of a cell: of all repetitions, and with floors those of half the step, too."""
+    seconds = sum(e.duration for e in task.motion.experiments)
+    rate = task.motion.experiments[0].scenario.physics.step_rate
+    return seconds * rate * (3 if task.floors and task.motion.measured is not None else 1)
+
+
+class Estimate:
+    """What a step costs, learnt from cells that are done."""
+
+    def __init__(self, done: Iterable[Outcome]) -> None:
+        seen: dict[tuple[str, str], list[float]] = {}
+        for outcome in done:
+            if outcome.steps:
+                seen.setdefault((outcome.cell.scenario, outcome.cell.engine), []).append(outcome.wall / outcome.steps)
+        self._known = {key: median(values) for key, values in seen.items()}
+
+    def seconds(self, task: Task) -> float:
+        """What one cell takes on one core."""
+        joints = len(task.motion.experiments[0].plant.model.joints)
+        fixed, each = STEP.get(task.engine, UNKNOWN)
+        cost = self._known.get((task.file.scenario.name, task.engine), (fixed + each * joints) * 1e-6)
+        return steps(task) * cost + OVERHEAD
+
+    def total(self, tasks: Sequence[Task], jobs: int) -> float:
+        """What cells take together on `jobs` cores that have nothing else to do, and the report on them."""
+        return (sum(map(self.seconds, tasks)) / max(jobs, 1) + START if tasks else 0.0) + REPORT

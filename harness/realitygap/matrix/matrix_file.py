@@ -1,0 +1,98 @@
+"""The matrix file: which scenarios, which engines, which axes, and what is left out."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import realitygap_engines as engines
+from pydantic import BeforeValidator, Field
+
+from realitygap.files.errors import InputError
+from realitygap.files.validation import validate
+from realitygap.files.yaml_file import load_yaml
+from realitygap.scenario.file import resolve_path
+from realitygap.scenario.schema import Patterns, Positive, Section
+
+NAMED_AXES = {  # axis -> scenario key; `revision` names an entry of the scenario's `revisions`
+    "revision": "robot.urdf",
+    "ground": "ground",
+    "step_rate": "physics.step_rate",
+    "solver_iterations": "physics.solver_iterations",
+}
+OTHER_AXES = ("scenario", "engine", "recording")
+"""What tells cells apart without being an axis of the file; known in `leave_out`."""
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list) else [value]
+
+
+Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1)]
+
+
+class Matrix(Section):
+    """Every combination of scenario, recording, engine and axis values is one cell, but for those left out."""
+
+    name: str = Field(description="name of the matrix")
+    scenarios: Patterns = Field(description="scenario files, relative to this file")
+    engines: Patterns | None = Field(default=None, description="engines (default: all installed)")
+    recordings: Patterns = Field(default=["*"], description="patterns over the recordings' names")
+    axes: dict[str, Values] = Field(
+        default={}, description="revision, ground, step_rate, solver_iterations or any dotted scenario key: its values"
+    )
+    leave_out: list[dict[str, Any]] = Field(
+        default=[], description="combinations that are not run: axis, engine, scenario or recording to value or pattern"
+    )
+    floors: bool = Field(default=True, description="simulate again with half the step for the numerical floor")
+    traces: bool = Field(default=True, description="write traces (MCAP) and curves of every cell")
+    time_limit: Positive = Field(default=300.0, description="seconds after which a cell counts as hung")
+
+
+@dataclass(frozen=True)
+class MatrixFile:
+    """A matrix with the file it came from."""
+
+    path: Path
+    matrix: Matrix
+
+    def scenario_paths(self) -> list[Path]:
+        """The scenario files."""
+        return [resolve_path(self.path, s, f"scenarios[{i}]") for i, s in enumerate(self.matrix.scenarios)]
+
+    def engine_names(self) -> list[str]:
+        """The engines of the matrix, or all that are installed.
+
+        Raises:
+            InputError: for an engine that does not exist or is not installed.
+        """
+        for name in self.matrix.engines or []:
+            if name not in engines.ENGINES:
+                known = ", ".join(sorted(engines.ENGINES))
+                raise InputError(f"{self.path}: engines: found {name}; expected one of {known}")
+            if name not in engines.available():
+                how = engines.ENGINES[name].install
+                raise InputError(f"{self.path}: engines: {name} is not installed; install it with: {how}")
+        return list(dict.fromkeys(self.matrix.engines or engines.available()))
+
+
+def load_matrix(path: Path) -> MatrixFile:
+    """The matrix in a YAML file.
+
+    Raises:
+        InputError: one sentence with file, key, what was found and what was expected.
+    """
+    matrix = validate(path, Matrix, load_yaml(path))
+    known = [*OTHER_AXES, *matrix.axes]
+    for i, combination in enumerate(matrix.leave_out):
+        for key in combination:
+            if key not in known:
+                raise InputError(
+                    f"{path}: leave_out[{i}]: {key} is no axis of this matrix; expected one of {', '.join(known)}"
+                )
+    for axis, values in matrix.axes.items():
+        if axis not in NAMED_AXES and "." not in axis:
+            named = ", ".join(NAMED_AXES)
+            raise InputError(f"{path}: axes: found {axis}; expected {named} or a dotted scenario key")
+        if len({repr(v) for v in values}) < len(values):
+            raise InputError(f"{path}: axes.{axis}: a value stands twice in {values}; expected each once")
+    return MatrixFile(path, matrix)

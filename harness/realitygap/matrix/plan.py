@@ -1,0 +1,167 @@
+"""From a matrix file to the cells that are to be computed, each with its input read and its key known."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import realitygap_engines as engines
+
+from realitygap.compare.comparison import Motion, motions
+from realitygap.compare.table import slug
+from realitygap.files.errors import InputError
+from realitygap.matrix.digest import Digest, code_version
+from realitygap.matrix.matrix_file import NAMED_AXES, MatrixFile
+from realitygap.matrix.task import Task
+from realitygap.recording import Recording, read_recording
+from realitygap.recording.streams import request_of
+from realitygap.scenario.file import ScenarioFile, load_scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.simulate.experiment import Experiment, check_excluded, experiments
+
+
+def plan(matrix: MatrixFile) -> list[Task]:
+    """The cells of a matrix, in the order of their tables.
+
+    Raises:
+        InputError: for whatever is wrong with the matrix, its scenarios or their files.
+    """
+    engine_names = matrix.engine_names()
+    digest = Digest()
+    tasks: dict[str, Task] = {}
+    for path in matrix.scenario_paths():
+        file = load_scenario(path)
+        variants = list(_variants(matrix, file))
+        check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
+        for axes, revision, found in variants:
+            contents = [digest.of(_content(motion, digest)) for motion in found[1]]
+            for (motion, content), engine in product(zip(found[1], contents, strict=True), engine_names):
+                task = _task(matrix, found[0], motion, content, engine, revision, axes, digest)
+                if _left_out(matrix, task):
+                    continue
+                name = slug(task.cell)
+                if name in tasks:
+                    raise InputError(
+                        f"{matrix.path}: two cells are the same: {task.title} of {file.scenario.name}; expected "
+                        "scenarios with different names and axis values that differ"
+                    )
+                tasks[name] = task
+    if not tasks:
+        raise InputError(f"{matrix.path}: holds no cell; expected recordings that match and not everything left out")
+    return [tasks[name] for name in sorted(tasks)]
+
+
+def _variants(
+    matrix: MatrixFile, file: ScenarioFile
+) -> Iterator[tuple[dict[str, Any], str, tuple[ScenarioFile, list[Motion]]]]:
+    """Every combination of axis values, with the scenario and its motions under it."""
+    read = Reader()
+    first: tuple[list[Experiment], list[Motion]] | None = None
+    names = list(matrix.matrix.axes)
+    for values in product(*matrix.matrix.axes.values()):
+        axes = dict(zip(names, values, strict=True))
+        revision, changes = _changes(matrix, file, axes)
+        variant = file.override(changes)
+        others = {k: v for k, v in axes.items() if k not in NAMED_AXES}
+        found = [_with_axes(e, others) for e in experiments(variant, read=read, only=matrix.matrix.recordings)]
+        if first is None:
+            first = found, motions(found)
+            for e in found:
+                e.start()  # what is wrong with a start is told now
+        yield axes, revision, (variant, regrouped(first, found))
+
+
+def _changes(matrix: MatrixFile, file: ScenarioFile, axes: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The revision's name and the scenario keys that a combination of axis values changes."""
+    changes = {}
+    for axis, value in axes.items():
+        if axis == "revision":
+            known = file.scenario.revisions
+            if value not in known:
+                raise InputError(
+                    f"{matrix.path}: axes.revision: found {value}; {file.path} has under revisions: "
+                    f"{', '.join(known) or 'none'}"
+                )
+            value = known[value]
+        changes[NAMED_AXES.get(axis, axis)] = value
+    recordings = file.scenario.recordings
+    for i, run in enumerate(recordings.runs if recordings else []):
+        for key in changes:
+            if key in run.overrides:
+                raise InputError(
+                    f"{matrix.path}: axes: {key} is set by recordings.runs[{i}].with of {file.path}, which holds for "
+                    "that recording; expected an axis that the recordings leave open"
+                )
+    return str(axes.get("revision", "")), changes
+
+
+def _with_axes(experiment: Experiment, others: dict[str, Any]) -> Experiment:
+    overrides = json.loads(experiment.overrides) | others
+    return replace(experiment, overrides=json.dumps(overrides, sort_keys=True))
+
+
+def regrouped(first: tuple[list[Experiment], list[Motion]], found: list[Experiment]) -> list[Motion]:
+    """Motions of the same recordings under other axis values; recordings that differ are grouped anew."""
+    before, grouped = first
+    same = len(before) == len(found) and all(
+        a.recording is b.recording and (a.name, a.window, a.use) == (b.name, b.window, b.use)
+        for a, b in zip(before, found, strict=True)
+    )
+    if not same:
+        return motions(found)
+    place = {id(e): i for i, e in enumerate(before)}
+    return [replace(m, experiments=tuple(found[place[id(e)]] for e in m.experiments)) for m in grouped]
+
+
+class Reader:
+    """Reads every recording once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Recording] = {}
+
+    def __call__(self, path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
+        """As `read_recording`."""
+        key = repr((path, request_of(scenario, tuple(joints), file)))
+        if key not in self._known:
+            self._known[key] = read_recording(path, scenario, joints, file=file)
+        return self._known[key]
+
+
+def _task(
+    matrix: MatrixFile,
+    file: ScenarioFile,
+    motion: Motion,
+    content: str,
+    engine: str,
+    revision: str,
+    axes: dict[str, Any],
+    d: Digest,
+) -> Task:
+    m = matrix.matrix
+    parts = [content, engine, engines.load(engine).version, revision, m.floors, m.traces, code_version()]
+    return Task(d.of(parts)[:32], file, motion, engine, revision, axes, m.floors, m.traces)
+
+
+def _content(motion: Motion, digest: Digest) -> list[Any]:
+    """What a motion's result depends on: of the scenario, not what concerns other recordings or budgets."""
+    parts: list[Any] = [motion.name, digest.of(motion.measured), list(motion.shifts)]
+    parts.append({"/".join(k): v for k, v in motion.noise.items()})
+    for e in motion.experiments:
+        dump = e.scenario.model_dump(exclude={"revisions": True, "budget": True, "recordings": {"runs"}})
+        parts += [e.name, dump, digest.of(e.plant), digest.of(e.recording), digest.of(e.commands)]
+        parts += [e.begin, e.duration, e.use, list(e.window), e.overrides]
+    return parts
+
+
+def _left_out(matrix: MatrixFile, task: Task) -> bool:
+    named = {"scenario": task.file.scenario.name, "engine": task.engine, "recording": task.motion.name, **task.axes}
+    return any(all(_matches(named[k], v) for k, v in c.items()) for c in matrix.matrix.leave_out)
+
+
+def _matches(value: Any, wanted: Any) -> bool:
+    if isinstance(wanted, list):
+        return any(_matches(value, w) for w in wanted)
+    return fnmatchcase(value, wanted) if isinstance(value, str) and isinstance(wanted, str) else bool(value == wanted)

@@ -1,0 +1,133 @@
+"""A process that computes cells one after the other, and the handle that its parent holds.
+
+Whatever happens to a cell happens to this process alone. The process ends when its parent is gone, after the cell it is
+at: that cell is kept, too.
+"""
+
+import contextlib
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+from multiprocessing.connection import Connection
+
+from realitygap.matrix.store import open_store
+from realitygap.matrix.task import Task, compute
+
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+START = 300.0
+"""s in which a process has to start, on however busy a machine."""
+KILLS = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
+"""Signals that come from outside; any other end is the cell's own doing."""
+
+
+class Died(Exception):
+    """The process ended at a cell; `killed` says that someone else ended it."""
+
+    def __init__(self, what: str, killed: bool) -> None:
+        super().__init__(what)
+        self.killed = killed
+
+
+class Hung(Exception):
+    """The process took longer than its time limit and was ended."""
+
+
+class Worker:
+    """A worker process, started at once and used by one thread."""
+
+    def __init__(self) -> None:
+        self._ready = False
+        ours, theirs = socket.socketpair()
+        self._connection = Connection(ours.detach())
+        with theirs:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "realitygap.matrix.worker", str(theirs.fileno())],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,  # engines greet there
+                env=dict.fromkeys(THREADS, "1") | os.environ,
+                process_group=0,  # Ctrl-C is the parent's to handle
+            )
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process is there."""
+        return self._process.poll() is None
+
+    @property
+    def pid(self) -> int:
+        """The process's number."""
+        return self._process.pid
+
+    def run(self, task: bytes, store: str, limit: float) -> str:
+        """Compute a pickled task, keep its file in the store and return its outcome.
+
+        Raises:
+            Died: where the process ended.
+            Hung: where it took longer than `limit` [s].
+        """
+        try:
+            if not self._ready:
+                self._answer(START)
+                self._ready = True
+            self._connection.send_bytes(pickle.dumps((task, store)))
+            kind, text = self._answer(limit)
+        except (EOFError, OSError):
+            raise self._ended() from None
+        except Hung:
+            self.close()
+            raise
+        if kind == "failed":
+            raise Died(text, killed=False)
+        return text
+
+    def _answer(self, limit: float) -> tuple[str, str]:
+        if not self._connection.poll(limit):
+            raise Hung
+        kind, text = self._connection.recv()
+        return str(kind), str(text)
+
+    def _ended(self) -> Died:
+        """How the process ended, in words that are the same every time."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(10)
+        code = self._process.poll()
+        self.close()
+        if code is None or code >= 0:
+            return Died(f"the process exited with status {code} in the middle of the cell", killed=False)
+        name = signal.Signals(-code).name
+        what = (signal.strsignal(-code) or "").lower()
+        return Died(f"the process was ended by {name} ({what})", killed=-code in KILLS)
+
+    def kill(self) -> None:
+        """End the process, from any thread: the connection belongs to the one that uses it, which finds its end."""
+        self._process.kill()
+        self._process.wait()
+
+    def close(self) -> None:
+        """End the process and the connection to it."""
+        self.kill()
+        self._connection.close()
+
+
+def serve(connection: Connection) -> None:
+    """Compute the tasks that come through a connection until it is closed."""
+    with contextlib.suppress(EOFError, OSError):
+        connection.send(("ready", ""))
+        while True:
+            task_bytes, store = pickle.loads(connection.recv_bytes())
+            task: Task = pickle.loads(task_bytes)
+            try:
+                data = compute(task)
+            except Exception as error:  # an engine may raise anything; it is this cell's outcome
+                connection.send(("failed", f"{type(error).__name__}: {' '.join(str(error).split())}"))
+                continue
+            open_store(store).write(task.key, data)
+            connection.send(("done", "ok"))
+
+
+if __name__ == "__main__":
+    serve(Connection(int(sys.argv[1])))

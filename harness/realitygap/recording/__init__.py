@@ -1,0 +1,57 @@
+"""Recordings of real robots, whatever file they are in, as one type."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+
+from realitygap.files.errors import InputError
+from realitygap.recording.assemble import assemble
+from realitygap.recording.recording import Recording
+from realitygap.recording.streams import Streams, request_of
+from realitygap.scenario.schema import Scenario
+
+__all__ = ["READERS", "Recording", "read_recording", "reader_of"]
+
+FOLDER = "folder"
+READERS = {  # file suffix, or a folder -> module with read(path, request) -> Streams
+    ".bag": "rosbag",
+    ".csv": "table",
+    ".db3": "rosbag",
+    ".mcap": "rosbag",
+    ".parquet": "table",
+    FOLDER: "rosbag",
+}
+
+
+def reader_of(path: Path) -> str:
+    """The name of the reader for a file or folder.
+
+    Raises:
+        InputError: where nothing is there, or nothing here reads it.
+    """
+    if not path.exists():
+        raise InputError(f"{path}: does not exist; expected a bag, a bag folder or a table")
+    kind = FOLDER if path.is_dir() else path.suffix.lower()
+    if kind not in READERS:
+        known = ", ".join(k for k in READERS if k != FOLDER)
+        raise InputError(f"{path}: is not a kind of recording that is known here; expected {known} or a bag folder")
+    return READERS[kind]
+
+
+def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
+    """What was measured in one recording.
+
+    Args:
+        path: a rosbag 1 file, a rosbag 2 folder, a bare .mcap or .db3, a .csv or a .parquet.
+        scenario: says which topics and columns are what (with the overrides of this run applied).
+        joints: the joints to keep, which is the order of all joint columns, whatever the order in the recording.
+        file: the scenario file, for messages.
+
+    Raises:
+        InputError: for a file that cannot be read, a topic, column or joint that is not there, or values that make no
+            sense; the sentence says what was found.
+    """
+    module = import_module(f"realitygap.recording.readers.{reader_of(path)}")
+    request = request_of(scenario, tuple(joints), file)
+    streams: Streams = module.read(path, request)
+    return assemble(path, streams, request)

@@ -1,0 +1,195 @@
+"""Repetitions of one motion: which runs are, how far apart their clocks are, and how much they differ."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+from typing import Protocol
+
+import numpy as np
+
+from realitygap.recording.commands import held_at
+from realitygap.recording.delay import MOVING, command_difference, delay, moving_commands
+from realitygap.recording.frames import angle_between, unit_quaternions, vertical
+from realitygap.recording.quantum import quantum
+from realitygap.recording.recording import Recording
+from realitygap.trace.trace import Array, Trace
+
+SAME_COMMAND = 0.05  # largest difference of commands of one motion, as a share of their standard deviation
+SAME_ANGLE = np.radians(2.0)  # rad: largest difference at the start of runs without commands
+SAME_PLACE = 0.01  # m, likewise
+
+
+class Run(Protocol):
+    """A run of a scenario: what was recorded, and under which conditions."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def recording(self) -> Recording | None: ...
+    @property
+    def overrides(self) -> str: ...
+    @property
+    def use(self) -> str | None: ...
+    @property
+    def window(self) -> tuple[float, float]: ...
+
+
+@dataclass(frozen=True)
+class Repetitions:
+    """Runs that repeat one motion under the same conditions.
+
+    Attributes:
+        name: what the runs' names have in common.
+        indices: which runs.
+        shifts: what to add to the first one's clock to get each one's [s].
+    """
+
+    name: str
+    indices: tuple[int, ...]
+    shifts: tuple[float, ...]
+
+
+def group_repetitions(runs: Sequence[Run]) -> list[Repetitions]:
+    """The runs as motions, in the order given: those of one motion under the same conditions together.
+
+    The same conditions are the same overrides and the same use; the same window of one file twice is not a repetition.
+    """
+    groups: list[list[tuple[int, float]]] = []
+    for i, run in enumerate(runs):
+        for group in groups:
+            shift = _shift(runs[group[0][0]], run)
+            if shift is not None and all(_path(runs[k]) != _path(run) for k, _ in group):
+                group.append((i, shift))
+                break
+        else:
+            groups.append([(i, 0.0)])
+    out = []
+    for group in groups:
+        indices, shifts = zip(*group, strict=True)
+        out.append(Repetitions(_common_name([runs[i].name for i in indices]), indices, shifts))
+    return out
+
+
+def _path(run: Run) -> object:
+    return None if run.recording is None else run.recording.path
+
+
+def _shift(first: Run, run: Run) -> float | None:
+    """How much later the motion is on a run's clock [s]; None where it is another motion or other conditions."""
+    a, b = first.recording, run.recording
+    if a is None or b is None or (first.overrides, first.use) != (run.overrides, run.use):
+        return None
+    if a.trace.joints != b.trace.joints or a.command_kind != b.command_kind:
+        return None
+    late = delay(a, b) if a.command_kind is not None else 0.0
+    if first.window != run.window:
+        length = min(first.window[1] - first.window[0], run.window[1] - run.window[0])
+        if not abs(first.window[0] + late - run.window[0]) <= 0.1 * length:
+            return None
+    return late if same_motion(a, b, late) else None
+
+
+def same_motion(reference: Recording, other: Recording, late: float) -> bool:
+    """Whether two runs are one motion, the other one `late` seconds later on its clock.
+
+    Their commands agree within 5 % of their standard deviation over at least nine tenths of the shorter run; where
+    nothing is commanded, they start alike (2°, 10 mm) and are equally long within a tenth.
+    """
+    a, b = reference.trace, other.trace
+    lengths = a.time[-1] - a.time[0], b.time[-1] - b.time[0]
+    if reference.command_kind is None:
+        return min(lengths) >= 0.9 * max(lengths) and _start_alike(a, b)
+    moving = moving_commands(reference) | moving_commands(other)
+    start, end = max(a.time[0], b.time[0] - late), min(a.time[-1], b.time[-1] - late)
+    if end - start < 0.9 * min(lengths):
+        return False
+    time = a.time[(a.time >= start) & (a.time <= end)]
+    x = held_at(reference.command_time, reference.command, time)
+    y = held_at(other.command_time, other.command, time + late)
+    if np.mean(np.isnan(x) != np.isnan(y)) > 0.02:  # the servos are off at other times
+        return False
+    if not moving.any():
+        return bool(np.nanmax(np.abs(x - y), initial=0.0) < MOVING)
+    spread = float(np.sqrt(np.nanvar(reference.command[:, moving], axis=0).mean()))
+    return bool(np.sqrt(command_difference(reference, other, moving, late)) <= SAME_COMMAND * spread)
+
+
+def _start_alike(a: Trace, b: Trace) -> bool:
+    if a.position is not None and b.position is not None and a.position.shape[1]:
+        return bool(np.abs(a.position[0] - b.position[0]).max() <= SAME_ANGLE)
+    if a.base_position is None or b.base_position is None or a.base_quaternion is None or b.base_quaternion is None:
+        return False
+    near = np.linalg.norm(a.base_position[0] - b.base_position[0]) <= SAME_PLACE
+    return bool(near and angle_between(a.base_quaternion[:1], b.base_quaternion[:1])[0] <= SAME_ANGLE)
+
+
+def _common_name(names: list[str]) -> str:
+    """The leading words that all names share: sine_rep1 and sine_rep2 are sine."""
+    if len(names) == 1:
+        return names[0]
+    words = [re.findall(r"[^_#-]+[_#-]*", name) for name in names]
+    stripped = [[word.rstrip("_#-") for word in each] for each in words]
+    count = sum(1 for _ in takewhile(lambda column: len(set(column)) == 1, zip(*stripped, strict=False)))
+    return "".join(words[0][:count]).rstrip("_#-") or names[0]
+
+
+def noise_floor(traces: Sequence[Trace]) -> dict[tuple[str, str], float]:
+    """How much repetitions of one motion differ, by joint (or "base") and signal, in SI.
+
+    The mean absolute difference of one repetition from the mean of the others, over all of them. A single run gives a
+    quarter of the sensor's quantum: a rounding error is uniform within half a quantum to either side, and its mean
+    absolute value, which is what a gap is, is a quarter of the quantum (its root mean square would be 1/√12 of it).
+
+    Args:
+        traces: repetitions of one motion on one clock, or a single one.
+    """
+    joints = traces[0].joints
+    floors: dict[tuple[str, str], float] = {}
+    for signal in ("position", "velocity", "effort"):
+        values = [v for t in traces if (v := getattr(t, signal)) is not None]
+        if len(values) < len(traces):
+            continue
+        floor = quantum(values[0]) / 4.0 if len(traces) == 1 else _mean_over_time(np.abs(_from_others(values)))
+        floors |= {(joint, signal): float(f) for joint, f in zip(joints, floor, strict=True) if np.isfinite(f)}
+    if len(traces) > 1:
+        floors |= {("base", signal): value for signal, value in _base_floors(traces).items()}
+    return floors
+
+
+def _base_floors(traces: Sequence[Trace]) -> dict[str, float]:
+    """The same for the base: distance [m], angle [rad] (of the vertical, by an IMU) and angular velocity [rad/s]."""
+
+    def all_of(signal: str) -> list[Array]:
+        values = [v for t in traces if (v := getattr(t, signal)) is not None]
+        return values if len(values) == len(traces) else []
+
+    found: dict[str, Array] = {}
+    if position := all_of("base_position"):
+        found["base_position"] = np.linalg.norm(_from_others(position), axis=2)
+    if quaternion := all_of("base_quaternion"):
+        signed = [q * np.where(np.sum(q * quaternion[0], axis=1, keepdims=True) < 0, -1.0, 1.0) for q in quaternion]
+        means = np.array(signed) - _from_others(signed)
+        angles = [angle_between(q, unit_quaternions(m)) for q, m in zip(signed, means, strict=True)]
+        found["base_orientation"] = np.array(angles)
+    elif quaternion := all_of("imu_quaternion"):
+        found["base_orientation"] = np.linalg.norm(_from_others([vertical(q) for q in quaternion]), axis=2)
+    if angular := all_of("base_angular"):
+        found["base_angular_velocity"] = np.linalg.norm(_from_others(angular), axis=2)
+    elif angular := all_of("imu_angular"):
+        found["base_angular_velocity"] = np.abs(_from_others([np.linalg.norm(w, axis=1) for w in angular]))
+    return {signal: float(np.nanmean(value)) for signal, value in found.items() if np.isfinite(value).any()}
+
+
+def _from_others(values: Sequence[Array]) -> Array:
+    """Each repetition's difference from the mean of the others. Shapes r × (t, ...), gives (r, t, ...)."""
+    stacked = np.array(values)
+    count = len(stacked)
+    return np.asarray((stacked - stacked.mean(axis=0)) * count / (count - 1))
+
+
+def _mean_over_time(value: Array) -> Array:
+    """The mean over repetitions and time of what is known. Shape (r, t, n), gives (n,); NaN where nothing is."""
+    known = np.isfinite(value)
+    count = known.sum(axis=(0, 1))
+    return np.asarray(np.where(count > 0, np.where(known, value, 0.0).sum(axis=(0, 1)) / np.maximum(count, 1), np.nan))

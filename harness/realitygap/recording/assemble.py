@@ -1,0 +1,138 @@
+"""From streams on their own clocks to one recording on the clock of the joint states."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from realitygap.files.errors import InputError
+from realitygap.recording.commands import held_at, in_force, usual_period
+from realitygap.recording.frames import unit_quaternions
+from realitygap.recording.outliers import told, without_outliers
+from realitygap.recording.recording import Recording
+from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.trace.trace import Array, Trace
+
+COMMAND_SIGNAL = {"position": "position", "duty": "effort", "effort": "effort"}
+
+
+def assemble(path: Path, streams: Streams, request: Request) -> Recording:
+    """One recording: time starts at the first message, other streams are brought to the clock of the joint states.
+
+    Raises:
+        InputError: for a value that is not finite, or a signal that the scenario asks for and that was not recorded.
+    """
+    zero = min(float(s.time[0]) for s in streams.all())
+    streams = _from(zero, streams)
+    clock = streams.state or streams.pose
+    if clock is None:
+        raise InputError(f"{request.file}: recordings: neither joint states nor a base pose are asked of {path}")
+    if len(clock.time) < 2:
+        raise InputError(f"{clock.source}: holds {len(clock.time)} sample, expected at least two")
+    for samples in streams.all():
+        if samples is not streams.command:
+            _finite(samples)
+    signals = _joint_signals(streams, request, clock)
+    signals |= _body_signals(streams, clock.time)
+    notes = list(streams.notes)
+    command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
+    if streams.command is not None:
+        kind = request.motion.meaning if request.motion is not None else "position"
+        command_time, command, found = _command(streams.command, kind, clock.time)
+        signals["command"] = held_at(command_time, command, clock.time)
+        notes += found
+    supply_time, supply = np.empty(0), np.empty(0)
+    if streams.supply is not None:
+        supply_time, supply = streams.supply.time, streams.supply.signals["supply"]
+        signals["supply"] = np.interp(clock.time, supply_time, supply)
+    trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
+    notes += told(outliers).values()
+    return Recording(
+        path, trace, command_time, command, kind, supply_time, supply, clock.receive, tuple(notes), outliers
+    )
+
+
+def _from(zero: float, streams: Streams) -> Streams:
+    def moved(samples: Samples | None) -> Samples | None:
+        if samples is None:
+            return None
+        receive = None if samples.receive is None else samples.receive - zero
+        return replace(samples, time=samples.time - zero, receive=receive)
+
+    return Streams(
+        moved(streams.state),
+        moved(streams.command),
+        moved(streams.effort),
+        moved(streams.pose),
+        moved(streams.imu),
+        moved(streams.supply),
+        streams.notes,
+    )
+
+
+def _joint_signals(streams: Streams, request: Request, clock: Samples) -> dict[str, Array]:
+    if not request.joints:
+        return {"position": np.empty((len(clock.time), 0))}
+    state = streams.state
+    assert state is not None
+    if "position" not in state.signals:
+        raise InputError(f"{state.source}: holds no joint positions; expected the measured joint states")
+    signals = {name: value for name, value in state.signals.items() if name != "effort"}
+    factor = request.effort_factor
+    if factor is not None:
+        source = state if streams.effort is None else streams.effort
+        if "effort" not in source.signals:
+            raise InputError(
+                f"{request.file}: recordings.effort: {source.source} holds no effort; expected `effort: none`, or "
+                "{topic: NAME} of the stream or column that holds it"
+            )
+        signals["effort"] = factor * _at(source.time, source.signals["effort"], clock.time)
+    return signals
+
+
+def _body_signals(streams: Streams, time: Array) -> dict[str, Array]:
+    """Base and IMU signals at other times; orientations are put back on the unit sphere after interpolation."""
+    signals = {}
+    for samples in (s for s in (streams.pose, streams.imu) if s is not None):
+        for name, value in samples.signals.items():
+            if not name.endswith("quaternion"):
+                signals[name] = _at(samples.time, value, time)
+                continue
+            unit = unit_quaternions(value)
+            if np.isnan(unit).any():
+                raise InputError(f"{samples.source}: an orientation is all zeros, expected a unit quaternion")
+            signals[name] = unit_quaternions(_at(samples.time, unit, time))
+    return signals
+
+
+def _at(own: Array, value: Array, time: Array) -> Array:
+    """A signal interpolated linearly; NaN where its stream has not begun or is over (by more than two periods)."""
+    if np.array_equal(own, time):
+        return value
+    out = np.column_stack([np.interp(time, own, column) for column in value.T])
+    margin = 2.0 * (usual_period(own) or 0.0)
+    out[(time < own[0] - margin) | (time > own[-1] + margin)] = np.nan
+    return np.asarray(out)
+
+
+def _command(samples: Samples, kind: str, state_time: Array) -> tuple[Array, Array, list[str]]:
+    name = COMMAND_SIGNAL[kind]
+    if name not in samples.signals:
+        found = " and ".join(samples.signals) or "nothing"
+        raise InputError(f"{samples.source}: holds {found}, expected {name}, as the motion's commands are `as: {kind}`")
+    value = samples.signals[name]
+    if np.isinf(value).any():
+        raise InputError(f"{samples.source}: a command is infinite, expected finite numbers (or NaN for none)")
+    return in_force(samples.time, value, samples.present, state_time, samples.joints)
+
+
+def _finite(samples: Samples) -> None:
+    for name, value in samples.signals.items():
+        bad = np.argwhere(~np.isfinite(value))
+        if len(bad):
+            row = bad[0]
+            joint = f" of joint {samples.joints[row[1]]}" if samples.joints and value.ndim == 2 else ""
+            raise InputError(
+                f"{samples.source}: {name}{joint} is {value[tuple(row)]} at {samples.time[row[0]]:.3f} s "
+                f"({len(bad)} such values), expected finite numbers"
+            )

@@ -1,0 +1,82 @@
+"""Single readings that no motion of the joint explains: garbled on the bus, and taken out when a recording is read."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from realitygap.recording.quantum import quantum
+from realitygap.trace.trace import Array, Trace
+
+FAR = 10.0
+"""How many times further than anything near it a reading must be to be no motion."""
+USUAL = 0.99
+"""The share of a joint's steps from reading to reading that are taken as usual."""
+SHOWN = 3
+"""Outliers that a sentence lists."""
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A reading that was taken out: of which joint and signal, when [s], and what it was."""
+
+    joint: str
+    signal: str
+    time: float
+    value: float
+
+
+def told(outliers: Sequence[Outlier]) -> dict[tuple[str, str], str]:
+    """A sentence for every joint and signal with outliers."""
+    readings: dict[tuple[str, str], list[str]] = {}
+    for o in outliers:
+        readings.setdefault((o.joint, o.signal), []).append(f"{o.value:.4g} at {o.time:.3f} s")
+    return {
+        (joint, signal): f"{len(all_)} {signal} reading{'s' * (len(all_) > 1)} of {joint} jump{'s' * (len(all_) == 1)} "
+        f"far away and back ({', '.join(all_[:SHOWN])}{', ...' * (len(all_) > SHOWN)}): the bus, not the robot; the "
+        "mean of the neighbours is taken"
+        for (joint, signal), all_ in readings.items()
+    }
+
+
+def without_outliers(trace: Trace) -> tuple[Trace, tuple[Outlier, ...]]:
+    """A trace with the mean of their neighbours in place of outliers, and what those were.
+
+    An outlier is one reading that jumps away and back by more than `FAR` times what is usual for its joint and signal.
+    For a velocity, the positions before and after must also contradict it as much: an impact is fast, but it moves.
+    """
+    if trace.position is None or len(trace.time) < 3:
+        return trace, ()
+    mended, found = trace, []
+    for signal in ("position", "velocity"):
+        value = getattr(trace, signal)
+        if value is None:
+            continue
+        alone = _jumps(value)
+        if signal == "velocity":
+            travel = np.abs(value[1:-1]) * ((trace.time[2:] - trace.time[:-2]) / 2)[:, None]
+            moved = np.abs(trace.position[2:] - trace.position[:-2]) + 2 * _resolution(trace.position)
+            alone &= travel > FAR * moved
+        rows, columns = np.nonzero(alone)
+        instead = value.copy()
+        instead[rows + 1, columns] = (value[rows, columns] + value[rows + 2, columns]) / 2
+        mended = replace(mended, **{signal: instead})
+        found += [
+            Outlier(trace.joints[j], signal, float(trace.time[k]), float(value[k, j]))
+            for k, j in zip(rows + 1, columns, strict=True)
+        ]
+    return (mended, tuple(found)) if found else (trace, ())
+
+
+def _jumps(value: Array) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+    """Which inner readings jump away and back by far more than usual. Shape (t, n) gives (t - 2, n)."""
+    steps = np.diff(value, axis=0)
+    usual = np.maximum(np.quantile(np.abs(steps), USUAL, axis=0), _resolution(value))
+    jump = np.minimum(np.abs(steps[:-1]), np.abs(steps[1:]))
+    return np.asarray((steps[:-1] * steps[1:] < 0) & (jump > FAR * usual))
+
+
+def _resolution(value: Array) -> float:
+    """The finest quantum of the sensors: a joint at rest does not show its own. Shape (t, n)."""
+    steps = quantum(value)
+    return float(steps[steps > 0].min()) if steps.any() else 0.0

@@ -1,0 +1,211 @@
+"""Taking the fields out of ROS messages, one topic at a time."""
+
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap.recording.frames import rotate, unit_quaternions
+from realitygap.scenario.schema import Stream
+from realitygap.trace.trace import Array
+
+
+class Refused(Exception):
+    """A message that cannot be used, and why."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The fields of a message with joint arrays; dots go into nested messages."""
+
+    names: str
+    signals: dict[str, str]
+
+
+# control_msgs/JointTrajectoryControllerState: what it measures and what it asks for, by the names of ROS 1 and ROS 2
+CONTROLLER_STATE = (("feedback", "actual"), ("reference", "desired"))
+NAMES = ("name", "names", "joint_names")
+SIGNALS = {
+    "position": ("position", "positions"),
+    "velocity": ("velocity", "velocities"),
+    "effort": ("effort", "efforts"),
+}
+
+
+def layout_of(
+    kind: str, fields: tuple[str, ...], named: Stream | None = None, *, command: bool = False
+) -> Layout | None:
+    """Where names and values stand in a message type; None where it has no such arrays.
+
+    Args:
+        kind: the message type.
+        fields: its field names.
+        named: the fields as the scenario names them, for other messages than the known ones.
+        command: whether what was asked for is wanted, of a message that has that and what was measured.
+    """
+    if named is not None and (named.names or named.position or named.velocity or named.effort):
+        chosen = {"position": named.position, "velocity": named.velocity, "effort": named.effort}
+        return Layout(named.names or "name", {k: v for k, v in chosen.items() if v is not None})
+    if kind.endswith("JointTrajectoryControllerState"):
+        part = next((p for p in CONTROLLER_STATE[command] if p in fields), None)
+        signals = {"position": "positions", "velocity": "velocities", "effort": "effort"}
+        return None if part is None else Layout("joint_names", {k: f"{part}.{v}" for k, v in signals.items()})
+    names = next((n for n in NAMES if n in fields), None)
+    found = {signal: f for signal, options in SIGNALS.items() for f in options if f in fields}
+    return Layout(names, found) if names and found else None
+
+
+class JointMessages:
+    """Messages with joint names and arrays, as in sensor_msgs/JointState, brought to one order of joints.
+
+    A message that names none of the joints belongs to another publisher and is passed over; with `partial`, a message
+    may name some of them, as commands do.
+    """
+
+    def __init__(self, joints: tuple[str, ...], layout: Layout, *, partial: bool) -> None:
+        self.joints = joints
+        self._partial = partial
+        self._names = attrgetter(layout.names)
+        self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
+        self._rows: dict[str, list[Array]] = {signal: [] for signal in layout.signals}
+        self._present: list[NDArray[np.bool_]] = []
+        self._orders: dict[tuple[str, ...], tuple[NDArray[np.intp], NDArray[np.bool_]]] = {}
+        self._other: set[str] = set()
+        self._passed = 0
+
+    def take(self, message: Any) -> bool:
+        """Keep what the message says of the joints; False where it names none of them."""
+        try:
+            names = tuple(self._names(message))
+            values = {signal: get(message) for signal, get in self._getters.items()}
+        except AttributeError as error:
+            raise Refused(f"{error}; expected the fields that recordings.state names") from None
+        order, present = self._order(names)
+        if not present.any():
+            self._other.update(names)
+            self._passed += 1
+            return False
+        for signal, value in values.items():
+            if len(value) == 0:
+                row = np.full(len(self.joints), np.nan)
+            elif len(value) == len(names):
+                row = np.where(present, np.asarray(value, dtype=float)[order], np.nan)
+            else:
+                raise Refused(f"names {len(names)} joints and holds {len(value)} values of {signal}")
+            self._rows[signal].append(row)
+        self._present.append(present)
+        return True
+
+    def _order(self, names: tuple[str, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+        if names not in self._orders:
+            where = {name: i for i, name in enumerate(names)}
+            present = np.array([joint in where for joint in self.joints])
+            if present.any() and not present.all() and not self._partial:
+                missing = ", ".join(j for j in self.joints if j not in where)
+                raise Refused(f"has no joint {missing}; it has {', '.join(names)}")
+            order = np.array([where.get(joint, 0) for joint in self.joints], dtype=np.intp)
+            self._orders[names] = order, present
+        return self._orders[names]
+
+    def arrays(self) -> tuple[dict[str, Array], NDArray[np.bool_] | None]:
+        """The signals that hold numbers, each (m, n), and which joints the messages named (None: all)."""
+        stacked = {signal: np.array(rows) for signal, rows in self._rows.items()}
+        present = np.array(self._present)
+        signals = {signal: value for signal, value in stacked.items() if not np.isnan(value).all()}
+        return signals, None if present.all() else present
+
+    @property
+    def nothing(self) -> str:
+        """Why nothing was kept."""
+        wanted = ", ".join(self.joints)
+        if not self._passed:
+            return "holds no messages"
+        return f"has no joint {wanted}; it has {', '.join(sorted(self._other))}; expected names as in the URDF"
+
+    @property
+    def note(self) -> str:
+        """What was passed over."""
+        return f"{self._passed} messages name other joints and were passed over" if self._passed else ""
+
+
+POSES = {  # where pose and, if it has one, twist stand in a message type
+    "geometry_msgs/msg/PoseStamped": ("pose", None),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": ("pose.pose", None),
+    "nav_msgs/msg/Odometry": ("pose.pose", "twist.twist"),
+}
+
+
+def body_of(kind: str, *, imu: bool) -> "Body | None":
+    """What takes the messages of a base pose or an IMU; None for other types."""
+    if imu:
+        return Body(None, None) if kind == "sensor_msgs/msg/Imu" else None
+    return Body(*POSES[kind]) if kind in POSES else None
+
+
+class Body:
+    """Poses (with the twist, for odometry) of a base, or readings of an IMU where `pose` is None."""
+
+    nothing = "holds no messages"
+    note = ""
+
+    def __init__(self, pose: str | None, twist: str | None) -> None:
+        self._pose = attrgetter(pose) if pose else None
+        self._twist = attrgetter(twist) if twist else None
+        self._rows: list[list[float]] = []
+
+    def take(self, message: Any) -> bool:
+        """Keep the message."""
+        if self._pose is None:
+            w = message.angular_velocity
+            # a covariance that starts with -1 says that there is no orientation (sensor_msgs/Imu)
+            known = message.orientation_covariance[0] != -1.0
+            self._rows.append([*_wxyz(message.orientation), w.x, w.y, w.z, float(known)])
+            return True
+        pose = self._pose(message)
+        row = [*_wxyz(pose.orientation), pose.position.x, pose.position.y, pose.position.z]
+        if self._twist is not None:
+            v, w = (t := self._twist(message)).linear, t.angular
+            row += [v.x, v.y, v.z, w.x, w.y, w.z]
+        self._rows.append(row)
+        return True
+
+    def arrays(self) -> tuple[dict[str, Array], None]:
+        """The signals by their names in a trace. The twist of an odometry is in its child frame, the base."""
+        rows = np.array(self._rows, dtype=float)
+        quaternion = rows[:, :4]
+        if self._pose is None:
+            signals = {"imu_angular": rows[:, 4:7]}
+            if rows[:, 7].all() and quaternion.any(axis=1).all():
+                signals["imu_quaternion"] = quaternion
+            return signals, None
+        signals = {"base_quaternion": quaternion, "base_position": rows[:, 4:7]}
+        if self._twist is not None:
+            unit = unit_quaternions(quaternion)
+            signals["base_linear"] = rotate(unit, rows[:, 7:10])
+            signals["base_angular"] = rotate(unit, rows[:, 10:13])
+        return signals, None
+
+
+class Supply:
+    """The voltage of a sensor_msgs/BatteryState."""
+
+    nothing = "holds no messages"
+    note = ""
+
+    def __init__(self) -> None:
+        self._volts: list[float] = []
+
+    def take(self, message: Any) -> bool:
+        """Keep the message."""
+        self._volts.append(float(message.voltage))
+        return True
+
+    def arrays(self) -> tuple[dict[str, Array], None]:
+        """The voltage, (m,) [V]."""
+        return {"supply": np.array(self._volts)}, None
+
+
+def _wxyz(q: Any) -> list[float]:
+    return [q.w, q.x, q.y, q.z]

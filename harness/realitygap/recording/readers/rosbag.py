@@ -1,0 +1,210 @@
+"""Rosbag 1 and rosbag 2 (MCAP, SQLite; a folder or a bare file), through the `rosbags` library."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_typestore
+
+from realitygap.files.errors import InputError
+from realitygap.recording.readers.clock import choose_clock
+from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of, layout_of
+from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.scenario import schema as scenario
+
+Found = TypeVar("Found")
+Collector = JointMessages | Body | Supply
+MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
+
+
+@dataclass
+class _Topic:
+    """One topic while it is read: who takes its messages, and when they were stamped and received [ns]."""
+
+    name: str
+    role: str
+    collector: Collector
+    stamps: list[int] = field(default_factory=list)
+    received: list[int] = field(default_factory=list)
+
+
+def read(path: Path, request: Request) -> Streams:
+    """The streams of a bag that a scenario asks for.
+
+    Raises:
+        InputError: for a bag that is empty or cut off, a topic that is not there or has another type, a message
+            without the joints, or values that make no sense.
+    """
+    with opened(path) as bag:
+        topics = [
+            _Topic(name, role, _collector(bag, path, role, name, key, request))
+            for role, name, key in _asked(bag, path, request)
+        ]
+        by_name: dict[str, list[_Topic]] = {}
+        for topic in topics:
+            by_name.setdefault(topic.name, []).append(topic)
+        for name, receive, message in bag.messages(set(by_name)):
+            for topic in by_name[name]:
+                try:
+                    if not topic.collector.take(message):
+                        continue
+                except Refused as error:
+                    count = len(topic.received) + 1
+                    raise InputError(f"{path}: {name}: message {count}: {error}") from None
+                topic.received.append(receive)
+                topic.stamps.append(stamp_of(message))
+    empty = [t for t in topics if not t.received]
+    if empty:
+        raise InputError(f"{path}: {empty[0].name}: {empty[0].collector.nothing}")
+    clock = choose_clock({t.name: (np.array(t.stamps), np.array(t.received)) for t in topics})
+    roles: dict[str, Samples] = {}
+    notes = [clock.note]
+    for topic in topics:
+        time, received, keep, note = clock.times(topic.name)
+        signals, present = topic.collector.arrays()
+        joints = topic.collector.joints if isinstance(topic.collector, JointMessages) else ()
+        kept = {name: value[keep] for name, value in signals.items()}
+        roles[topic.role] = Samples(
+            f"{path}: {topic.name}", time, kept, joints, None if present is None else present[keep], received
+        )
+        notes += [f"{topic.name}: {n}" for n in (note, topic.collector.note) if n]
+    return Streams(**roles, notes=tuple(dict.fromkeys(notes)))
+
+
+def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str]]:
+    """Role, topic and scenario key of every stream that is asked for."""
+    recordings = request.recordings
+    state = recordings.state.topic if isinstance(recordings.state, scenario.Stream) else recordings.state
+    if state is None and request.joints:
+        raise InputError(
+            f"{request.file}: recordings.state: is missing; expected the topic of the joint states in {path}; it has "
+            f"{bag.listing()}"
+        )
+    asked = [
+        ("state", state if request.joints else None, "recordings.state"),
+        ("command", request.motion.recorded if request.motion and request.joints else None, "motion.recorded"),
+        ("effort", request.effort_topic if request.joints else None, "recordings.effort.topic"),
+        ("pose", recordings.pose, "recordings.pose"),
+        ("imu", recordings.imu, "recordings.imu"),
+        ("supply", request.supply, "supply"),
+    ]
+    found = [(role, topic, key) for role, topic, key in asked if topic is not None]
+    for _, topic, key in found:
+        if topic not in bag.types:
+            raise InputError(f"{request.file}: {key}: {path} has no topic {topic}; it has {bag.listing()}")
+    return found
+
+
+def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request: Request) -> Collector:
+    """What takes the messages of a topic in a role."""
+    kind = bag.types[topic]
+    made: Collector | None
+    expected = "a BatteryState"
+    if role in ("state", "command", "effort"):
+        stream = request.recordings.state
+        named = stream if role == "state" and isinstance(stream, scenario.Stream) else None
+        layout = layout_of(kind, bag.fields(kind), named, command=role == "command")
+        made = None if layout is None else JointMessages(request.joints, layout, partial=role == "command")
+        expected = "a JointState, a JointTrajectoryControllerState or another message with arrays of names and values"
+    elif role == "supply":
+        made = Supply() if "voltage" in bag.fields(kind) else None
+    else:
+        made = body_of(kind, imu=role == "imu")
+        expected = "an Imu" if role == "imu" else "a PoseStamped or Odometry"
+    if made is None:
+        raise InputError(f"{request.file}: {key}: {topic} in {path} is a {short(kind)}; expected {expected}")
+    return made
+
+
+def stamp_of(message: Any) -> int:
+    """The header stamp [ns]; 0 where there is none."""
+    header = getattr(message, "header", None)
+    return 0 if header is None else int(header.stamp.sec) * 1_000_000_000 + int(header.stamp.nanosec)
+
+
+def short(kind: str) -> str:
+    """A message type as people write it: sensor_msgs/JointState."""
+    return kind.replace("/msg/", "/")
+
+
+class Bag:
+    """An open bag: its topics with their types and counts, and its messages."""
+
+    def __init__(self, path: Path, reader: AnyReader) -> None:
+        self.path = path
+        self._reader = reader
+        self.types = {c.topic: c.msgtype for c in reader.connections}
+        self.counts: dict[str, int] = {}
+        for connection in reader.connections:
+            self.counts[connection.topic] = self.counts.get(connection.topic, 0) + connection.msgcount
+
+    def listing(self) -> str:
+        """The topics with their types, for messages to the user."""
+        return ", ".join(f"{t} ({short(k)})" for t, k in sorted(self.types.items())) or "no topics"
+
+    def fields(self, kind: str) -> tuple[str, ...]:
+        """The field names of a message type."""
+        definition = self._reader.typestore.fielddefs.get(kind)
+        return () if definition is None else tuple(name for name, _ in definition[1])
+
+    def messages(self, topics: set[str]) -> Iterator[tuple[str, int, Any]]:
+        """Topic, time of reception [ns] and message, in the order of reception."""
+        chosen = [c for c in self._reader.connections if c.topic in topics]
+        if not chosen:
+            return
+        raw = self._reader.messages(connections=chosen)
+        while True:
+            found = _reading(self.path, partial(next, raw, None))
+            if found is None:
+                return
+            connection, receive, data = found
+            kind = connection.msgtype
+            yield connection.topic, receive, _reading(self.path, partial(self._reader.deserialize, data, kind))
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Bag]:
+    """A bag that is open for reading.
+
+    Raises:
+        InputError: for a bag that is empty or cannot be read.
+    """
+    source = _storage(path)
+    store = get_typestore(Stores.LATEST)
+    reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
+    _reading(path, reader.open)
+    try:
+        bag = Bag(path, reader)
+        if not sum(bag.counts.values()):
+            raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
+        yield bag
+    finally:
+        reader.close()
+
+
+def _storage(path: Path) -> Path:
+    """The path to read: a folder without metadata, as a recorder leaves behind that was killed, is its one file."""
+    if not path.is_dir() or (path / "metadata.yaml").exists():
+        return path
+    files = sorted([*path.glob("*.mcap"), *path.glob("*.db3"), *path.glob("*.bag")])
+    if len(files) == 1:
+        return files[0]
+    found = f"{len(files)} storage files" if files else "no .mcap, .db3 or .bag"
+    raise InputError(f"{path}: is a folder without metadata.yaml and with {found}; expected a rosbag 2 folder")
+
+
+def _reading(path: Path, action: Callable[[], Found]) -> Found:
+    """What the library returns; whatever it trips over in a broken file is a broken file."""
+    try:
+        return action()
+    except Exception as error:
+        what = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"{path}: the bag cannot be read ({what}); expected a whole rosbag 1 or 2; one that was cut off is made "
+            f"whole by {MAKE_WHOLE}"
+        ) from None

@@ -1,0 +1,204 @@
+"""CSV and Parquet tables, one row per sample."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from realitygap.files.errors import InputError
+from realitygap.recording.frames import rotate, unit_quaternions
+from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.scenario.schema import Columns
+from realitygap.trace.trace import Array
+
+
+def read(path: Path, request: Request) -> Streams:
+    """The streams of a table that a scenario asks for, all on the clock of its rows.
+
+    Raises:
+        InputError: for a file that is not a table, a column or joint that is not there, a value that is not a number,
+            or time that goes backwards.
+    """
+    table = Table(path, load(path), request)
+    time, keep, notes = table.times()
+
+    def samples(signals: dict[str, Array], joints: tuple[str, ...] = ()) -> Samples | None:
+        kept = {name: value[keep] for name, value in signals.items()}
+        return Samples(str(path), time, kept, joints) if kept else None
+
+    joints = request.joints
+    return Streams(
+        state=samples(table.state(), joints) if joints else None,
+        command=samples(table.command(), joints) if joints else None,
+        effort=samples(table.effort(), joints) if joints else None,
+        pose=samples(table.base()) if request.base else None,
+        supply=samples(table.supply()),
+        notes=tuple(notes),
+    )
+
+
+def load(path: Path) -> pd.DataFrame:
+    """The table in a file.
+
+    Raises:
+        InputError: for a file that is not a table with a header and at least one row.
+    """
+    try:
+        parquet = path.suffix.lower() == ".parquet"
+        frame = pd.read_parquet(path) if parquet else pd.read_csv(path, skipinitialspace=True)
+    except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
+        what = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
+    if frame.empty:
+        raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(map(str, frame.columns))}")
+    return frame.rename(columns=str)
+
+
+class Table:
+    """A table, and which of its columns are what."""
+
+    def __init__(self, path: Path, frame: pd.DataFrame, request: Request) -> None:
+        self.path = path
+        self.frame = frame
+        self.request = request
+        self.columns: Columns = request.recordings.columns
+
+    def times(self) -> tuple[Array, NDArray[np.intp], list[str]]:
+        """The times [s] from the first row, the rows that are kept and what was dropped."""
+        time = self._column(self.columns.time, "time")
+        if np.isnan(time).any():
+            row = int(np.flatnonzero(np.isnan(time))[0])
+            raise InputError(f"{self.path}: {self.columns.time} is empty in line {row + 2}, expected a time in s")
+        back = np.flatnonzero(np.diff(time) < 0)
+        if len(back):
+            row = int(back[0]) + 1
+            raise InputError(
+                f"{self.path}: {self.columns.time} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
+                f"{row + 2}, expected times that increase"
+            )
+        keep = np.flatnonzero(np.append(np.diff(time) > 0, True))
+        dropped = len(time) - len(keep)
+        notes = [f"{dropped} rows repeat the time of another and were dropped"] if dropped else []
+        return np.asarray(time[keep] - time[0]), keep, notes
+
+    def state(self) -> dict[str, Array]:
+        """Position and, where it is there, velocity and effort."""
+        found = {
+            "position": self._joints("position", required=True),
+            "velocity": self._joints("velocity", required="velocity" in self.columns.model_fields_set),
+            "effort": self._joints("effort", required="effort" in self.columns.model_fields_set),
+        }
+        return {name: value for name, value in found.items() if value is not None}
+
+    def effort(self) -> dict[str, Array]:
+        """An effort in a column of its own name."""
+        topic = self.request.effort_topic
+        if topic is None:
+            return {}
+        found = self._joints("effort", stem=topic, required=True)
+        assert found is not None
+        return {"effort": found}
+
+    def command(self) -> dict[str, Array]:
+        """The command; NaN where there is none or the servo is off."""
+        motion = self.request.motion
+        recorded = None if motion is None else motion.recorded
+        if recorded is None:
+            command = self._joints("command", required=False)
+            kind = "position"
+        else:
+            command = self._joints("command", stem=recorded, required=False)
+            if command is None:
+                command = self._joints("command", required=True)
+            assert motion is not None
+            kind = "position" if motion.meaning == "position" else "effort"
+        if command is None:
+            return {}
+        enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
+        if enabled is not None:
+            command = np.where(enabled == 0, np.nan, command)
+        return {kind: command}
+
+    def supply(self) -> dict[str, Array]:
+        """The supply voltage."""
+        named = self.request.supply
+        column = named or self.columns.supply
+        if column not in self.frame and named is None and "supply" not in self.columns.model_fields_set:
+            return {}
+        return {"supply": self._column(column, "supply")}
+
+    def base(self) -> dict[str, Array]:
+        """Pose and velocity of the base, in world axes."""
+        c = self.columns
+        needed = not self.request.joints or bool({"base_position", "base_quaternion"} & c.model_fields_set)
+        pose = [*c.base_position, *c.base_quaternion]
+        if not needed and not all(name in self.frame for name in pose):
+            return {}
+        found = {
+            "base_position": self._columns(c.base_position, "base_position", 3),
+            "base_quaternion": self._columns(c.base_quaternion, "base_quaternion", 4),
+        }
+        for key, names in (("base_linear", c.base_linear), ("base_angular", c.base_angular)):
+            if key in c.model_fields_set or all(name in self.frame for name in names):
+                found[key] = self._columns(names, key, 3)
+        if "base_angular" in found and c.base_angular_axes == "body":
+            found["base_angular"] = rotate(unit_quaternions(found["base_quaternion"]), found["base_angular"])
+        return found
+
+    def _joints(self, signal: str, *, required: bool, stem: str | None = None) -> Array | None:
+        """A joint signal as (t, n); None where it is not there and need not be."""
+        named = getattr(self.columns, signal)
+        joints = self.request.joints
+        if isinstance(named, dict) and (stem is None or stem not in self.frame):
+            missing = [joint for joint in joints if joint not in named]
+            if missing:
+                raise InputError(
+                    f"{self.request.file}: recordings.columns.{signal}: names no column for joint {missing[0]}; it has "
+                    f"{', '.join(named)}"
+                )
+            return np.column_stack([self._column(named[joint], signal) for joint in joints])
+        base = stem or str(named)
+        found = [self._of_joint(base, joint) for joint in joints]
+        if all(name is not None for name in found):
+            return np.column_stack([self._column(str(name), signal) for name in found])
+        if not required:
+            return None
+        missing = [joint for joint, name in zip(joints, found, strict=True) if name is None]
+        options = [base] if len(joints) == 1 else []
+        options += [form.format(base, missing[0]) for form in FORMS]
+        raise InputError(
+            f"{self.path}: has no {signal} of joint {missing[0]}; it has the columns {self._listing()}; expected "
+            f"{', '.join(options)}, or the names in recordings.columns.{signal}"
+        )
+
+    def _of_joint(self, stem: str, joint: str) -> str | None:
+        """The column of one joint's signal."""
+        options = [stem] if len(self.request.joints) == 1 else []
+        options += [form.format(stem, joint) for form in FORMS]
+        return next((name for name in options if name in self.frame), None)
+
+    def _columns(self, names: list[str], key: str, count: int) -> Array:
+        if len(names) != count:
+            raise InputError(f"{self.request.file}: recordings.columns.{key}: names {len(names)}, expected {count}")
+        return np.column_stack([self._column(name, key) for name in names])
+
+    def _column(self, name: str, key: str) -> Array:
+        """One column as floats; empty cells are NaN."""
+        if name not in self.frame:
+            raise InputError(
+                f"{self.path}: has no column {name}, named by recordings.columns.{key}; it has {self._listing()}"
+            )
+        column = self.frame[name]
+        numbers = pd.to_numeric(column, errors="coerce")
+        wrong = np.flatnonzero(numbers.isna() & column.notna())
+        if len(wrong):
+            row = int(wrong[0])
+            raise InputError(f"{self.path}: {name} is {column.iloc[row]!r} in line {row + 2}, expected a number")
+        return numbers.to_numpy(dtype=float)
+
+    def _listing(self) -> str:
+        return ", ".join(self.frame.columns)
+
+
+FORMS = ("{0}_{1}", "{1}_{0}", "{0}.{1}", "{0}/{1}")

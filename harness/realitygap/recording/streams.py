@@ -1,0 +1,90 @@
+"""What every reader gets and gives: the streams of one recording, each on its own clock."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap.files.errors import InputError
+from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario
+from realitygap.trace.trace import Array
+
+
+@dataclass(frozen=True)
+class Samples:
+    """One stream: signals by name at its own times.
+
+    `time` (m,) [s] strictly increases; joint signals are (m, n) in the order of `joints`, others (m,) or (m, k). In a
+    command, `present` (m, n) says which joints a message named; None: all of them. `receive` (m,) [s] is when the
+    recorder got the messages. `source` names the stream in messages to the user.
+    """
+
+    source: str
+    time: Array
+    signals: dict[str, Array]
+    joints: tuple[str, ...] = ()
+    present: NDArray[np.bool_] | None = None
+    receive: Array | None = None
+
+
+@dataclass(frozen=True)
+class Streams:
+    """The streams of one recording on one origin of time; what was not asked for or not recorded is None."""
+
+    state: Samples | None = None
+    command: Samples | None = None
+    effort: Samples | None = None
+    pose: Samples | None = None
+    imu: Samples | None = None
+    supply: Samples | None = None
+    notes: tuple[str, ...] = field(default=())
+
+    def all(self) -> list[Samples]:
+        """The streams that are there."""
+        found = (self.state, self.command, self.effort, self.pose, self.imu, self.supply)
+        return [s for s in found if s is not None]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a scenario asks of a recording: `supply` is a topic or column, `base` whether a base pose is of use."""
+
+    file: Path
+    recordings: Recordings
+    motion: Motion | None
+    joints: tuple[str, ...]
+    supply: str | None = None
+    base: bool = True
+
+    @property
+    def effort_topic(self) -> str | None:
+        """Topic or column of an effort that is not part of the state."""
+        effort = self.recordings.effort
+        return effort.topic if isinstance(effort, EffortStream) else None
+
+    @property
+    def effort_factor(self) -> float | None:
+        """N·m (or N) per recorded unit; None where no effort was measured."""
+        effort = self.recordings.effort
+        if isinstance(effort, EffortStream):
+            return effort.factor
+        return None if effort == "none" else 1.0
+
+
+def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Request:
+    """What a scenario asks of its recordings.
+
+    Raises:
+        InputError: where servos name two different recorded supplies.
+    """
+    recordings = scenario.recordings or Recordings()
+    servos = [s for s in scenario.servos if isinstance(s, DcServo)]
+    named = {s.supply.recorded for s in servos if isinstance(s.supply, RecordedSupply)}
+    if recordings.battery is not None:
+        named.add(recordings.battery)
+    if len(named) > 1:
+        found = ", ".join(sorted(named))
+        raise InputError(f"{file}: servos: the supply is recorded in {found}; expected one topic or column for all")
+    base = scenario.robot.base != "fixed"
+    return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base)

@@ -1,0 +1,123 @@
+"""The curves of a cell for the page: thinned, in people's units, small enough to travel with it.
+
+`curves/<cell>.js` calls `realitygap.curves(name, {...})`. It is JSON in a function call, because a page opened from a
+disk may load a script that lies beside it but may not fetch a file. What was measured is the same for every engine, so
+it is written once, as `curves/measured-<hash>.js`. Box plots are drawn from statistics of all samples, not of the
+thinned ones.
+"""
+
+import hashlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from realitygap_engines.model.robot import Model
+
+from realitygap.compare.gap import JOINT_SIGNALS, differences, unit_of
+from realitygap.compare.table import Cell, slug
+from realitygap.files.whole import write_whole
+from realitygap.recording.frames import angle_between
+from realitygap.robot.drive import Array
+from realitygap.trace.trace import Trace
+
+SAMPLES = 500
+"""Samples of a curve: as many as a plot has pixels."""
+
+
+def write_curves(folder: Path, cell: Cell, simulated: Trace, measured: Trace | None, model: Model) -> Path:
+    """Write the curves of one cell below a result folder. Returns the file.
+
+    Args:
+        folder: the result folder.
+        cell: what was simulated.
+        simulated: angles in rad, SI.
+        measured: the same on the measured clock; None where nothing was measured.
+        model: the robot; its joints are those that are drawn.
+    """
+    clock = (measured or simulated).time
+    clock = clock[:: max(int(np.ceil(clock.size / SAMPLES)), 1)]
+    content: dict[str, Any] = {
+        "cell": asdict(cell),
+        "time": _packed(clock - clock[0]),
+        "simulated": _joints(simulated.at(clock), model),
+    }
+    if measured is not None:
+        theirs = json.dumps(_joints(measured.at(clock), model), separators=(",", ":"), ensure_ascii=False)
+        content["measured"] = f"measured-{hashlib.sha256(theirs.encode()).hexdigest()[:12]}"
+        content["boxes"] = _boxes(model, simulated, measured)
+        _write(folder, content["measured"], theirs)
+    text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
+    return _write(folder, slug(cell), text)
+
+
+def read_curves(path: Path) -> dict[str, Any]:
+    """The content of one file, still packed."""
+    text = path.read_text(encoding="utf-8")
+    content: dict[str, Any] = json.loads(text[text.index("\n") + 1 : text.rindex(")")])
+    return content
+
+
+def unpack(packed: dict[str, Any]) -> Array:
+    """The values of a packed series. Shape (t,); NaN where nothing was measured."""
+    values = np.cumsum(np.array(packed["steps"], dtype=np.float64)) * packed["quantum"]
+    values[packed.get("missing", [])] = np.nan
+    return np.asarray(values)
+
+
+def _write(folder: Path, name: str, text: str) -> Path:
+    path = folder / "curves" / f"{name}.js"
+    write_whole(path, f"realitygap.curves({json.dumps(name)},\n{text.replace('<', chr(92) + 'u003c')});\n")
+    return path
+
+
+def _packed(values: Array) -> dict[str, Any]:
+    """A series as whole multiples of a quantum, each given as its distance from the one before."""
+    finite = np.isfinite(values)
+    top = float(np.max(np.abs(values[finite]), initial=0.0))
+    quantum = 10.0 ** (int(np.floor(np.log10(top))) - 4) if top > 0 else 1.0
+    whole = np.round(np.where(finite, values, 0.0) / quantum).astype(np.int64)
+    packed: dict[str, Any] = {"quantum": float(f"{quantum:.0e}"), "steps": np.diff(whole, prepend=0).tolist()}
+    if not finite.all():
+        packed["missing"] = np.flatnonzero(~finite).tolist()
+    return packed
+
+
+def _joints(trace: Trace, model: Model) -> dict[str, dict[str, Any]]:
+    out: dict[str, dict[str, Any]] = {}
+    for signal in JOINT_SIGNALS:
+        values = getattr(trace, signal)
+        if values is None:
+            continue
+        out[signal] = {}
+        for joint in model.joints:
+            unit, scale = unit_of(signal, joint.prismatic)
+            out[signal][joint.name] = {"unit": unit, **_packed(values[:, trace.index(joint.name)] * scale)}
+    return out | _base(trace)
+
+
+def _base(trace: Trace) -> dict[str, dict[str, Any]]:
+    """The base's position along the world's axes and how far it has turned since the start."""
+    out: dict[str, dict[str, Any]] = {}
+    if trace.base_position is not None:
+        columns = zip("xyz", trace.base_position.T, strict=True)
+        out["base_position"] = {f"base {axis}": {"unit": "m", **_packed(values)} for axis, values in columns}
+    if trace.base_quaternion is not None:
+        turned = np.rad2deg(angle_between(trace.base_quaternion, trace.base_quaternion[:1]))
+        out["base_orientation"] = {"base": {"unit": "deg", **_packed(turned)}}
+    return out
+
+
+def _boxes(model: Model, simulated: Trace, measured: Trace) -> dict[str, dict[str, list[float]]]:
+    """Per signal and joint: lower whisker, quartiles, upper whisker (Tukey) and maximum of the absolute difference."""
+    out: dict[str, dict[str, list[float]]] = {}
+    for d in differences(model, simulated, measured):
+        if not d.values.size:
+            continue
+        low, median, high = np.percentile(d.values, [25, 50, 75])
+        reach = 1.5 * (high - low)
+        inside = d.values[(d.values >= low - reach) & (d.values <= high + reach)]
+        numbers = [inside.min(), low, median, high, inside.max(), d.values.max()]
+        out.setdefault(d.signal, {})[d.joint] = [float(f"{v:.4g}") for v in numbers]
+    return out

@@ -1,0 +1,153 @@
+"""A result folder, read: everything that page and figures are made of."""
+
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from realitygap.compare.table import Cell, means, read_gaps
+from realitygap.files.errors import InputError
+from realitygap.page.style import AXES
+from realitygap.report.curves import read_curves
+
+CELL = [f.name for f in fields(Cell)]
+GROUPS = ("moving", "unmoving", "base")
+FLOOR_COLUMNS = ["noise_floor", "numerical_floor"]
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run or a matrix left behind.
+
+    Attributes:
+        folder: where it lies.
+        gaps: `gaps.csv`, with one more column per overridden key.
+        means: means over joints (see `realitygap.compare.table.means`), with the same columns.
+        cells: one row per cell: the key columns, outcome, note, and where known `real_time_factor` and
+            `wall_seconds`.
+        axes: what tells cells apart -> its values in order; every axis that the table has, also those with one value.
+        curves: key of a cell -> its curve file.
+        manifest: `manifest.json`, empty where there is none.
+    """
+
+    folder: Path
+    gaps: pd.DataFrame
+    means: pd.DataFrame
+    cells: pd.DataFrame
+    axes: dict[str, list[Any]]
+    curves: dict[tuple[str, ...], Path]
+    manifest: dict[str, Any]
+
+    @property
+    def engines(self) -> list[str]:
+        """The engines in the table."""
+        return [str(e) for e in self.axes.get("engine", [])]
+
+    @property
+    def varying(self) -> list[str]:
+        """Axes with more than one value."""
+        return [a for a, values in self.axes.items() if len(values) > 1]
+
+    @property
+    def virtual(self) -> bool:
+        """Whether the recordings come from a simulation."""
+        return bool(self.manifest.get("virtual"))
+
+
+def read_folder(folder: Path) -> Results:
+    """Read a result folder.
+
+    Raises:
+        InputError: where it holds no result table.
+    """
+    path = folder / "gaps.csv"
+    if not path.is_file():
+        raise InputError(f"{folder}: found no gaps.csv; expected a folder written by `realitygap run` or `matrix`")
+    raw = read_gaps(path)
+    manifest_path = folder / "manifest.json"
+    manifest = json.loads(manifest_path.read_text(encoding="utf-8")) if manifest_path.is_file() else {}
+    curves = _curves(folder)
+    cells = _cells(folder, raw, curves)
+    keys = _override_keys(cells)
+    return Results(
+        folder=folder,
+        gaps=_expanded(raw, keys),
+        means=_expanded(means(raw), keys),
+        cells=_expanded(cells, keys),
+        axes=_axes(_expanded(cells, keys), keys),
+        curves=curves,
+        manifest=manifest,
+    )
+
+
+def cell_key(record: Any) -> tuple[str, ...]:
+    """The key of a cell as text, the same from every file it is read from."""
+    return tuple(_text(record[c]) for c in CELL)
+
+
+def _text(value: Any) -> str:
+    if value is None or value is pd.NA or (isinstance(value, float) and value != value):
+        return ""
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _curves(folder: Path) -> dict[tuple[str, ...], Path]:
+    out = {}
+    for path in sorted((folder / "curves").glob("*.js")):
+        if not path.name.startswith("measured-"):
+            out[cell_key(read_curves(path)["cell"])] = path
+    return out
+
+
+def _cells(folder: Path, raw: pd.DataFrame, curves: dict[tuple[str, ...], Path]) -> pd.DataFrame:
+    """All cells: those of the table, and those that have only curves because nothing was measured."""
+    cells = raw[[*CELL, "outcome", "note"]].drop_duplicates(CELL)
+    cells.loc[cells["outcome"] == "ok", "note"] = ""
+    known = {cell_key(r) for r in cells.to_dict("records")}
+    only = [dict(zip(CELL, key, strict=True)) | {"outcome": "ok", "note": ""} for key in curves if key not in known]
+    if only:
+        extra = pd.DataFrame(only)
+        extra["step_rate"] = extra["step_rate"].astype(float)
+        extra["solver_iterations"] = pd.to_numeric(extra["solver_iterations"]).astype("Int64")
+        cells = pd.concat([cells, extra], ignore_index=True) if len(cells) else extra
+    path = folder / "timings.csv"
+    if not path.is_file() or not path.read_text(encoding="utf-8").strip():
+        return cells.reset_index(drop=True)
+    text = {f.name: str for f in fields(Cell) if f.type in (str, "str")}
+    timings = pd.read_csv(path, dtype=text, keep_default_na=False, na_values=[""])
+    timed = {cell_key(r): r for r in timings.to_dict("records")}
+    for column in ("real_time_factor", "wall_seconds"):
+        cells[column] = [timed.get(cell_key(r), {}).get(column, float("nan")) for r in cells.to_dict("records")]
+    return cells.reset_index(drop=True)
+
+
+def _override_keys(cells: pd.DataFrame) -> list[str]:
+    keys: dict[str, None] = {}
+    for text in cells["overrides"].unique():
+        keys |= dict.fromkeys(json.loads(text) if text else {})
+    return sorted(keys)
+
+
+def _expanded(frame: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
+    """The table with a column per overridden key; "" where a cell does not override it."""
+    frame = frame.copy()
+    for key in keys:
+        parsed = {t: json.loads(t).get(key, "") if t else "" for t in frame["overrides"].unique()}
+        values = frame["overrides"].map(parsed)
+        frame[key] = values.map(lambda v: v if isinstance(v, str | int | float) else json.dumps(v))
+    return frame
+
+
+def _axes(cells: pd.DataFrame, override_keys: list[str]) -> dict[str, list[Any]]:
+    """Axes and their values. What follows from the recording alone, as its gain does, is no axis of its own."""
+    out: dict[str, list[Any]] = {}
+    for axis in [*(a for a in AXES if a != "overrides"), *override_keys]:
+        values = list(dict.fromkeys(cells[axis].astype(object).where(cells[axis].notna(), "")))
+        if axis in override_keys and len(values) > 1:
+            per_recording = cells.groupby(["scenario", "recording"])[axis].nunique()
+            if per_recording.max() == 1:
+                continue
+        out[axis] = sorted(values, key=lambda v: (isinstance(v, str), v))
+    return out

@@ -1,0 +1,149 @@
+"""`report.html`: a page that opens offline, a pure function of the result folder. Many curves stay beside it."""
+
+import json
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from realitygap.files.whole import write_whole
+from realitygap.page.shell import render
+from realitygap.page.style import engine_label, number
+from realitygap.report.folder import Results, read_folder
+from realitygap.report.payload import payload
+from realitygap.report.sentences import sentences
+from realitygap.report.spread import spread
+from realitygap.report.thesis import HEAD, PUBLISHED, grounds, improvements, is_wolfgang
+
+SCRIPTS = ("format", "data", "state", "switches", "heatmap", "plot", "detail", "tables", "tradeoffs", "main")
+SHOWN = 8
+"""Sentences shown at once; the others are a click away."""
+MAILABLE = 4_000_000
+"""Curves up to this many bytes travel inside the page; larger ones are loaded from the files beside it."""
+TAGS = {
+    "virtual": "caution",
+    "failed": "did not finish",
+    "closest": "closest",
+    "change": "change",
+    "enough": "enough",
+    "speed": "speed",
+    "joint": "worst joint",
+}
+
+
+def write_page(folder: Path) -> Path:
+    """Write `report.html` into a result folder, from its files alone. Returns the page.
+
+    Raises:
+        InputError: where the folder holds no result table.
+    """
+    results = read_folder(folder)
+    web = files("realitygap.report") / "web"
+    said = sentences(results)
+    text = render(
+        "realitygap.report",
+        "page.html.j2",
+        title=results.manifest.get("scenario") or " and ".join(str(s) for s in results.axes["scenario"]) or folder.name,
+        summary=_summary(results),
+        virtual=results.virtual,
+        sentences=said,
+        shown=SHOWN if len(said) > SHOWN + 1 else len(said),
+        tags=TAGS,
+        published=_published() if is_wolfgang(results) else (),
+        spread=_spread_rows(results),
+        settings=_settings(results),
+        limitations=_limitations(results),
+        provenance=_provenance(results),
+        js=_raw("\n".join((web / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)),
+        data=_raw(json.dumps(payload(results), separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")),
+        curves=_raw(_inlined(results)),
+    )
+    path = folder / "report.html"
+    write_whole(path, text)
+    return path
+
+
+def _published() -> list[tuple[str, tuple[str, ...], Any]]:
+    """The tables of the thesis: what they show, what the columns before the gaps are, and the rows."""
+    return [
+        ("The three revisions, on grass (tables 5.1, 5.2, 5.4, 5.5)", ("motion", "joints", "URDF"), PUBLISHED),
+        ("Old − new; positive is better (table 5.6)", ("motion", "joints"), improvements()),
+        ("A quick turn of the head: HeadPan (table 5.3)", ("URDF",), HEAD),
+        ("Cheering, new URDF, recorded on flat ground and on grass (table 6.1)", ("joints", "ground"), grounds()),
+    ]
+
+
+def _raw(text: str) -> Any:
+    from markupsafe import Markup
+
+    return Markup(text)
+
+
+def _summary(results: Results) -> str:
+    counts = {
+        "cell": len(results.cells),
+        "engine": len(results.engines),
+        "recording": results.cells["recording"].where(results.cells["recording"] != "").nunique(),
+        "joint": results.gaps.loc[results.gaps["group"] != "base", "joint"].nunique(),
+    }
+    return " · ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in counts.items() if n)
+
+
+def _inlined(results: Results) -> str:
+    """The curve files themselves, where all of them together are small."""
+    paths = sorted((results.folder / "curves").glob("*.js"))
+    if sum(p.stat().st_size for p in paths) > MAILABLE:
+        return ""
+    return "".join(p.read_text(encoding="utf-8") for p in paths)
+
+
+def _spread_rows(results: Results) -> list[tuple[str, ...]]:
+    return [
+        (f"{engine_label(s.first)} and {engine_label(s.second)}", number(s.degrees), f"{s.radians:.2e}", str(s.cells))
+        for s in spread(results)
+    ]
+
+
+def _settings(results: Results) -> dict[str, Any] | None:
+    settings: dict[str, dict[str, Any]] = results.manifest.get("settings") or {}
+    engines = [e for e in results.engines if e in settings]
+    if not engines:
+        return None
+    keys = sorted({k for e in engines for k in settings[e]})
+    rows = [(k, [_setting(settings[e].get(k)) for e in engines]) for k in keys]
+    versions = results.manifest.get("versions") or {}
+    return {"engines": [f"{engine_label(e)} {versions.get(e) or ''}".strip() for e in engines], "rows": rows}
+
+
+def _setting(value: Any) -> str:
+    if value is None:
+        return "–"
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def _limitations(results: Results) -> list[tuple[str, list[str]]]:
+    """What each engine emulates or cannot express, and what was simplified in model and recordings."""
+    out = []
+    capabilities: dict[str, dict[str, Any]] = results.manifest.get("capabilities") or {}
+    for engine in results.engines:
+        lines = []
+        for name, entry in sorted(capabilities.get(engine, {}).items()):
+            if entry["level"] != "native":
+                level = {"no": "not possible", "emulated": "emulated"}.get(entry["level"], entry["level"])
+                lines.append(f"{name.replace('_', ' ')}: {level}. {entry['how']}")
+        if lines:
+            out.append((engine_label(engine), lines))
+    for name, lines in (results.manifest.get("notes") or {}).items():
+        if lines:
+            out.append((name.capitalize(), [str(line) for line in lines]))
+    return out
+
+
+def _provenance(results: Results) -> list[tuple[str, str]]:
+    manifest = results.manifest
+    out = []
+    if command := manifest.get("command_line"):
+        out.append(("command line", command if isinstance(command, str) else " ".join(["realitygap", *command])))
+    out += [(key, str(manifest[key])) for key in ("python", "platform") if manifest.get(key)]
+    out += [(name, str(v)) for name, v in (manifest.get("versions") or {}).items() if v]
+    out += [(name, str(digest)) for name, digest in (manifest.get("inputs") or {}).items()]
+    return out

@@ -1,0 +1,103 @@
+"""What the drive of a joint is made of: one record per joint holds every parameter of servo, friction and transmission.
+
+An effect is an edit of these numbers; the law itself is in `robot.drive_law`. Units: rad, N·m (m, N for prismatic
+joints), V, Ω, A, s.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+NONE, DC, PID, CASCADE = 0, 1, 2, 3
+POSITION, DUTY, EFFORT = 0, 1, 2
+MEANINGS = {"position": POSITION, "duty": DUTY, "effort": EFFORT}
+
+DRIVE = np.dtype(
+    [
+        ("kind", np.int64),
+        ("meaning", np.int64),  # of the command: position, duty or effort
+        ("gain", np.float64),
+        ("duty_limit", np.float64),
+        ("supply", np.float64),
+        ("recorded_supply", np.int64),  # 1: the recorded voltage is used instead of `supply`
+        ("torque_constant", np.float64),
+        ("resistance", np.float64),
+        ("kp", np.float64),
+        ("ki", np.float64),
+        ("kd", np.float64),
+        ("kv", np.float64),
+        ("effort_limit", np.float64),
+        ("velocity_limit", np.float64),
+        ("stall_torque", np.float64),
+        ("no_load_speed", np.float64),
+        ("sag_resistance", np.float64),
+        ("sag_group", np.int64),  # servos of one group, with the same supply, share it
+        ("heating", np.float64),
+        ("offset", np.float64),
+        ("dead_band", np.float64),  # of the position error: half width; no effect on the list, but a servo may have one
+        ("armature", np.float64),
+        ("coulomb", np.float64),
+        ("static", np.float64),
+        ("stribeck_velocity", np.float64),
+        ("stribeck_exponent", np.float64),
+        ("load", np.float64),
+        ("load_static", np.float64),
+        ("load_velocity", np.float64),
+        ("load_exponent", np.float64),
+        ("viscous", np.float64),
+        ("ripple", np.float64),
+        ("ripple_periods", np.float64),
+        ("ripple_phase", np.float64),
+        ("constant", np.float64),
+        ("backlash", np.float64),  # full width; 0: none
+        ("stiffness", np.float64),  # of the spring between encoder and link; 0: rigid
+    ]
+)
+"""The parameters of one joint's drive."""
+
+STATE = np.dtype(
+    [
+        ("begun", np.int64),
+        ("started", np.int64),  # whether the servo was on in the previous step
+        ("integral", np.float64),
+        ("goal", np.float64),  # the previous command
+        ("bus", np.float64),  # supply voltage after sag
+        ("velocity", np.float64),  # of the link, at the previous step
+        ("effort", np.float64),  # of the joint law over the previous step, without the constant effort
+        ("damping", np.float64),
+        ("driven", np.float64),  # torque on the rotor, without friction, at the previous step
+        ("transmitted", np.float64),  # torque from the rotor to the link over the previous step
+        ("rotor", np.float64),  # angle and speed, at the output, where the rotor is not rigid to the link
+        ("rotor_velocity", np.float64),
+        ("side", np.int64),  # -1, 1: the rotor is at that end of its backlash
+        ("closing", np.float64),  # the speed, relative to the link, at which it lands there
+        ("momentum", np.float64),  # what the rotor would have after the step without friction and link
+        ("mass", np.float64),  # its inertia and implicit damping
+        ("bound", np.float64),  # of its dry friction
+    ]
+)
+"""What the drive of one joint remembers from step to step."""
+
+LOG = np.dtype(
+    [
+        ("motor", np.float64),  # the motor's effort over the step is motor - emf·ω, with ω the rotor's mean velocity
+        ("emf", np.float64),
+        ("encoder", np.float64),  # true angle of the encoder's shaft
+        ("rotor", np.float64),  # speed of the rotor, at the output
+        ("transmitted", np.float64),  # torque from the rotor to the link over the step before
+    ]
+)
+"""What is worth recording of one joint on every step."""
+
+
+def neutral_drive(n: int) -> NDArray[np.void]:
+    """Drives without servo and without friction. Shape (n,) of `DRIVE`."""
+    drive = np.zeros(n, DRIVE)
+    for name in ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"):
+        drive[name] = np.inf
+    for name in ("duty_limit", "resistance", "stribeck_velocity", "load_velocity", "ripple_periods"):
+        drive[name] = 1.0
+    for name in ("stribeck_exponent", "load_exponent"):
+        drive[name] = 2.0
+    return drive

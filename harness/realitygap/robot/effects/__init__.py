@@ -1,0 +1,56 @@
+"""The effects: physics that a model may lack. Adding one is one definition and one line in `EFFECTS`."""
+
+from realitygap.robot.effects.body import BASE_TILT, CENTER_OF_MASS, LINK_INERTIA, LINK_MASS
+from realitygap.robot.effects.control import COMMAND_DELAY, CONTROLLER_GAIN
+from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
+from realitygap.robot.effects.friction import (
+    COULOMB_FRICTION,
+    LOAD_DEPENDENT_FRICTION,
+    STRIBECK_FRICTION,
+    VISCOUS_FRICTION,
+)
+from realitygap.robot.effects.ground import GROUND_FRICTION, SOFT_GROUND
+from realitygap.robot.effects.motor import (
+    CONSTANT_EFFORT,
+    MOTOR_HEATING,
+    SUPPLY_VOLTAGE,
+    TORQUE_CONSTANT,
+    TORQUE_RIPPLE,
+    TORQUE_SPEED_LIMIT,
+    VOLTAGE_SAG,
+)
+from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
+from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
+
+__all__ = ["EFFECTS", "Effect", "Page", "Parameter", "Values"]
+
+EFFECTS: dict[str, Effect] = {
+    effect.name: effect
+    for effect in (
+        COULOMB_FRICTION,
+        VISCOUS_FRICTION,
+        STRIBECK_FRICTION,
+        LOAD_DEPENDENT_FRICTION,
+        BACKLASH,
+        JOINT_COMPLIANCE,
+        ROTOR_INERTIA,
+        TORQUE_CONSTANT,
+        TORQUE_SPEED_LIMIT,
+        SUPPLY_VOLTAGE,
+        VOLTAGE_SAG,
+        COMMAND_DELAY,
+        CONTROLLER_GAIN,
+        JOINT_OFFSET,
+        TORQUE_RIPPLE,
+        MOTOR_HEATING,
+        CONSTANT_EFFORT,
+        LINK_MASS,
+        CENTER_OF_MASS,
+        LINK_INERTIA,
+        BASE_TILT,
+        GROUND_FRICTION,
+        SOFT_GROUND,
+        VELOCITY_FILTER,
+    )
+}
+"""In the order in which the simpler of two explanations is preferred."""

@@ -1,0 +1,79 @@
+"""How a command becomes duty or torque."""
+
+import numpy as np
+
+from realitygap.robot.drive import PID
+from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
+from realitygap.robot.effects.joint import has_servo
+from realitygap.robot.plant import Plant
+
+
+def _own_delay(plant: Plant, index: int) -> dict[str, float]:
+    return {"time": float(plant.delay[index])}
+
+
+def _delay(plant: Plant, indices: list[int], values: Values) -> None:
+    plant.delay[indices] = values["time"]
+
+
+COMMAND_DELAY = Effect(
+    name="command_delay",
+    changes="command",
+    sits_at="joint",
+    parameters=(Parameter("time", "s", 0.0, 0.5, 0.01, absent=0.0),),
+    signals=("position", "velocity"),
+    own=_own_delay,
+    apply=_delay,
+    possible=has_servo,
+    page=Page(
+        physics="Time between the recorded command and the duty that answers it: bus, drivers, filters and the "
+        "servo's own loop. It is continuous: a part of a step delays by a part of a step.",
+        equation="the servo follows command(t − time)",
+        signature="The whole response is shifted in time, whatever the speed and the load.",
+        confused_with="viscous_friction and controller_gain (a lag that ends in a sag, and depends on the load), "
+        "rotor_inertia (lag only where it accelerates), clocks that are not aligned.",
+        source="Dynamixel e-manual, return delay time and communication; Flemming 2019, chapter 4.",
+    ),
+)
+
+
+def _field(plant: Plant, index: int) -> str:
+    return "kp" if plant.drive["kind"][index] == PID else "gain"
+
+
+def _own_gain(plant: Plant, index: int) -> dict[str, float]:
+    return {"gain": float(plant.drive[_field(plant, index)][index])}
+
+
+def _gain(plant: Plant, indices: list[int], values: Values) -> None:
+    pid = plant.drive["kind"] == PID
+    chosen = np.isin(np.arange(len(pid)), indices)
+    plant.drive["kp"][chosen & pid] = values["gain"]
+    plant.drive["gain"][chosen & ~pid] = values["gain"]
+
+
+def _softer(plant: Plant, index: int) -> dict[str, float]:
+    return {"gain": 0.8 * _own_gain(plant, index)["gain"]}
+
+
+CONTROLLER_GAIN = Effect(
+    name="controller_gain",
+    changes="torque",
+    sits_at="joint",
+    parameters=(Parameter("gain", "duty/rad or N·m/rad", 1e-4, 1e6, 5.0, logarithmic=True),),
+    signals=("position", "effort"),
+    own=_own_gain,
+    apply=_gain,
+    possible=has_servo,
+    scaled=_softer,
+    page=Page(
+        physics="The servo's answer to a position error: firmware units are easily misread, and a robot may run with "
+        "other gains than its notes say. The unit follows the servo: `gain` in duty/rad of a dc servo, `kp` in "
+        "N·m/rad of a pid servo, and the drive's `gain` of a cascade, which scales both of its loops.",
+        equation="dc: duty = gain·(command − q); pid: τ = gain·(command − q) + …",
+        signature="Sag under load and lag in motion in proportion to 1/gain, with the same effort at rest.",
+        confused_with="supply_voltage (the same until the duty is at its limit), torque_constant, "
+        "load_dependent_friction.",
+        source="Dynamixel e-manual, position control: duty = P/128·error/885 per encoder unit.",
+    ),
+)

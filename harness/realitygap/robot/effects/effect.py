@@ -1,0 +1,109 @@
+"""What an effect is: a piece of physics that a model may lack, as an edit of the plant."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from realitygap.robot.plant import Plant
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that an effect has.
+
+    Attributes:
+        name, unit: as in the scenario file and in tables.
+        low, high: bounds of what is physical and worth fitting.
+        first: a sensible first size where nothing is known of the joint (see `Effect.first_size`).
+        absent: the neutral value of an effect that is absent from every model (marked with a raised 0 in tables);
+            None where the neutral value is the model's own.
+        default: the value where the scenario leaves it out; None where it must be given.
+        logarithmic: whether sizes are compared by ratio.
+        shape: a parameter that does nothing on its own (an exponent, a phase) and is not fitted first.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    first: float
+    absent: float | None = None
+    default: float | None = None
+    logarithmic: bool = False
+    shape: bool = False
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a person reads about an effect."""
+
+    physics: str
+    equation: str
+    signature: str
+    confused_with: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect. `apply` edits a plant; `own` tells the values that the plant has already, which change nothing.
+
+    Attributes:
+        name: fixed, as in scenario and diagnosis files.
+        changes: the one thing that it edits.
+        sits_at: what a target names.
+        parameters: in the order of tables.
+        signals: what it touches first.
+        own: (plant, index) -> values; the index is of a joint or link, 0 for ground and base.
+        apply: (plant, indices, values) -> None, edits the plant in place; values are totals.
+        possible: (plant, index) -> a reason in words why it cannot act there, or None.
+        page: physics, equation, signature, confusions, source.
+        scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
+        excludes: effects that say the same thing another way and cannot stand on the same target.
+        dissipative: it can only take energy out.
+        absurd: (values) -> a reason in words why these values are not this effect, or None.
+    """
+
+    name: str
+    changes: Literal["model", "torque", "command", "observation"]
+    sits_at: Literal["joint", "link", "ground", "base"]
+    parameters: tuple[Parameter, ...]
+    signals: tuple[str, ...]
+    own: Callable[[Plant, int], dict[str, float]]
+    apply: Callable[[Plant, list[int], Values], None]
+    possible: Callable[[Plant, int], str | None]
+    page: Page
+    scaled: Callable[[Plant, int], dict[str, float]] | None = None
+    excludes: tuple[str, ...] = ()
+    dissipative: bool = False
+    absurd: Callable[[Values], str | None] | None = None
+
+    def parameter(self, name: str) -> Parameter:
+        """The parameter of that name. Raises KeyError."""
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise KeyError(name)
+
+    def first_size(self, plant: Plant, index: int) -> dict[str, float]:
+        """Values that are neither negligible nor absurd there, within bounds: for a first try and for planting."""
+        sizes = {p.name: p.first for p in self.parameters}
+        sizes.update(self.scaled(plant, index) if self.scaled else {})
+        return {p.name: min(max(sizes[p.name], p.low), p.high) for p in self.parameters}
+
+
+def reads(**fields: str) -> Callable[[Plant, int], dict[str, float]]:
+    """`own` of an effect whose parameters are fields of the drive."""
+    return lambda plant, index: {name: float(plant.drive[field][index]) for name, field in fields.items()}
+
+
+def writes(**fields: str) -> Callable[[Plant, list[int], Values], None]:
+    """`apply` of an effect whose parameters are fields of the drive."""
+
+    def apply(plant: Plant, indices: list[int], values: Values) -> None:
+        for name, field in fields.items():
+            plant.drive[field][indices] = values[name]
+
+    return apply

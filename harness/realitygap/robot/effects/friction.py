@@ -1,0 +1,143 @@
+"""Friction in a joint and its gears."""
+
+from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
+from realitygap.robot.effects.joint import anywhere, effort_scale, speed_scale
+from realitygap.robot.plant import Plant
+
+FRICTION_HIGH = 200.0
+"""Bound of dry friction [N·m or N]: a linear axis of 100 kg has some tens of N."""
+
+
+def _coulomb(plant: Plant, indices: list[int], values: Values) -> None:
+    plant.drive["coulomb"][indices] = values["torque"]
+    plant.drive["static"][indices] = values["torque"]
+
+
+def _more_coulomb(plant: Plant, index: int) -> dict[str, float]:
+    return {"torque": float(plant.drive["coulomb"][index]) + 0.02 * effort_scale(plant, index)}
+
+
+COULOMB_FRICTION = Effect(
+    name="coulomb_friction",
+    changes="torque",
+    sits_at="joint",
+    parameters=(Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),),
+    signals=("position", "velocity"),
+    own=reads(torque="coulomb"),
+    apply=_coulomb,
+    possible=anywhere,
+    scaled=_more_coulomb,
+    page=Page(
+        physics="Dry friction of bearings, seals and gears: a torque that opposes motion and does not depend on "
+        "speed. At rest it takes any value up to the bound and holds the joint.",
+        equation="sliding: τ = −torque·sign(ω); stuck: |τ| ≤ torque",
+        signature="The joint stops short of its goal and stays there; flat spots at reversals; a hysteresis of "
+        "constant width between effort and position.",
+        confused_with="stribeck_friction (without slow motion), load_dependent_friction (at one load), backlash (a "
+        "flat spot at reversals too, but without an effort offset).",
+        source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4.",
+    ),
+    excludes=("stribeck_friction",),
+    dissipative=True,
+)
+
+
+def _more_viscous(plant: Plant, index: int) -> dict[str, float]:
+    own = float(plant.drive["viscous"][index])
+    return {"coefficient": own + 0.03 * effort_scale(plant, index) / speed_scale(plant, index)}
+
+
+VISCOUS_FRICTION = Effect(
+    name="viscous_friction",
+    changes="torque",
+    sits_at="joint",
+    parameters=(Parameter("coefficient", "N·m·s/rad", 0.0, 2000.0, 0.05),),
+    signals=("position", "velocity"),
+    own=reads(coefficient="viscous"),
+    apply=writes(coefficient="viscous"),
+    possible=anywhere,
+    scaled=_more_viscous,
+    page=Page(
+        physics="Friction of lubricated gears and bearings that grows in proportion to speed.",
+        equation="τ = −coefficient·ω",
+        signature="Lag and lost amplitude that grow with speed; nothing at rest.",
+        confused_with="torque_constant (back-EMF is viscous too, but it shows in the effort), command_delay (a lag "
+        "that does not depend on the load), controller_gain (a lower one lags more, and sags at rest).",
+        source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4.",
+    ),
+    dissipative=True,
+)
+
+
+def _more_stribeck(plant: Plant, index: int) -> dict[str, float]:
+    coulomb = float(plant.drive["coulomb"][index]) + 0.01 * effort_scale(plant, index)
+    return {"static": 2.0 * coulomb, "coulomb": coulomb, "velocity": 0.1 * speed_scale(plant, index)}
+
+
+def _rising(values: Values) -> str | None:
+    return "it would grow with speed" if values["static"] <= values["coulomb"] else None
+
+
+STRIBECK_FRICTION = Effect(
+    name="stribeck_friction",
+    changes="torque",
+    sits_at="joint",
+    parameters=(
+        Parameter("static", "N·m", 0.0, FRICTION_HIGH, 0.2),
+        Parameter("coulomb", "N·m", 0.0, FRICTION_HIGH, 0.1),
+        Parameter("velocity", "rad/s", 1e-3, 50.0, 0.5, logarithmic=True, shape=True),
+        Parameter("exponent", "", 0.3, 4.0, 2.0, default=2.0, shape=True),
+    ),
+    signals=("position", "velocity"),
+    own=reads(static="static", coulomb="coulomb", velocity="stribeck_velocity", exponent="stribeck_exponent"),
+    apply=writes(static="static", coulomb="coulomb", velocity="stribeck_velocity", exponent="stribeck_exponent"),
+    possible=anywhere,
+    scaled=_more_stribeck,
+    page=Page(
+        physics="Dry friction that is larger at rest and in slow motion than in fast motion, because a lubricant film "
+        "builds up with speed: breakaway takes more torque than sliding.",
+        equation="in place of Coulomb friction: |τ| ≤ F(ω) = coulomb + (static − coulomb)·exp(−|ω/velocity|^exponent)",
+        signature="Stick-slip: the joint stays, breaks away with a jump and overshoots; slow motions jerk, fast ones "
+        "do not.",
+        confused_with="coulomb_friction (if all motion is fast or all is slow), backlash (a jump after a reversal), "
+        "torque_ripple (jerks too, but at fixed angles).",
+        source="R. Stribeck 1902; Canudas de Wit, Olsson, Åström, Lischinsky, IEEE TAC 40(3), 1995 (LuGre); "
+        "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994.",
+    ),
+    excludes=("coulomb_friction",),
+    dissipative=True,
+    absurd=_rising,
+)
+
+
+LOAD_DEPENDENT_FRICTION = Effect(
+    name="load_dependent_friction",
+    changes="torque",
+    sits_at="joint",
+    parameters=(
+        Parameter("coefficient", "", 0.0, 1.5, 0.15, absent=0.0),
+        Parameter("static_coefficient", "", 0.0, 1.5, 0.0, absent=0.0, default=0.0),
+        Parameter("velocity", "rad/s", 1e-3, 50.0, 1.0, default=1.0, logarithmic=True, shape=True),
+        Parameter("exponent", "", 0.3, 4.0, 2.0, default=2.0, shape=True),
+    ),
+    signals=("position", "velocity"),
+    own=reads(coefficient="load", static_coefficient="load_static", velocity="load_velocity", exponent="load_exponent"),
+    apply=writes(
+        coefficient="load", static_coefficient="load_static", velocity="load_velocity", exponent="load_exponent"
+    ),
+    possible=anywhere,
+    page=Page(
+        physics="Gear teeth are pressed together by the torque that they transmit, and rub the more the larger it is. "
+        "The transmitted torque is half of the difference between what drives the joint and what loads it: both are "
+        "equal and opposite where the joint rests or moves steadily. It adds to the bound of the other dry friction, "
+        "stuck or moving. Coefficients that are published for |τ_m − τ_l| (Rhoban's M2 to M6) count twice here.",
+        equation="bound += (coefficient + static_coefficient·exp(−|ω/velocity|^exponent))·½·|τ_m − τ_l|",
+        signature="A hysteresis between effort and position that widens with the load; a loaded joint holds where an "
+        "unloaded one creeps to its goal.",
+        confused_with="coulomb_friction or stribeck_friction (where the load is always the same: a second load parts "
+        "them), torque_constant (scales both directions alike).",
+        source="Duclusaud, Passault, Padois, Ly: Extended Friction Models for the Physics Simulation of Servo "
+        "Actuators, 2025 (arXiv 2410.08650), model M4.",
+    ),
+    dissipative=True,
+)

@@ -1,0 +1,62 @@
+"""What a joint offers to an effect: whether it can act there, and the scales of effort and speed for first sizes."""
+
+import math
+
+from realitygap_engines import GRAVITY
+
+from realitygap.robot.drive import DC, NONE
+from realitygap.robot.plant import Plant
+
+SUPPLY = 12.0
+"""Where the supply was recorded, and is not known beforehand [V]."""
+
+
+def anywhere(_plant: Plant, _index: int) -> str | None:
+    """For effects that can act at every target."""
+    return None
+
+
+def has_servo(plant: Plant, index: int) -> str | None:
+    """For effects on a servo."""
+    if plant.drive["kind"][index] == NONE:
+        return f"joint {plant.model.joint_names[index]} has no servo; expected a joint that `servos` covers"
+    return None
+
+
+def has_dc_motor(plant: Plant, index: int) -> str | None:
+    """For effects on a motor that is modelled by its voltage."""
+    if plant.drive["kind"][index] != DC:
+        return (
+            f"joint {plant.model.joint_names[index]} has no servo of kind dc; expected one, with supply and resistance"
+        )
+    return None
+
+
+def has_rotor(plant: Plant, index: int) -> str | None:
+    """For effects that part the rotor from the link."""
+    if not plant.drive["armature"][index] > 0:
+        name = plant.model.joint_names[index]
+        return f"joint {name} has no rotor inertia; expected `armature` of its servo, or rotor_inertia, above zero"
+    return None
+
+
+def effort_scale(plant: Plant, index: int) -> float:
+    """The effort that the servo can give [N·m or N]; without a servo or limit, what holds the link against gravity."""
+    d = plant.drive[index]
+    if d["kind"] == DC:
+        supply = SUPPLY if d["recorded_supply"] else float(d["supply"])
+        return float(d["torque_constant"] / d["resistance"] * d["duty_limit"]) * supply
+    if d["kind"] != NONE and math.isfinite(d["effort_limit"]):
+        return float(d["effort_limit"])
+    joint, link = plant.model.joints[index], plant.model.links[index + 1]
+    arm = 1.0 if joint.prismatic else max(float((link.com @ link.com) ** 0.5), 0.05)
+    return 3.0 * GRAVITY * link.mass * arm
+
+
+def speed_scale(plant: Plant, index: int) -> float:
+    """The speed that the servo can reach [rad/s or m/s]; 5 where nothing limits it."""
+    d = plant.drive[index]
+    if d["kind"] == DC:
+        supply = SUPPLY if d["recorded_supply"] else float(d["supply"])
+        return float(d["duty_limit"] / d["torque_constant"]) * supply
+    return float(d["velocity_limit"]) if math.isfinite(d["velocity_limit"]) else 5.0

@@ -1,0 +1,112 @@
+"""Putting the effects that a scenario names into a plant, with one sentence for what cannot be."""
+
+import fnmatch
+import math
+from collections.abc import Sequence
+
+from realitygap.files.errors import InputError, did_you_mean
+from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.plant import Plant
+from realitygap.scenario.schema import EffectSpec
+
+
+def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[int]:
+    """The joints or links that a target names; [0] for ground and base.
+
+    Raises:
+        InputError: for a target that names nothing, with what exists.
+    """
+    wanted = [target] if isinstance(target, str) else list(target)
+    if not wanted:
+        raise InputError(f"effect {effect.name}: target is empty; expected a {effect.sits_at}")
+    if effect.sits_at in ("ground", "base"):
+        if wanted not in ([effect.sits_at], ["*"]):
+            raise InputError(f"effect {effect.name}: target {', '.join(wanted)}; it sits at the {effect.sits_at}")
+        return [0]
+    if effect.sits_at == "joint":
+        names = plant.model.joint_names
+    else:
+        names = [link.name for link in plant.model.links]  # the links fixed to one of them are named, too
+        merged = {m: link.name for link in plant.model.links for m in link.merged}
+        wanted = [merged.get(w, w) for w in wanted]
+    for pattern in wanted:
+        if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
+            raise InputError(f"effect {effect.name}: no {effect.sits_at} {pattern}; the robot has {', '.join(names)}")
+    return [i for i, name in enumerate(names) if any(fnmatch.fnmatchcase(name, p) for p in wanted)]
+
+
+def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
+    """The checked parameter values of one effect of a scenario.
+
+    Raises:
+        InputError: for an unknown or missing parameter, or a value that is no number or out of bounds.
+    """
+    known = {p.name: p for p in effect.parameters}
+    listed = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
+    out: dict[str, float] = {}
+    for name, value in spec.parameters.items():
+        if name not in known:
+            raise InputError(f"effect {effect.name}: unknown parameter {name}; it has {listed}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise InputError(f"effect {effect.name}: {name} is {value!r}; expected a number in {known[name].unit}")
+        low, high = known[name].low, known[name].high
+        neutral = known[name].absent
+        if not low <= value <= high and value != neutral:
+            raise InputError(
+                f"effect {effect.name}: {name} is {value:g} {known[name].unit}; expected {low:g} to {high:g}"
+            )
+        out[name] = float(value)
+    for parameter in effect.parameters:
+        if parameter.name not in out:
+            if parameter.default is None:
+                raise InputError(f"effect {effect.name}: {parameter.name} is missing; it has {listed}")
+            out[parameter.name] = parameter.default
+    return out
+
+
+def known(name: str) -> Effect:
+    """The effect of that name. Raises InputError with those there are."""
+    if name not in EFFECTS:
+        hint = did_you_mean(name, EFFECTS)
+        raise InputError(f"effects: unknown effect {name}; known: {', '.join(EFFECTS)}{hint}")
+    return EFFECTS[name]
+
+
+def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
+    """A plant with the effects of a scenario, in whatever order it names them.
+
+    Raises:
+        InputError: for an unknown effect, target or parameter, the same effect twice on a target, two effects that
+            exclude each other there, or an effect that cannot act there.
+    """
+    plant = plant.copy()
+    seen: set[tuple[str, int]] = set()
+    waiting: list[tuple[Effect, EffectSpec, list[int], dict[str, float]]] = []
+    for spec in specs:
+        effect = known(spec.effect)
+        indices = targets(plant, effect, spec.target)
+        for i in indices:
+            for other in (effect.name, *effect.excludes):
+                if (other, i) in seen:
+                    what = "stands twice on" if other == effect.name else f"and {other} exclude each other on"
+                    raise InputError(f"effect {effect.name} {what} {_written(spec.target)}; expected one of them")
+            seen.add((effect.name, i))
+        waiting.append((effect, spec, indices, values(effect, spec)))
+    while waiting:  # an effect may need another: a compliance needs a rotor inertia
+        possible = [w for w in waiting if not _reason(plant, w[0], w[2])]
+        if not possible:
+            effect, spec, indices, _ = waiting[0]
+            raise InputError(f"effect {effect.name} on {_written(spec.target)}: {_reason(plant, effect, indices)}")
+        for effect, _, indices, checked in possible:
+            effect.apply(plant, indices, checked)
+        waiting = [w for w in waiting if w not in possible]
+    return plant
+
+
+def _reason(plant: Plant, effect: Effect, indices: list[int]) -> str | None:
+    """Why an effect cannot act at one of the indices; None where it can at all of them."""
+    return next((reason for i in indices if (reason := effect.possible(plant, i))), None)
+
+
+def _written(target: str | Sequence[str]) -> str:
+    return target if isinstance(target, str) else ", ".join(target)

@@ -1,0 +1,178 @@
+"""The plant: model, drives, ground and sensors of one simulation, as a scenario states them and effects edit them."""
+
+from __future__ import annotations
+
+import copy
+import fnmatch
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from realitygap_engines import Ground
+from realitygap_engines.model.robot import Joint, Model
+from realitygap_engines.model.urdf import read_urdf
+
+from realitygap.files.errors import InputError
+from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
+from realitygap.scenario.file import ScenarioFile
+from realitygap.scenario.schema import AnyServo, DcServo, GroundSpec, PidServo, RecordedSupply, Scenario
+
+PAST = 0.01
+"""A position further than this [rad or m] beyond a limit has passed it."""
+
+
+@dataclass
+class Plant:
+    """Everything that a simulation is made of, apart from the engine. Effects edit a copy of it.
+
+    Attributes:
+        model: the robot; the drives' armature is put into it when it is opened.
+        drive: Shape (n,) of `DRIVE`.
+        ground: what it stands on.
+        delay: from recorded command to servo [s]. Shape (n,).
+        velocity_lag, velocity_scale: low-pass time [s] and scale of the reported velocity. Shape (n,).
+        base_tilt: roll and pitch of a fixed base [rad]. Shape (2,).
+        efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
+    """
+
+    model: Model
+    drive: NDArray[np.void]
+    ground: Ground | None
+    delay: Array
+    velocity_lag: Array
+    velocity_scale: Array
+    base_tilt: Array
+    efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+
+    def copy(self) -> Plant:
+        """A plant that can be edited without changing this one."""
+        out = copy.copy(self)
+        out.drive = self.drive.copy()
+        for name in ("delay", "velocity_lag", "velocity_scale", "base_tilt"):
+            setattr(out, name, getattr(self, name).copy())
+        out.efforts = list(self.efforts)
+        return out
+
+    def passing(self, position: Array) -> tuple[Plant, list[str]]:
+        """This plant without the limits that measured positions (t, n) pass, and a sentence on each: where a robot has
+        been, it has no stop.
+        """
+        joints, notes = list(self.model.joints), []
+        reach = position[np.isfinite(position).all(axis=1)]
+        for i, joint in enumerate(joints if len(reach) else []):
+            if reach[:, i].min() < joint.lower - PAST:
+                joints[i] = replace(joints[i], lower=-np.inf)
+                notes.append(_passed(joint, "lower", joint.lower))
+            if reach[:, i].max() > joint.upper + PAST:
+                joints[i] = replace(joints[i], upper=np.inf)
+                notes.append(_passed(joint, "upper", joint.upper))
+        return (replace(self, model=replace(self.model, joints=tuple(joints))) if notes else self), notes
+
+    def machine(self) -> Model:
+        """The model as an engine gets it: with the rotor inertia of every drive that is rigid to its joint."""
+        elastic = (self.drive["backlash"] > 0) | (self.drive["stiffness"] > 0)
+        return self.model.with_armature(np.where(elastic, 0.0, self.drive["armature"]))
+
+    def inertia(self) -> Array:
+        """The inertia of every joint's child link about its axis, with the rotor [kg·m² or kg]. Shape (n,).
+
+        What a joint really moves is more (further links) or less (its parent gives way).
+        """
+        own = []
+        for joint, link in zip(self.model.joints, self.model.links[1:], strict=True):
+            arm = np.cross(joint.axis, link.com)
+            own.append(link.mass if joint.prismatic else joint.axis @ link.inertia @ joint.axis + link.mass * arm @ arm)
+        return np.asarray(np.array(own) + np.maximum(self.drive["armature"], 1e-9))
+
+
+def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
+    """The plant that a scenario states, without its effects.
+
+    Raises:
+        InputError: for a servo pattern that matches nothing, or a URDF that cannot be used (as ModelError).
+    """
+    scenario = scenario or file.scenario
+    robot = scenario.robot
+    model = read_urdf(
+        file.existing(robot.urdf, "robot.urdf", "a URDF file"),
+        floating=robot.base != "fixed",
+        packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
+        contact_links=robot.contact_links,
+    )
+    n = len(model.joints)
+    if robot.base == "free" and n:
+        raise InputError(
+            f"{file.path}: robot.base: found free, but the robot has {n} joints; expected floating or fixed"
+        )
+    drive = neutral_drive(n)
+    drive["coulomb"] = drive["static"] = [j.friction for j in model.joints]
+    drive["viscous"] = [j.damping for j in model.joints]
+    drive["effort_limit"] = [j.effort for j in model.joints]
+    drive["velocity_limit"] = [j.velocity for j in model.joints]
+    if scenario.motion is not None:
+        drive["meaning"] = MEANINGS[scenario.motion.meaning]
+    taken: set[int] = set()
+    for i, servo in enumerate(scenario.servos):
+        matched = match_joints(model, servo.joints)
+        if not matched:
+            raise InputError(
+                f"{file.path}: servos[{i}].joints: {', '.join(servo.joints)} matches no joint; "
+                f"the robot has {', '.join(model.joint_names)}"
+            )
+        for j in sorted(set(matched) - taken):
+            _fit_servo(drive, j, servo)
+        taken |= set(matched)
+    limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
+    if limp:
+        model = replace(model, notes=(*model.notes, f"no servo, move freely: {', '.join(limp)}"))
+    return Plant(
+        model=model,
+        drive=drive,
+        ground=ground(scenario.ground_spec),
+        delay=np.zeros(n),
+        velocity_lag=np.zeros(n),
+        velocity_scale=np.ones(n),
+        base_tilt=np.zeros(2),
+    )
+
+
+def ground(spec: GroundSpec | None) -> Ground | None:
+    """The ground as engines know it."""
+    return None if spec is None else Ground(spec.friction, spec.stiffness, spec.damping)
+
+
+def match_joints(model: Model, patterns: list[str] | str) -> list[int]:
+    """The joints that one of the patterns matches, in the model's order."""
+    wanted = [patterns] if isinstance(patterns, str) else patterns
+    return [i for i, name in enumerate(model.joint_names) if any(fnmatch.fnmatchcase(name, p) for p in wanted)]
+
+
+def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
+    d = drive[j]
+    d["armature"] = servo.armature
+    if servo.friction is not None:
+        d["coulomb"] = d["static"] = servo.friction.coulomb
+        d["viscous"] = servo.friction.viscous
+    if isinstance(servo, DcServo):
+        d["kind"] = DC
+        d["gain"], d["duty_limit"] = servo.gain, servo.duty_limit
+        d["torque_constant"], d["resistance"] = servo.torque_constant, servo.resistance
+        if isinstance(servo.supply, RecordedSupply):
+            d["recorded_supply"] = 1
+        else:
+            d["supply"] = servo.supply
+    elif isinstance(servo, PidServo):
+        d["kind"] = PID
+        d["kp"], d["ki"], d["kd"] = servo.kp, servo.ki, servo.kd
+    else:
+        d["kind"] = CASCADE
+        d["gain"], d["kv"], d["kp"] = servo.gain, servo.kv, servo.kp
+
+
+def _passed(joint: Joint, side: str, limit: float) -> str:
+    unit, scale = (" m", 1.0) if joint.prismatic else ("°", 180 / np.pi)
+    return (
+        f"{joint.name} was measured past the URDF's {side} limit of {limit * scale:.4g}{unit}: the stop is elsewhere; "
+        "simulated without that limit"
+    )

@@ -1,0 +1,1 @@
+"""The scenario: what happens, as people write it down."""

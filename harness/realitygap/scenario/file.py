@@ -1,0 +1,194 @@
+"""Reading a scenario file: environment, paths, and what differs between its runs."""
+
+import copy
+import glob
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from realitygap.files.errors import InputError
+from realitygap.files.validation import validate
+from realitygap.files.yaml_file import load_yaml
+from realitygap.scenario.schema import SERVOS, Run, Scenario
+
+DATA = "REALITYGAP_DATA"
+
+
+@dataclass(frozen=True)
+class RunCase:
+    """One recording of a scenario with the scenario that holds for it (overrides applied), and the key it stands at."""
+
+    name: str
+    path: Path
+    run: Run
+    scenario: Scenario
+    key: str
+
+
+@dataclass(frozen=True)
+class ScenarioFile:
+    """A scenario with the file it came from; `raw` is the text as data, before defaults."""
+
+    path: Path
+    scenario: Scenario
+    raw: dict[str, Any]
+
+    def resolve(self, text: str, key: str) -> Path:
+        """The path that a scenario's text means: environment filled in, relative to the file."""
+        return resolve_path(self.path, text, key)
+
+    def existing(self, text: str, key: str, expected: str) -> Path:
+        """The same of a file that has to be there.
+
+        Raises:
+            InputError: where it is not.
+        """
+        path = self.resolve(text, key)
+        if not path.exists():
+            raise InputError(f"{self.path}: {key}: {path} does not exist; expected {expected}")
+        return path
+
+    def override(self, changes: dict[str, Any]) -> "ScenarioFile":
+        """The same scenario with dotted keys changed, checked again."""
+        raw = apply_overrides(self.path, self.raw, changes)
+        return ScenarioFile(self.path, validate(self.path, Scenario, raw), raw)
+
+    def cases(self) -> list[RunCase]:
+        """Every recording with its own scenario, patterns in paths expanded, sorted by name within a pattern.
+
+        Raises:
+            InputError: for a recording that is not there or stands twice, or an override that does not fit.
+        """
+        recordings = self.scenario.recordings
+        cases: list[RunCase] = []
+        known: set[tuple[str, str, str]] = set()
+        for i, run in enumerate(recordings.runs if recordings else []):
+            scenario = self._scenario_of(run, f"recordings.runs[{i}].with")
+            for path in self._paths(run, f"recordings.runs[{i}].path"):
+                case = RunCase(path.stem if path.is_file() else path.name, path, run, scenario, f"recordings.runs[{i}]")
+                same = str(path.resolve()), repr(run.window), repr(sorted(run.overrides.items()))
+                if same in known:
+                    raise InputError(
+                        f"{self.path}: recordings.runs[{i}]: {path} stands twice with the same window and overrides; "
+                        "expected every recording once"
+                    )
+                known.add(same)
+                cases.append(case)
+        return _distinct(cases)
+
+    def _scenario_of(self, run: Run, key: str) -> Scenario:
+        if not run.overrides:
+            return self.scenario
+        try:
+            return self.override(run.overrides).scenario
+        except InputError as error:
+            raise InputError(f"{self.path}: {key}: {str(error).removeprefix(f'{self.path}: ')}") from None
+
+    def _paths(self, run: Run, key: str) -> list[Path]:
+        path = self.resolve(run.path, key)
+        if path.exists():
+            return [path]
+        if not glob.has_magic(run.path):
+            raise InputError(f"{self.path}: {key}: {path} does not exist; expected a bag, a bag folder or a table")
+        pattern = _filled(self.path, run.path, key)
+        found = sorted(glob.glob(pattern, root_dir=self.path.parent))
+        if not found:
+            raise InputError(f"{self.path}: {key}: nothing matches {path}; expected at least one recording")
+        return [self.path.parent / p for p in found]
+
+
+def _distinct(cases: list[RunCase]) -> list[RunCase]:
+    """The same recording used twice (other window, other overrides) gets a number behind its name."""
+    seen: dict[str, int] = {}
+    out = []
+    for case in cases:
+        seen[case.name] = count = seen.get(case.name, 0) + 1
+        out.append(case if count == 1 else replace(case, name=f"{case.name}#{count}"))
+    return out
+
+
+def load_scenario(path: Path) -> ScenarioFile:
+    """The scenario in a YAML file.
+
+    Raises:
+        InputError: one sentence with file, key, what was found and what was expected.
+    """
+    raw = load_yaml(path)
+    return ScenarioFile(path, validate(path, Scenario, raw), raw)
+
+
+def resolve_path(file: Path, text: str, key: str) -> Path:
+    """The path that the text of a key means: environment filled in, relative to the file that says it.
+
+    Raises:
+        InputError: for an environment variable that is not set, or a home folder that is not there.
+    """
+    return file.parent / _filled(file, text, key)
+
+
+def _filled(file: Path, text: str, key: str) -> str:
+    def value(match: re.Match[str]) -> str:
+        name = match[1]
+        if not os.environ.get(name):
+            hint = " (the folder with the recordings)" if name == DATA else ""
+            raise InputError(f"{file}: {key}: the environment variable {name} is not set{hint}; needed for {text}")
+        return str(Path(os.environ[name]).absolute()) if name == DATA else os.environ[name]
+
+    if "\0" in text:
+        raise InputError(f"{file}: {key}: found {text!r}, expected a path")
+    try:
+        return str(Path(re.sub(r"\$\{(\w+)\}", value, text)).expanduser())
+    except RuntimeError:
+        raise InputError(f"{file}: {key}: found {text}, but there is no such home folder") from None
+
+
+def apply_overrides(path: Path, raw: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """Raw scenario data with dotted keys changed; `servos.NAME.key` and `servos.*.key` address servos by name.
+
+    Raises:
+        InputError: for a key that leads nowhere.
+    """
+    out = copy.deepcopy(raw)
+    for key, value in changes.items():
+        _set(path, out, key.split("."), value, key)
+    return out
+
+
+def _set(path: Path, node: Any, parts: Sequence[str], value: Any, key: str) -> None:
+    head, rest = parts[0], parts[1:]
+    if isinstance(node, list):
+        for item in _chosen(path, node, head, rest, key):
+            _set(path, item, rest, value, key)
+    elif not isinstance(node, dict):
+        raise InputError(f"{path}: {key}: {head} is inside a value, expected a key of a section")
+    elif not rest:
+        node[head] = value
+    else:
+        if not isinstance(node.get(head), dict | list):
+            node[head] = {}
+        _set(path, node[head], rest, value, key)
+
+
+def _chosen(path: Path, entries: list[Any], head: str, rest: Sequence[str], key: str) -> list[Any]:
+    """The entries of a list that a part of a dotted key names: by name, by number, or `*` for all that take the key."""
+    names = [str(e.get("name", i)) if isinstance(e, dict) else str(i) for i, e in enumerate(entries)]
+    if not rest:
+        raise InputError(f"{path}: {key}: names a whole entry, expected a key in it")
+    if head == "*":
+        found = [e for e in entries if _takes(e, rest[0])]
+        if entries and not found:
+            raise InputError(f"{path}: {key}: none of {', '.join(names)} has {rest[0]}")
+    else:
+        found = [e for i, e in enumerate(entries) if head in (names[i], str(i))]
+    if not found:
+        raise InputError(f"{path}: {key}: there is no {head}; expected one of {', '.join([*names, '*'])}")
+    return found
+
+
+def _takes(entry: Any, key: str) -> bool:
+    """Whether an entry may have a key: `servos.*.gain` means the servos that can have a gain."""
+    kind = SERVOS.get(str(entry.get("kind"))) if isinstance(entry, dict) else None
+    return kind is None or key in kind.model_fields

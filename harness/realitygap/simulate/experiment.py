@@ -1,0 +1,268 @@
+"""One recording ready to be simulated: the plant, the commands, the start, and what was measured."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from functools import cached_property
+
+import numpy as np
+import realitygap_engines as engines
+from realitygap_engines import GRAVITY, Physics, State
+from realitygap_engines.model.robot import Array
+
+from realitygap.files.errors import InputError
+from realitygap.recording import Recording, read_recording
+from realitygap.robot.effects.place import place
+from realitygap.robot.plant import Plant, build_plant
+from realitygap.scenario.file import RunCase, ScenarioFile
+from realitygap.scenario.schema import DcServo, RecordedSupply, Scenario
+from realitygap.simulate.commands import Commands
+from realitygap.simulate.flight import Launch, launch
+from realitygap.simulate.motion import first_goals, play, read_animation
+from realitygap.simulate.rollout import Rollout, rollout
+from realitygap.simulate.start import start_integral, start_state
+from realitygap.trace.trace import Trace
+
+Read = Callable[..., Recording]
+"""A reader with the arguments of `read_recording`."""
+LARGEST = 5e7
+"""Steps times joints that are simulated at most: about 10 GB of traces."""
+SETTLE = 1.0
+"""How long an animation goes on after its last keyframe [s]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One motion of a scenario.
+
+    Attributes:
+        name: of the recording, or of the scenario where nothing was recorded.
+        scenario: with the overrides of this run.
+        plant: with the scenario's effects.
+        recording: what was measured; None where nothing was.
+        commands: on the simulation's clock.
+        begin: the recording's time at which the simulation starts [s].
+        duration: of the simulation [s].
+        use: train, held_out or None.
+        window: what is judged, on the recording's clock [s].
+        where: the scenario file and the key that the recording stands at.
+        overrides: the scenario's keys that this run sets, as JSON.
+        notes: sentences on what the recording shows to be wrong in the model, and was changed.
+    """
+
+    name: str
+    scenario: Scenario
+    plant: Plant
+    recording: Recording | None
+    commands: Commands
+    begin: float
+    duration: float
+    use: str | None = None
+    window: tuple[float, float] = (-np.inf, np.inf)
+    where: str = ""
+    overrides: str = ""
+    notes: tuple[str, ...] = ()
+
+    def with_plant(self, plant: Plant) -> "Experiment":
+        """The same motion on another plant."""
+        return replace(self, plant=plant)
+
+    @cached_property
+    def thrown(self) -> Launch | None:
+        """How a free body was thrown; None for what stands or lies."""
+        if self.scenario.robot.base != "free" or self.recording is None:
+            return None
+        return launch(self.plant.model, self.recording.trace)
+
+    def start(self) -> State:
+        """The state at which the simulation starts."""
+        return _start(self)
+
+
+def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequence[str] = ("*",)) -> list[Experiment]:
+    """Every motion of a scenario: one per recording, or the one animation where nothing was recorded.
+
+    Args:
+        file: the scenario.
+        read: what reads a recording; one that remembers saves time where many variants of a scenario are prepared.
+        only: patterns over the recordings' names; the others are not read.
+
+    Raises:
+        InputError: for whatever is wrong with the scenario's files.
+    """
+    cases = file.cases()
+    if not cases:
+        if file.scenario.motion is None or file.scenario.motion.keyframes is None:
+            raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
+        return [_prepare(file, file.scenario, file.scenario.name, None, read)]
+    chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
+    return [_prepare(file, case.scenario, case.name, case, read) for case in chosen]
+
+
+def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
+    """Make sure that everything that is left out is there, in the robot of one of the experiments at least.
+
+    Raises:
+        InputError: for a pattern that matches nothing.
+    """
+    models = [e.plant.model for e in experiments]
+    names = [n for m in models for n in (*m.joint_names, *(["base"] if m.floating else []))]
+    for e in experiments:
+        for pattern in e.scenario.recordings.exclude if e.scenario.recordings else []:
+            if not any(fnmatchcase(n, pattern) for n in names):
+                raise InputError(
+                    f"{file.path}: recordings.exclude: {pattern} matches no joint; the robot has "
+                    f"{', '.join(dict.fromkeys(names))}"
+                )
+
+
+def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | None, read: Read) -> Experiment:
+    run = case.run if case else None
+    plant = build_plant(file, scenario)
+    try:
+        plant = place(plant, scenario.effects)
+    except InputError as error:
+        raise InputError(f"{file.path}: {error}") from None
+    recording, notes = None, list[str]()
+    if case is not None:
+        recording = read(case.path, scenario, plant.model.joint_names, file=file.path)
+        _check_supply(file, scenario, recording)
+        if recording.trace.position is not None:
+            plant, notes = plant.passing(recording.trace.position)
+    commands, begin, duration = _commands(file, scenario, plant, recording)
+    _check_steps(file, scenario, name, duration, len(plant.model.joints))
+    experiment = Experiment(
+        name=name,
+        scenario=scenario,
+        plant=plant,
+        recording=recording,
+        commands=commands,
+        begin=begin,
+        duration=duration,
+        use=run.use if run else None,
+        window=(run.window if run and run.window else (-np.inf, np.inf)),
+        where=f"{file.path}: {case.key}" if case else str(file.path),
+        overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
+        notes=tuple(notes),
+    )
+    try:
+        experiment.start()
+    except InputError as error:  # said now rather than after other motions were simulated
+        raise InputError(f"{file.path}: {error}") from None
+    return experiment
+
+
+def _check_steps(file: ScenarioFile, scenario: Scenario, name: str, duration: float, joints: int) -> None:
+    rate, most = scenario.physics.step_rate, LARGEST / max(joints, 1)
+    if duration * rate > most:
+        raise InputError(
+            f"{file.path}: physics.step_rate: found {rate:g}, which makes {duration * rate:.3g} steps of {name} "
+            f"({duration:.3g} s); expected at most {most:.3g} steps with {joints} joints"
+        )
+
+
+def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:
+    asked = [
+        s.supply.recorded for s in scenario.servos if isinstance(s, DcServo) and isinstance(s.supply, RecordedSupply)
+    ]
+    if asked and not len(recording.supply):
+        raise InputError(f"{file.path}: servos: supply {asked[0]} was not found in {recording.path}")
+
+
+def _commands(
+    file: ScenarioFile, scenario: Scenario, plant: Plant, recording: Recording | None
+) -> tuple[Commands, float, float]:
+    """Commands on the simulation's clock, where that clock starts in the recording, and how long it runs."""
+    n = len(plant.model.joints)
+    begin, duration = 0.0, 0.0
+    if recording is not None:
+        begin = float(recording.trace.time[0])
+        duration = float(recording.trace.time[-1]) - begin
+    motion = scenario.motion
+    if motion is not None and motion.keyframes is not None:
+        path = file.existing(motion.keyframes, "motion.keyframes", "an animation file")
+        animation = read_animation(path)
+        start = first_goals(path, animation, plant.model)
+        if recording is not None and recording.trace.position is not None:
+            start = recording.trace.position[0]
+        commands, length = play(path, animation, plant.model, start)
+        return commands, begin, duration or length + SETTLE
+    if recording is None or not len(recording.command_time):
+        return Commands(np.zeros(1), np.full((1, n), np.nan)), begin, duration
+    held = motion is None or motion.held
+    return Commands(recording.command_time - begin, recording.command, held), begin, duration
+
+
+def _start(experiment: Experiment) -> State:
+    plant, recording, scenario = experiment.plant, experiment.recording, experiment.scenario
+    n = len(plant.model.joints)
+    wanted = scenario.robot.start
+    position: Array = np.zeros(n)
+    if wanted == "recording" and recording is not None and recording.trace.position is not None:
+        position = recording.trace.position[0] + plant.drive["offset"]
+    elif wanted in ("recording", "keyframe") and scenario.motion is not None and scenario.motion.keyframes is not None:
+        position = np.nan_to_num(experiment.commands.value[min(1, len(experiment.commands.value) - 1)])
+    elif isinstance(wanted, dict):
+        names = plant.model.joint_names
+        for joint, angle in wanted.items():
+            if joint not in names:
+                raise InputError(f"robot.start: found joint {joint!r}; the robot has {', '.join(names)}")
+            position[names.index(joint)] = angle
+    if not np.isfinite(position).all():
+        bad = plant.model.joint_names[int(np.flatnonzero(~np.isfinite(position))[0])]
+        raise InputError(f"{experiment.name}: the first measured position of {bad} is missing")
+    trace = recording.trace if recording is not None and plant.model.floating else None
+    thrown = experiment.thrown
+    state = start_state(
+        plant,
+        position,
+        stand_on=scenario.robot.stand_on,
+        base_position=thrown.position if thrown else _first(trace, "base_position"),
+        base_quaternion=thrown.quaternion if thrown else _first(trace, "base_quaternion"),
+        base_linear=thrown.linear if thrown else _first(trace, "base_linear"),
+        base_angular=thrown.angular if thrown else _first(trace, "base_angular"),
+    )
+    if scenario.robot.base == "free":
+        # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far
+        state.base_linear = state.base_linear + np.array([0.0, 0.0, GRAVITY]) * scenario.timestep / 2
+    return state
+
+
+def _first(trace: Trace | None, signal: str) -> Array | None:
+    value = getattr(trace, signal) if trace is not None else None
+    return None if value is None or not np.isfinite(value[0]).all() else value[0]
+
+
+def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = None) -> Rollout:
+    """Simulate one motion in one engine; the trace is on the recording's clock.
+
+    Raises:
+        Unsupported: where the engine cannot express the plant.
+        Diverged: on a blow-up.
+    """
+    scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
+    physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
+    supply = None
+    if recording is not None and len(recording.supply):
+        supply = (recording.supply_time - experiment.begin, recording.supply)
+    recordings = scenario.recordings
+    effort = recordings.effort if recordings is not None else "none"
+    measures = effort if isinstance(effort, str) else effort.measures
+    integral = None
+    if recording is not None:
+        measured = recording.trace if measures == "motor" else replace(recording.trace, effort=None)
+        integral = start_integral(plant, measured, experiment.commands, experiment.begin)
+    with engines.load(engine).open(plant.machine(), physics) as simulation:
+        result = rollout(
+            simulation,
+            plant,
+            experiment.commands,
+            experiment.start(),
+            experiment.duration + physics.timestep,
+            supply=supply,
+            joint_effort=measures == "joint",
+            integral=integral,
+        )
+    result.trace = replace(result.trace, time=result.trace.time + experiment.begin)
+    return result

@@ -1,0 +1,147 @@
+"""How a body was thrown: its pose and velocity at the first sample, from all samples until it first touches the ground.
+
+A recorded velocity is a filtered difference of positions, late and biased by some cm/s; where a thrown body comes to
+rest depends on less. The flight itself tells better: its centre of mass falls, and it turns free of torque.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from realitygap_engines import GRAVITY
+from realitygap_engines.model.robot import Array, Model
+from scipy.spatial.transform import Rotation
+
+from realitygap.trace.trace import Trace
+
+CLEAR = 1e-3
+"""The flight ends where the lowest contact point comes closer to the ground than this [m]."""
+FEWEST = 4
+"""A flight of fewer samples tells no velocity."""
+FALLS = 2e-3
+"""A body whose centre of mass is further from a free fall than this [m rms] was held or blown, and not thrown."""
+FALL = np.array([0.0, 0.0, -GRAVITY])
+SUBSTEP = 2e-3
+TURNS, SMALL = 3, 1e-5
+
+
+@dataclass(frozen=True)
+class Launch:
+    """Where a flight began: position of the base (3,) [m], quaternion (4,) w x y z, and velocities (3,) of the base
+    [m/s, rad/s] in world axes.
+    """
+
+    position: Array
+    quaternion: Array
+    linear: Array
+    angular: Array
+
+
+def launch(model: Model, trace: Trace) -> Launch | None:
+    """The start of a body that is thrown, at the trace's first sample; None where it does not fly from there.
+
+    Least squares: a parabola for the centre of mass, and for the orientations those of a body free of torque.
+    """
+    body = model.links[0]
+    if trace.base_position is None or trace.base_quaternion is None or trace.base_angular is None:
+        return None
+    p, q = trace.base_position, trace.base_quaternion
+    count = flying(model, p, q)
+    if count < FEWEST or not np.isfinite(trace.base_angular[0]).all():
+        return None
+    time, turned = trace.time[:count] - trace.time[0], _rotation(q[:count])
+    line = np.column_stack([np.ones(count), time])
+    centre = p[:count] + turned.apply(body.com) - 0.5 * np.outer(time**2, FALL)
+    place, speed = found = np.linalg.lstsq(line, centre, rcond=None)[0]
+    if np.sqrt(np.mean(np.sum((line @ found - centre) ** 2, axis=1))) > FALLS:
+        return None
+    start, spin = _spun(time, turned, trace.base_angular[0], body.inertia)
+    arm = start.apply(body.com)
+    return Launch(place - arm, _quaternion(start), speed - np.cross(spin, arm), spin)
+
+
+def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[Rotation, Array]:
+    """Orientation and angular velocity [rad/s] at the first time of a body free of torque, by Gauss and Newton."""
+    start = turned[0]
+
+    def rest(change: Array) -> Array:
+        """What is left of the turn [rad] after a small change of orientation and angular velocity. Shape (3 k,)."""
+        first = _quaternion(Rotation.from_rotvec(change[:3]) * start)
+        return np.ravel((turned * _rotation(tumble(time, first, spin + change[3:], inertia)).inv()).as_rotvec())
+
+    for _ in range(TURNS):
+        here = rest(np.zeros(6))
+        slope = np.column_stack([(rest(SMALL * axis) - here) / SMALL for axis in np.eye(6)])
+        change = np.linalg.lstsq(slope, -here, rcond=None)[0]
+        start, spin = Rotation.from_rotvec(change[:3]) * start, spin + change[3:]
+        if np.abs(change).max() < SMALL:
+            break
+    return start, spin
+
+
+def flying(model: Model, position: Array, quaternion: Array) -> int:
+    """How many poses of a free body there are before the first that is missing or near the ground.
+
+    Shapes (t, 3) and (t, 4).
+    """
+    there = np.isfinite(np.column_stack([position, quaternion])).all(axis=1)
+    known = np.where(there.reshape(-1, 1), quaternion, [1.0, 0.0, 0.0, 0.0])
+    clear = position[:, 2].copy()
+    upward = _rotation(known).as_matrix()[:, 2]
+    for sphere in model.links[0].spheres:
+        clear = np.minimum(clear, position[:, 2] + upward @ sphere.center - sphere.radius)
+    flies = there & (clear >= CLEAR)
+    return len(flies) if flies.all() else int(np.argmin(flies))
+
+
+def _rotation(quaternion: Array) -> Rotation:
+    return Rotation.from_quat(quaternion[..., [1, 2, 3, 0]])
+
+
+def _quaternion(rotation: Rotation) -> Array:
+    return np.asarray(rotation.as_quat()[[3, 0, 1, 2]])
+
+
+@njit(cache=True)
+def tumble(time, start, spin, inertia):  # type: ignore[no-untyped-def]
+    """The orientations of a body free of torque, by Runge and Kutta's fourth order.
+
+    Args:
+        time: increasing [s]. Shape (k,).
+        start: quaternion w x y z at the first time. Shape (4,).
+        spin: angular velocity at the first time, world axes [rad/s]. Shape (3,).
+        inertia: about the centre of mass, in the body's axes [kg·m²]. Shape (3, 3).
+
+    Returns:
+        Quaternions. Shape (k, 4).
+    """
+    inverse = np.linalg.inv(inertia)
+    x = np.empty(7)
+    x[:4] = start
+    w, v = start[0], start[1:]
+    turned = 2.0 * np.cross(-v, spin)
+    x[4:] = spin + w * turned + np.cross(-v, turned)
+    out = np.empty((len(time), 4))
+    out[0] = start
+    for i in range(1, len(time)):
+        count = int(np.ceil((time[i] - time[i - 1]) / SUBSTEP))
+        h = (time[i] - time[i - 1]) / count
+        for _ in range(count):
+            a = _rate(x, inertia, inverse)
+            b = _rate(x + 0.5 * h * a, inertia, inverse)
+            c = _rate(x + 0.5 * h * b, inertia, inverse)
+            d = _rate(x + h * c, inertia, inverse)
+            x = x + h / 6 * (a + 2 * b + 2 * c + d)
+        out[i] = x[:4] / np.linalg.norm(x[:4])
+    return out
+
+
+@njit(cache=True)
+def _rate(x, inertia, inverse):  # type: ignore[no-untyped-def]
+    """Of quaternion and angular velocity in body axes. Shape (7,)."""
+    q, w = x[:4], x[4:]
+    out = np.empty(7)
+    out[0] = -0.5 * np.dot(q[1:], w)
+    out[1:4] = 0.5 * (q[0] * w + np.cross(q[1:], w))
+    out[4:] = inverse @ np.cross(inertia @ w, w)
+    return out

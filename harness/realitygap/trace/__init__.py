@@ -1,0 +1,1 @@
+"""Traces: motion over time, simulated or measured, the same type."""

@@ -1,0 +1,410 @@
+"""Bad input on the command line: one sentence on standard error, exit status 2, and nothing written."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+from realitygap.cli.main import main
+
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
+Edit = Callable[[Path], None]
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    """A scenario that runs: one joint arm, one recording."""
+    for name in ("arm.urdf", "chirp_1.mcap", "triangle_1.mcap"):
+        shutil.copy(DEMO / name, tmp_path)
+    data = yaml.safe_load((DEMO / "scenario.yaml").read_text())
+    data["recordings"]["runs"] = [{"path": "chirp_1.mcap"}]
+    (tmp_path / "scenario.yaml").write_text(yaml.safe_dump(data))
+    return tmp_path
+
+
+def changed(**keys: object) -> Edit:
+    """The scenario with keys changed; `__` goes into a section or list."""
+
+    def edit(folder: Path) -> None:
+        path = folder / "scenario.yaml"
+        data = yaml.safe_load(path.read_text())
+        for key, value in keys.items():
+            *way, last = (int(p) if p.isdigit() else p for p in key.split("__"))
+            node = data
+            for part in way:
+                node = node[part]
+            node[last] = value
+        path.write_text(yaml.safe_dump(data))
+
+    return edit
+
+
+def file(name: str, content: str | bytes, **keys: object) -> Edit:
+    """A file beside the scenario, and keys that use it."""
+
+    def edit(folder: Path) -> None:
+        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        if keys:
+            changed(**keys)(folder)
+
+    return edit
+
+
+def text(old: str, new: str, name: str = "arm.urdf") -> Edit:
+    """Text replaced in a file."""
+
+    def edit(folder: Path) -> None:
+        before = (folder / name).read_text()
+        assert old in before
+        (folder / name).write_text(before.replace(old, new))
+
+    return edit
+
+
+def cut(name: str, share: float) -> Edit:
+    def edit(folder: Path) -> None:
+        data = (folder / name).read_bytes()
+        (folder / name).write_bytes(data[: int(len(data) * share)])
+
+    return edit
+
+
+def folder_instead(name: str) -> Edit:
+    def edit(folder: Path) -> None:
+        (folder / name).unlink()
+        (folder / name).mkdir()
+
+    return edit
+
+
+def gone(name: str) -> Edit:
+    return lambda folder: (folder / name).unlink()
+
+
+def copied(folder: Path) -> None:
+    shutil.copy(folder / "chirp_1.mcap", folder / "chirp_2.mcap")
+    changed(recordings__runs=[{"path": "chirp_1.mcap"}, {"path": "chirp_2.mcap"}])(folder)
+
+
+def free_with_joints(folder: Path) -> None:
+    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    text('<link name="base"/>', f'<link name="base">{inertial}</link>')(folder)
+    changed(robot__base="free")(folder)
+
+
+RUN = "recordings__runs__0__"
+KEYFRAMES = {"motion": {"keyframes": "move.json"}}
+BOMB = "a: &a [x,x,x,x,x,x,x,x,x]\n" + "".join(
+    f"{b}: &{b} [{','.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefghij", "bcdefghijk", strict=True)
+)
+ENTITIES = '<!DOCTYPE r [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><robot name="&b;"/>'
+TABLE = pd.DataFrame({"time": [0.0, 0.1, 0.2], "position_shoulder": [0.0, 0.1, 0.2], "position_elbow": [0.0, 0.1, 0.2]})
+COLUMNS = {"motion": None, "recordings__state": None, "recordings__effort": "none", RUN + "path": "run.csv"}
+
+
+def table(frame: pd.DataFrame | str, **keys: object) -> Edit:
+    content = frame if isinstance(frame, str) else frame.to_csv(index=False)
+    return file("run.csv", content, **(COLUMNS | keys))
+
+
+def moved(**keyframe: object) -> Edit:
+    content = {"keyframes": [{"duration": 1.0, "goals": {"elbow": 10.0}} | keyframe]}
+    return file("move.json", json.dumps(content), **KEYFRAMES)
+
+
+CASES: dict[str, tuple[Edit, str]] = {
+    # the scenario file
+    "no scenario": (gone("scenario.yaml"), "scenario.yaml: cannot be read (No such file"),
+    "scenario is a folder": (folder_instead("scenario.yaml"), "scenario.yaml: cannot be read (Is a directory)"),
+    "scenario empty": (file("scenario.yaml", ""), "scenario.yaml: holds nothing, expected a mapping of keys"),
+    "scenario a list": (file("scenario.yaml", "- a"), "holds a list, expected a mapping of keys"),
+    "scenario malformed": (file("scenario.yaml", "robot: {"), "is not valid YAML at line 1"),
+    "scenario binary": (file("scenario.yaml", bytes(range(256))), "is not valid YAML"),
+    "scenario of aliases": (file("scenario.yaml", BOMB), "its aliases stand for"),
+    "scenario that holds itself": (file("scenario.yaml", "a: &a [*a]"), "line 1: a value holds itself"),
+    "scenario nested": (file("scenario.yaml", "[" * 5000), "is nested too deeply"),
+    "key twice": (file("scenario.yaml", "name: a\nname: b"), "at line 2: key 'name' stands twice"),
+    "unknown key": (changed(robot__bse="fixed"), "robot.bse: unknown key; known here: base, "),
+    "unknown key at the top": (changed(grund="flat"), "grund: unknown key"),
+    "unknown key of a servo": (changed(servos__0__gian=1), "servos[0].gian: unknown key"),
+    "missing key": (changed(robot={"base": "fixed"}), "robot.urdf: is missing; expected the URDF file"),
+    "unknown servo": (changed(servos__0__kind="ac"), "servos[0].kind: found 'ac'; expected one of dc, pid, cascade"),
+    "unknown unit": (changed(servos__0__supply="15 V"), "servos[0].supply: found '15 V'"),
+    "a number that is true": (changed(servos__0__gain=True), "servos[0].gain: found True; expected a number"),
+    "a number that is nan": (changed(servos__0__gain=float("nan")), "found nan; expected a finite number"),
+    "step rate infinite": (changed(physics__step_rate=float("inf")), "physics.step_rate: found inf"),
+    "step rate negative": (
+        changed(physics__step_rate=-1000),
+        "physics.step_rate: found -1000; expected greater than 0",
+    ),
+    "step rate beyond all memory": (changed(physics__step_rate=1e9), "physics.step_rate: found 1e+09, which makes"),
+    "left out what is not there": (
+        changed(recordings__exclude=["elbow", "nope"]),
+        "scenario.yaml: recordings.exclude: nope matches no joint; the robot has shoulder, elbow",
+    ),
+    "unknown ground": (changed(ground="mud"), "ground: found 'mud'; expected 'none', 'flat' or 'grass'"),
+    "ground damping negative": (changed(ground={"stiffness": 1e3, "damping": -1}), "ground.damping: found -1"),
+    "servos that match nothing": (
+        changed(servos__0__joints="knee_*"),
+        "scenario.yaml: servos[0].joints: knee_* matches no joint; the robot has shoulder, elbow",
+    ),
+    "two motions": (changed(motion={"recorded": "/a", "keyframes": "b"}), "expected either recorded or keyframes"),
+    "start of an unknown joint": (
+        changed(robot__start={"knee": 0.1}),
+        "robot.start: found joint 'knee'; the robot has",
+    ),
+    "start is nan": (changed(robot__start={"elbow": float("nan")}), "robot.start.elbow: found nan"),
+    "nothing to do": (changed(recordings=None, motion=None), "recordings.runs: found none"),
+    "environment": (changed(robot__urdf="${NOT_SET}/arm.urdf"), "the environment variable NOT_SET is not set"),
+    "no data folder": (
+        changed(robot__urdf="${REALITYGAP_DATA}/arm.urdf"),
+        "robot.urdf: the environment variable REALITYGAP_DATA is not set (the folder with the recordings)",
+    ),
+    # recordings
+    "no recording": (changed(**{RUN + "path": "none.mcap"}), "recordings.runs[0].path: "),
+    "pattern without match": (changed(**{RUN + "path": "none_*.mcap"}), "nothing matches"),
+    "same run twice": (
+        changed(recordings__runs=[{"path": "chirp_1.mcap"}, {"path": "chirp_*.mcap", "use": "held_out"}]),
+        "recordings.runs[1]: ",
+    ),
+    "copy of a run": (copied, "holds the same measurement as"),
+    "window outside": (
+        changed(**{RUN + "window": [100, 200]}),
+        "scenario.yaml: recordings.runs[0].window: found [100.0, 200.0], which holds 0 samples of",
+    ),
+    "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
+    "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
+    "override of nothing": (
+        changed(**{RUN + "with": {"servos.leg.gain": 2}}),
+        "recordings.runs[0].with: servos.leg.gain: there is no leg; expected one of drive, *",
+    ),
+    "override with an unknown key": (
+        changed(**{RUN + "with": {"servos.drive.gian": 2}}),
+        "recordings.runs[0].with: servos[0].gian: unknown key",
+    ),
+    "override of what no servo has": (changed(**{RUN + "with": {"servos.*.kp": 2}}), "none of drive has kp"),
+    "unknown topic": (changed(recordings__state="/states"), "has no topic /states; it has "),
+    "unknown command topic": (changed(motion={"recorded": "/goals"}), "motion.recorded: "),
+    "bag cut off": (cut("chirp_1.mcap", 0.5), "chirp_1.mcap: the bag cannot be read"),
+    "bag empty": (file("chirp_1.mcap", b""), "chirp_1.mcap: the bag cannot be read"),
+    "bag of noise": (file("chirp_1.mcap", os.urandom(2000)), "chirp_1.mcap: the bag cannot be read"),
+    "bag is an empty folder": (folder_instead("chirp_1.mcap"), "is a folder without metadata.yaml"),
+    "unknown kind of recording": (file("run.txt", "x", **{RUN + "path": "run.txt"}), "is not a kind of recording"),
+    "joints that were not recorded": (text('"elbow"', '"knee"'), "knee"),
+    "supply that was not recorded": (changed(servos__0__supply={"recorded": "/battery"}), "/battery"),
+    "table empty": (table(""), "run.csv: is not a table"),
+    "table without rows": (table("time,position\n"), "run.csv: the table holds no rows"),
+    "table without time": (table(TABLE.drop(columns="time")), "has no column time, named by recordings.columns.time"),
+    "table without a joint": (table(TABLE.drop(columns="position_elbow")), "has no position of joint elbow"),
+    "time goes back": (table(TABLE.assign(time=[0.0, 0.2, 0.1])), "time goes back from 0.2 to 0.1 s in line 4"),
+    "time stands still": (table(TABLE.assign(time=[0.5, 0.5, 0.5])), "run.csv"),
+    "time is nan": (table(TABLE.assign(time=[0.0, None, 0.2])), "time is empty in line 3, expected a time in s"),
+    "text in a table": (table(TABLE.assign(position_elbow=["a", "b", "c"])), "position_elbow is 'a' in line 2"),
+    "infinite position": (table(TABLE.assign(position_elbow=[0.0, "inf", 0.0])), "run.csv"),
+    "first position missing": (
+        table(TABLE.assign(position_elbow=[None, 0.0, 0.0])),
+        "position of joint elbow is nan at 0.000 s",
+    ),
+    # the robot
+    "no URDF": (changed(robot__urdf="none.urdf"), "scenario.yaml: robot.urdf: "),
+    "URDF is a folder": (folder_instead("arm.urdf"), "arm.urdf: cannot be read (Is a directory)"),
+    "URDF empty": (file("arm.urdf", ""), "arm.urdf: is not well-formed XML"),
+    "URDF cut off": (cut("arm.urdf", 0.5), "arm.urdf: is not well-formed XML"),
+    "URDF with entities": (file("arm.urdf", ENTITIES), "arm.urdf: found XML entities"),
+    "xacro": (file("arm.urdf", "<robot><xacro:if/></robot>"), "arm.urdf: is a xacro file, not a URDF"),
+    "mass nan": (text('<mass value="', '<mass value="nan" was="'), "mass value is 'nan'"),
+    "inertia that no body has": (text('ixx="', 'ixx="9" was="'), "which no body has"),
+    "link that touches nothing": (changed(robot__contact_links=["foot"]), "has no link foot"),
+    "stand on nothing": (changed(robot__stand_on="foot"), "robot.stand_on: found 'foot'; expected one of the links"),
+    "a base that floats without mass": (changed(robot__base="floating"), "link base moves but has no mass"),
+    "a free body with joints": (free_with_joints, "robot.base: found free, but the robot has 2 joints"),
+    # the motion
+    "no animation": (
+        changed(motion={"keyframes": "none.json"}),
+        "none.json does not exist; expected an animation file",
+    ),
+    "no animation of a scenario": (changed(motion={"keyframes": "none.json"}), "scenario.yaml: motion.keyframes: "),
+    "animation malformed": (file("move.json", "{", **KEYFRAMES), "move.json: is not valid JSON"),
+    "animation nested": (file("move.json", "[" * 100000, **KEYFRAMES), "move.json: is nested too deeply"),
+    "animation a list": (file("move.json", "[]", **KEYFRAMES), "move.json: holds a list"),
+    "animation empty": (file("move.json", '{"keyframes": []}', **KEYFRAMES), "move.json: keyframes: found []"),
+    "goal of an unknown joint": (moved(goals={"knee": 1.0}), "moves knee; the robot has shoulder, elbow"),
+    "goal outside the limits": (moved(goals={"elbow": 400.0}), "puts elbow at 400°, outside its limits"),
+    "goal nan": (moved(goals={"elbow": float("nan")}), "keyframes[0].goals.elbow: found nan"),
+    "duration negative": (moved(duration=-1.0), "keyframes[0].duration: found -1.0"),
+    # effects
+    "unknown effect": (changed(effects=[{"effect": "friction"}]), "unknown effect friction; known: coulomb_friction"),
+    "unknown target": (
+        changed(effects=[{"effect": "coulomb_friction", "target": "knee", "torque": 0.1}]),
+        "scenario.yaml: effect coulomb_friction: no joint knee; the robot has shoulder, elbow",
+    ),
+    "unknown parameter": (
+        changed(effects=[{"effect": "coulomb_friction", "force": 0.1}]),
+        "unknown parameter force; it has torque [N·m]",
+    ),
+    "parameter missing": (changed(effects=[{"effect": "coulomb_friction"}]), "torque is missing"),
+    "parameter with a unit": (
+        changed(effects=[{"effect": "coulomb_friction", "torque": "0.1 Nm"}]),
+        "torque is '0.1 Nm'; expected a number in N·m",
+    ),
+    "parameter out of bounds": (
+        changed(effects=[{"effect": "coulomb_friction", "torque": -0.1}]),
+        "torque is -0.1 N·m; expected 0 to",
+    ),
+    "parameter nan": (changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]), "torque is nan"),
+    "effect twice": (
+        changed(effects=[{"effect": "coulomb_friction", "target": t, "torque": 0.1} for t in ("elbow", "*")]),
+        "effect coulomb_friction stands twice on *",
+    ),
+    "effects that exclude each other": (
+        changed(
+            effects=[
+                {"effect": "coulomb_friction", "torque": 0.1},
+                {"effect": "stribeck_friction", "static": 0.2, "coulomb": 0.1, "velocity": 0.1},
+            ]
+        ),
+        "exclude each other on *",
+    ),
+    "effect without ground": (changed(effects=[{"effect": "ground_friction", "coefficient": 0.5}]), "ground"),
+}
+
+
+def refused(*arguments: str | Path) -> int:
+    """The exit status of a command."""
+    with pytest.raises(SystemExit) as end:
+        main([str(a) for a in arguments])
+    assert isinstance(end.value.code, int)
+    return end.value.code
+
+
+def one_sentence(captured: tuple[str, str]) -> str:
+    """What went to standard error, which is all that was said."""
+    out, err = captured
+    assert out == ""
+    assert err.startswith("realitygap: ")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    return err
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_run_refuses(name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("REALITYGAP_DATA", raising=False)
+    edit, sentence = CASES[name]
+    edit(case)
+    before = sorted(case.rglob("*"))
+    assert refused("run", case / "scenario.yaml", "--engine", "mujoco", "--out", case / "out") == 2
+    said = one_sentence(capfd.readouterr())
+    assert sentence in said
+    assert str(case) in said, "names no file"
+    assert sorted(case.rglob("*")) == before, "something was written"
+
+
+COMMANDS = {
+    "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
+    "engine of an audit": (["audit", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
+    "engine of a diagnosis": (["diagnose", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo"),
+    "budget without a number": (["run", "scenario.yaml", "--max-gap", "position=x"], "--max-gap: found 'position=x'"),
+    "budget of nothing": (["run", "scenario.yaml", "--max-gap", "speed=1"], "expected SIGNAL=VALUE with one of"),
+    "budget that is negative": (["run", "scenario.yaml", "--max-gap", "-1"], "--max-gap: found '-1'"),
+    "out is a file": (["run", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made because"),
+    "out below a file": (["run", "scenario.yaml", "--out", "arm.urdf/out"], "arm.urdf is a file; expected a folder"),
+    "out in a place that takes no files": (["run", "scenario.yaml", "--out", "/proc/nope"], "/proc takes no files"),
+    "out of a matrix": (["matrix", "matrix.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a diagnosis": (["diagnose", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a bench": (["bench", "servo", "bench.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of an audit": (["audit", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a first scenario": (
+        ["init", "arm.urdf", "chirp_1.mcap", "--out", "arm.urdf/a"],
+        "--out: arm.urdf/a cannot",
+    ),
+    "out of JUnit": (["run", "scenario.yaml", "--junit", "arm.urdf/j.xml"], "--junit: arm.urdf cannot be made"),
+    "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
+    "no results": (["report", "none"], "none: found no gaps.csv"),
+    "results that are no table": (
+        ["report", "results"],
+        "gaps.csv: has no column scenario, robot_revision, engine_version",
+    ),
+    "no URDF for an audit": (["audit", "none.urdf"], "none.urdf"),
+    "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
+    "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),
+    "an effect misspelt": (["effects", "colomb_friction"], "; did you mean coulomb_friction?"),
+    "no servo bench": (["bench", "servo", "none.yaml"], "none.yaml: cannot be read"),
+    "no supply bench": (["bench", "supply", "none.yaml"], "none.yaml: cannot be read"),
+    "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),
+    "no URDF for a first scenario": (["init", "none.urdf", "chirp_1.mcap", "--out", "new"], "none.urdf"),
+    "no bag for a first scenario": (["init", "arm.urdf", "none.mcap", "--out", "new"], "none.mcap: does not exist"),
+    "a scenario that is there": (["init", "arm.urdf", "chirp_1.mcap"], "scenario.yaml: is already there"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands_refuse(
+    name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments, sentence = COMMANDS[name]
+    monkeypatch.chdir(case)
+    (case / "results").mkdir()
+    (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
+    before = sorted(case.rglob("*"))
+    assert refused(*arguments) == 2
+    assert sentence in one_sentence(capfd.readouterr())
+    assert sorted(case.rglob("*")) == before, "something was written"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run"],
+        ["run", "scenario.yaml", "--engin", "mujoco"],
+        ["rnu"],
+        ["bench", "motor", "a"],
+        ["matrix", "a", "-j", "0"],
+    ],
+)
+def test_usage_errors(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert refused(*arguments) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(RuntimeError("surprise"), "Traceback"), (MemoryError("5 GiB"), "the memory does not suffice")]
+)
+def test_no_error_looks_like_a_failed_check(
+    error: Exception, said: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> str:
+        raise error
+
+    monkeypatch.setattr("realitygap.cli.engines_table.engines_table", fail)
+    assert refused("engines") == 2
+    assert said in capfd.readouterr().err
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    case.chmod(0o555)
+    try:
+        assert refused("run", case / "scenario.yaml", "--out", case / "out") == 2
+    finally:
+        case.chmod(0o755)
+    assert "takes no files" in one_sentence(capfd.readouterr())
+
+
+@pytest.mark.parametrize("name", ["unknown key", "bag cut off"])
+def test_the_installed_command_refuses(name: str, case: Path) -> None:
+    edit, sentence = CASES[name]
+    edit(case)
+    command = [Path(sys.executable).with_name("realitygap"), "run", "scenario.yaml", "--engine", "mujoco"]
+    done = subprocess.run(command, cwd=case, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert sentence in one_sentence((done.stdout, done.stderr))
+    assert not (case / "results").exists()

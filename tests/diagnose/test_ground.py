@@ -1,0 +1,26 @@
+"""Diagnosis of a cube that slides: what is wrong with the ground is named, also from far away."""
+
+import pytest
+from realitygap.diagnose.data.pool import Pool
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.search.search import search
+from realitygap.scenario.file import load_scenario
+from synthetic_tosses import write_tosses
+
+TRUE = 0.17
+"""Friction of the ground that the cube was thrown on; the scenario says 0.8."""
+
+
+@pytest.fixture(scope="module")
+def thrown(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """Six tosses and the scenario that believes in a rougher ground."""
+    path = write_tosses(tmp_path_factory.mktemp("tosses"), TRUE)
+    return build_problem(load_scenario(path), "mujoco")
+
+
+def test_a_ground_that_is_slippery_is_named_from_a_rough_one(thrown: Problem) -> None:
+    with Pool(thrown, 2) as pool:
+        found = search(pool)
+    first = found.fit.changes[0]
+    assert first.suspect.effect == "ground_friction"
+    assert first.parameters["coefficient"] == pytest.approx(TRUE, rel=0.1)

@@ -1,0 +1,220 @@
+"""The page of a diagnosis: every verdict tells its story in one offline file that a person and a machine can read."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import chromium
+import numpy as np
+import pytest
+from defusedxml.ElementTree import fromstring
+from realitygap.diagnose.data.locate import locate
+from realitygap.diagnose.data.pool import Pool
+from realitygap.diagnose.data.problem import Change, Suspect, build_problem
+from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.data.worsened import Worsened
+from realitygap.diagnose.fit.fit import assess, fit
+from realitygap.diagnose.judge.confirm import Confirmed
+from realitygap.diagnose.judge.rivals import Rival
+from realitygap.diagnose.likelihood.floors import set_floors
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.story import write_story
+from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_text import quantity
+from realitygap.diagnose.search.found import Found
+from realitygap.robot.effects import EFFECTS
+from realitygap.scenario.file import load_scenario
+
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
+FRICTION = Suspect("coulomb_friction", "elbow", (1,))
+VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (1.0, 1.0), "unexplained": (9.0, 9.0)}
+"""Mean squared residuals before and after that lead to each verdict."""
+
+
+@pytest.fixture(scope="module")
+def judged():
+    """The demo with its floors, the fit of what is missing, and what was simulated before and after: no search."""
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    train, judge = problem.of("train"), problem.of("held_out")
+    with Pool(problem, 1) as pool:
+        set_floors(pool, [])
+    change = Change(FRICTION, (("torque", 0.6447),), ("torque",))
+    base = fit(problem, [], train, judge)
+    done = assess(
+        problem, replace(fit(problem, [change], train[:1], judge[:1], budget=2), cost=base.cost), train, judge
+    )
+    before, after = (
+        {i: problem.simulated(changes, i) for i in range(len(problem.cases))} for changes in ([], done.changes)
+    )
+    return problem, base, done, before, after
+
+
+@pytest.fixture(scope="module")
+def told(judged):
+    """A function from a verdict to the diagnosis that has it; the costs are invented, everything else is not."""
+    problem, base, done, before, after = judged
+
+    def make(verdict):
+        was, left = VERDICTS[verdict]
+        named = verdict in ("explained", "partly explained")
+        flat = [replace(f, cost=dict.fromkeys(base.cost, c)) for f, c in ((base, was), (done if named else base, left))]
+        found = Found(*flat, refused=["controller_gain at elbow: makes most held-out runs worse"])
+        rival = Rival(Suspect("viscous_friction", "elbow", (1,)), "its own fit differs from this one by 0.41 floors")
+        where = locate(problem, before) if verdict != "no gap" else []
+        result = Diagnosis(
+            problem=problem,
+            engines=["mujoco", "dart", "drake"],
+            found=found,
+            confirmed={FRICTION: Confirmed(3.0, 1.05, {"dart": (3.1, 1.2)})} if named else {},
+            rivals={FRICTION: [rival]} if named else {},
+            where=where,
+            left=where[:1] if verdict == "partly explained" else [],
+            worsened=[Worsened("shoulder", "velocity", "deg/s", 1.0, 1.4)] if named else [],
+            faults=["sines_2: 3 readings repeat the one before <them>"],
+            before=before,
+            after=after if named else before,
+        )
+        assert result.verdict == verdict
+        return result
+
+    return make
+
+
+class _Page(HTMLParser):
+    """What a test wants to know of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.ids, self.links, self.loads, self.open, self.text = [], [], [], [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        if "id" in values:
+            self.ids.append(values["id"])
+        if tag == "a":
+            self.links.append(values["href"])
+        if tag in ("script", "link", "img", "iframe", "object", "embed", "video"):
+            self.loads.append(tag)
+        if tag not in ("meta", "br", "path", "use", "rect", "link"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag in ("path", "use", "rect"):
+            return
+        assert self.open, f"</{tag}> without a start"
+        assert self.open.pop() == tag
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.text += data + " "
+
+
+def page_of(result, folder):
+    text = write_story(result, folder).read_text(encoding="utf-8")
+    page = _Page(text)
+    return text, page, " ".join(page.text.split())
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_every_verdict_is_a_whole_offline_page(told, tmp_path, verdict):
+    text, page, words = page_of(told(verdict), tmp_path)
+    assert page.open == []
+    assert page.loads == []
+    assert "url(http" not in text
+    assert "@import" not in text
+    assert len([i for i in page.ids if not i.startswith(("m", "p", "C"))]) == len(
+        {i for i in page.ids if not i.startswith(("m", "p", "C"))}
+    )
+    for link in page.links:
+        assert link[1:] in page.ids if link.startswith("#") else link.startswith(("revised/", "diagnosis.json"))
+    assert verdict in words
+    assert "Virtual recordings." in words  # the demo's are
+    assert "triangle_1" in words
+    assert "<them>" in words  # what was found in files is escaped
+
+
+@pytest.mark.parametrize("verdict", ["explained", "partly explained"])
+def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(told, tmp_path, verdict):
+    result = told(verdict)
+    _, _, words = page_of(result, tmp_path)
+    told_value = result.to_json()["findings"][0]["parameters"]["torque"]
+    assert f"{told_value['value']:.3f} N·m" in words
+    assert f"{told_value['low']:.3f} to {told_value['high']:.3f} N·m" in words
+    assert "0.276 N·m" in words  # what the model had
+    assert EFFECTS["coulomb_friction"].page.signature in words
+    assert "3.00 → 1.05" in words
+    assert "DART" in words
+    assert "Drake cannot express it, or failed" in words
+    assert "viscous friction at elbow : its own fit differs" in words
+    assert "velocity of shoulder: 1.00 → 1.40 °/s" in words
+    assert "controller gain at elbow: makes most held-out runs worse" in words
+    assert ("Something else is missing" in words) == (verdict == "partly explained")
+
+
+@pytest.mark.parametrize("verdict", ["no gap", "unexplained"])
+def test_nothing_named_promises_no_mended_model(told, tmp_path, verdict):
+    _, page, words = page_of(told(verdict), tmp_path)
+    assert not [link for link in page.links if link.startswith("revised/")]
+    assert "simulated after" not in words
+    assert ("Nothing is missing" in words) == (verdict == "no gap")
+    assert ("no effect brings it down enough" in words) == (verdict == "unexplained")
+
+
+def test_the_same_diagnosis_is_the_same_page(told, tmp_path):
+    first, second = (write_story(told("explained"), tmp_path / n).read_text("utf-8") for n in "ab")
+    assert first == second
+
+
+def curves(offset):
+    t = np.linspace(0, 2, 400)
+    return Curves(t, np.sin(t), np.sin(t) + offset, np.sin(t) + 0.001, np.full(400, 0.002), "deg", "position", [(0, 1)])
+
+
+@pytest.mark.parametrize(("offset", "panels"), [(0.5, 2), (0.02, 3)])
+def test_curves_that_hardly_part_are_drawn_close_up_too(offset, panels):
+    drawn = fromstring(draw_curves(curves(offset), "a <title>"))
+    labels = [t.text for t in drawn.iter("{http://www.w3.org/2000/svg}text")]
+    assert ("close up" in labels) == (panels == 3)
+    assert drawn.get("aria-label") == "a <title>"
+
+
+def test_figures_take_the_colours_of_the_page():
+    text = draw_pairs([Pair("MuJoCo", 30.0, 1.1, "held out"), Pair("DART", 29.0, None, "held out")], "gaps")
+    assert "var(--before)" in text
+    assert "var(--ink)" in text
+    colours = set(re.findall(r"#[0-9a-f]{6}", text))
+    assert not colours & {"#1d2126", "#5c646d", "#000000", "#d55e00", "#0072b2"}
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "words"),
+    [(0.25, "N·m", "0.250 N·m"), (0.0147, "rad", "0.842° (0.0147 rad)"), (1.5, "", "1.50"), (np.inf, "N/m", "∞ N/m")],
+)
+def test_angles_are_read_in_degrees(value, unit, words):
+    assert quantity(value, unit) == words
+
+
+def test_a_gain_has_the_unit_of_its_servo(judged):
+    gain = EFFECTS["controller_gain"].parameter("gain")
+    assert unit_there(judged[0], Suspect("controller_gain", "elbow", (1,)), gain) == "duty/rad"
+
+
+@pytest.mark.skipif(chromium.PROGRAM is None, reason="needs Chromium: install it (Debian: apt install chromium)")
+@pytest.mark.parametrize(("width", "dark"), [(1280, False), (1280, True), (380, False)])
+def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(told, tmp_path, width, dark):
+    path = write_story(told("partly explained"), tmp_path)
+    with chromium.Browser(width, 900, dark=dark) as browser:
+        browser.open(path)
+        assert browser.complaints == []
+        assert browser.run("document.documentElement.scrollWidth") <= width
+        ink = browser.run("getComputedStyle(document.querySelector('svg.figure text')).fill")
+        paper = browser.run("getComputedStyle(document.body).backgroundColor")
+        light = [sum(map(int, re.findall(r"\d+", c)[:3])) / 3 for c in (ink, paper)]
+        assert abs(light[0] - light[1]) > 90  # text of figures stands out from the page
+        browser.press("Tab")
+        assert browser.run("document.activeElement.className") == "skip"

@@ -1,0 +1,182 @@
+"""A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from realitygap.files.errors import InputError
+from realitygap.init.draft import init
+from realitygap.recording import read_recording
+from realitygap.scenario.file import load_scenario
+
+STATE = "sensor_msgs/msg/JointState"
+EPOCH = 1.7e9
+
+
+def arm(path, joints=("shoulder", "elbow"), effort=3.0, root="base", feet=False):
+    """A URDF with joints in a chain; with feet, both hang from the base and end in a foot."""
+    links = [f'<link name="{root}">{INERTIAL}</link>']
+    parent = root
+    for joint in joints:
+        child = f"{joint}_foot" if feet else f"{joint}_link"
+        limit = f'<limit lower="-3" upper="3" effort="{effort}" velocity="6"/>'
+        links.append(f'<link name="{child}">{INERTIAL}</link>')
+        links.append(
+            f'<joint name="{joint}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+            f'<axis xyz="0 1 0"/>{limit}</joint>'
+        )
+        parent = root if feet else child
+    path.write_text(f'<robot name="arm">{"".join(links)}</robot>')
+    return path
+
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+def goal(t):
+    return np.sin(3 * t) + 0.3 * np.sin(7 * t)
+
+
+def messages(state="/joint_states", command="/joint_commands", velocity=True, lag=0.05):
+    out = []
+    for k in range(300):
+        t = 0.01 * k
+        names = ["elbow", "shoulder", "gripper"]
+        measured = {"stamp": EPOCH + t, "name": names, "position": [goal(t - lag)] * 3}
+        if velocity:
+            measured["velocity"] = [1.0] * 3
+        asked = {"stamp": EPOCH + t, "name": names, "position": [goal(t)] * 3}
+        out += [(state, EPOCH + t, STATE, measured), (command, EPOCH + t, STATE, asked)]
+    return out
+
+
+def read_all(path, joints):
+    loaded = load_scenario(path)
+    return loaded.scenario, [read_recording(c.path, c.scenario, joints, file=path) for c in loaded.cases()]
+
+
+@pytest.mark.parametrize("form", ["bag", "mcap", "db3"])
+def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
+    bags = [write_bag(tmp_path / (f"{k}.bag" if form == "bag" else f"{k}"), form, messages()) for k in range(3)]
+    path = init(arm(tmp_path / "arm.urdf"), bags, tmp_path / "scenarios" / "arm")
+    assert path == tmp_path / "scenarios" / "arm" / "scenario.yaml"
+    text = path.read_text()
+    assert str(tmp_path) not in text  # paths are relative to the file
+    scenario, recordings = read_all(path, ["shoulder", "elbow"])
+    assert scenario.recordings.state == "/joint_states"
+    assert scenario.motion.recorded == "/joint_commands"
+    assert [run.use for run in scenario.recordings.runs] == [None] * 3  # repetitions of one motion stay together
+    assert scenario.robot.base == "fixed"
+    assert scenario.ground_name == "none"
+    assert scenario.servos[0].kp == pytest.approx(30.0)
+    assert all(len(r.trace.time) == 300 for r in recordings)
+    for key in ("base", "kp", "kd", "state"):
+        assert any(f"{key}:" in line and "GUESS" in line for line in text.splitlines())
+
+
+@pytest.mark.parametrize("names", [("/a", "/b"), ("/b", "/a")])
+@pytest.mark.parametrize("velocity", [True, False])
+def test_where_names_say_nothing_the_command_comes_first(names, velocity, tmp_path, write_bag):
+    state, command = names
+    bag = write_bag(tmp_path / "run", "mcap", messages(state, command, velocity=velocity))
+    path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+    scenario, _ = read_all(path, ["shoulder", "elbow"])
+    assert (scenario.recordings.state, scenario.motion.recorded) == (state, command)
+    assert "comes 50 ms before" in path.read_text()
+
+
+def test_a_command_that_is_a_duty_gets_a_motor(tmp_path, write_bag):
+    out = []
+    for k in range(100):
+        stamp = {"stamp": EPOCH + 0.01 * k, "name": ["elbow"]}
+        out.append(("/joint_states", EPOCH + 0.01 * k, STATE, {**stamp, "position": [0.1 * k]}))
+        out.append(("/duty_commands", EPOCH + 0.01 * k, STATE, {**stamp, "effort": [0.5]}))
+        out.append(("/joint_currents", EPOCH + 0.01 * k, STATE, {**stamp, "effort": [0.7]}))
+    path = init(arm(tmp_path / "arm.urdf", ("elbow",)), [write_bag(tmp_path / "run", "db3", out)], tmp_path / "out")
+    scenario, (recording,) = read_all(path, ["elbow"])
+    assert (scenario.motion.recorded, scenario.motion.meaning) == ("/duty_commands", "duty")
+    servo = scenario.servos[0]
+    assert servo.kind == "dc"
+    # stalls at the URDF's effort limit, runs free at its velocity limit
+    assert servo.torque_constant * servo.supply / servo.resistance == pytest.approx(3.0, rel=0.01)
+    assert servo.supply / servo.torque_constant == pytest.approx(6.0, rel=0.01)
+    np.testing.assert_allclose(recording.trace.effort, 0.7)
+
+
+def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path, write_bag):
+    out = messages()
+    for k in range(100):
+        t = EPOCH + 0.03 * k
+        turn = {"orientation": {"w": 1.0}}
+        out.append(("/imu/data", t, "sensor_msgs/msg/Imu", {"stamp": t, **turn}))
+        out.append(("/mocap", t, "geometry_msgs/msg/PoseStamped", {"stamp": t, "pose": turn}))
+        out.append(("/power", t, "sensor_msgs/msg/BatteryState", {"stamp": t, "voltage": 12.0}))
+    urdf = arm(tmp_path / "arm.urdf", feet=True)
+    with_sensors = init(urdf, [write_bag(tmp_path / "one", "mcap", out)], tmp_path / "a")
+    scenario, (recording,) = read_all(with_sensors, ["shoulder", "elbow"])
+    assert scenario.robot.base == "floating"
+    assert (scenario.recordings.imu, scenario.recordings.pose) == ("/imu/data", "/mocap")
+    np.testing.assert_allclose(recording.trace.supply, 12.0)
+    without = init(urdf, [write_bag(tmp_path / "two", "mcap", messages())], tmp_path / "b")
+    assert load_scenario(without).scenario.robot.base == "floating"
+
+
+def test_a_root_called_world_is_fixed(tmp_path, write_bag):
+    urdf = arm(tmp_path / "arm.urdf", feet=True, root="world")
+    path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out")
+    assert load_scenario(path).scenario.robot.base == "fixed"
+    assert "the root link is called world" in path.read_text()
+
+
+def test_tables_with_other_column_names(tmp_path):
+    time = np.arange(100) * 0.01
+    frame = pd.DataFrame({"t": time})
+    for joint in ("shoulder", "elbow"):
+        frame[f"goal_{joint}"], frame[f"q_{joint}"], frame[f"torque_{joint}"] = goal(time), goal(time - 0.05), 1.0
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    _, (recording,) = read_all(path, ["shoulder", "elbow"])
+    np.testing.assert_allclose(recording.trace.command[:, 1], goal(time))
+    np.testing.assert_allclose(recording.trace.effort, 1.0)
+
+
+def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag):
+    urdf = arm(tmp_path / "arm.urdf")
+    good = write_bag(tmp_path / "good", "mcap", messages())
+    power = {"stamp": EPOCH, "voltage": 12.0}
+    power_only = write_bag(tmp_path / "power", "mcap", [("/power", EPOCH, "sensor_msgs/msg/BatteryState", power)])
+    other = write_bag(tmp_path / "other", "mcap", messages(state="/states"))
+    out = tmp_path / "out"
+    legs = arm(tmp_path / "legs.urdf", ("hip",))
+    cases = [
+        (urdf, [power_only], r"no topic holds the positions of shoulder, elbow .*/power \(sensor_msgs/BatteryState\)"),
+        (legs, [good], r"no topic holds the positions of hip .*/joint_states"),
+        (arm(tmp_path / "three.urdf", ("shoulder", "elbow", "wrist")), [good], r"has no joint wrist; it has elbow"),
+        (urdf, [good, other], r"other has no topic /joint_states; it has .*/states"),
+        (urdf, [], r"no recordings were given"),
+        (tmp_path / "none.urdf", [good], r"none.urdf: cannot be read"),
+    ]
+    for robot, bags, sentence in cases:
+        with pytest.raises(InputError, match=sentence):
+            init(robot, bags, out)
+        assert not out.is_dir() or not list(out.iterdir())
+    init(urdf, [good], out)
+    with pytest.raises(InputError, match=r"scenario.yaml: is already there"):
+        init(urdf, [good], out)
+
+
+@pytest.mark.parametrize(
+    ("urdf", "pattern", "base"),
+    [
+        ("sigmaban/robot.urdf", "sigmaban/kick_p*", "floating"),
+        ("mx106_bench/arm_0w.urdf", "mx106_bench/chirp_*.bag", "fixed"),
+        ("xl330_pendulum/pendulum.urdf", "xl330_pendulum/sin_sin_kp*", "fixed"),
+        ("xl330_pendulum/pendulum.urdf", "sts3215_pendulum/sin_sin_m0.535_l0.10_kp16_rep*.csv", "fixed"),
+        ("cube_toss/cube.urdf", "cube_toss/toss_00*.csv", "free"),
+        ("xl330_pendulum/pendulum.urdf", "emps/*.csv", "fixed"),
+    ],
+)
+def test_real_recordings(urdf, pattern, base, data_dir, tmp_path):
+    path = init(data_dir / urdf, sorted(data_dir.glob(pattern)), tmp_path / "out")
+    scenario = load_scenario(path).scenario
+    assert scenario.robot.base == base
+    assert (scenario.motion is None) == (base == "free")

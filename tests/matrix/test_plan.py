@@ -1,0 +1,130 @@
+"""Matrix files, the cells they mean, and keys by content."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from realitygap.files.errors import InputError
+from realitygap.matrix.matrix_file import load_matrix
+from realitygap.matrix.plan import plan
+
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
+
+
+@pytest.fixture
+def write(tmp_path):
+    """A function that writes a matrix of the demo scenario and returns its cells."""
+
+    def write(text, folder=DEMO):
+        path = tmp_path / "matrix.yaml"
+        path.write_text(f"name: test\nscenarios: {folder}/scenario.yaml\nrecordings: chirp_*\n{text}")
+        return plan(load_matrix(path))
+
+    return write
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """The demo scenario in a folder of its own."""
+    return Path(shutil.copytree(DEMO, tmp_path / "copy"))
+
+
+def test_every_combination_is_a_cell(write):
+    tasks = write("engines: [mujoco, dart]\naxes: {step_rate: [500, 1000], servos.drive.gain: [4, 5, 6]}\n")
+    assert len(tasks) == 12
+    found = {(t.engine, t.cell.step_rate, t.cell.overrides) for t in tasks}
+    assert ("dart", 500.0, '{"servos.drive.gain": 6}') in found
+    assert len(found) == len({t.key for t in tasks}) == 12
+    gains = {t.axes["servos.drive.gain"]: t.motion.experiments[0].plant.drive["gain"][0] for t in tasks}
+    assert gains == {4: 4.0, 5: 5.0, 6: 6.0}
+
+
+@pytest.mark.parametrize(
+    ("leave_out", "count"),
+    [
+        ("{engine: dart, step_rate: 500}", 7),
+        ("{engine: dart}", 4),
+        ("{recording: chirp_*}", 0),
+        ("{step_rate: [500, 1000], engine: d*}", 6),
+    ],
+)
+def test_combinations_are_left_out(write, leave_out, count):
+    text = f"engines: [mujoco, dart]\naxes: {{step_rate: [500, 1000, 2000, 4000]}}\nleave_out: [{leave_out}]\n"
+    if count:
+        assert len(write(text)) == count
+    else:
+        with pytest.raises(InputError, match="holds no cell"):
+            write(text)
+
+
+def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path):
+    path = tmp_path / "matrix.yaml"
+    path.write_text(
+        f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: sines_1_*\n"
+        "axes: {step_rate: [500, 1000]}\n"
+    )
+    tasks = plan(load_matrix(path))
+    assert [len(t.motion.experiments) for t in tasks] == [2, 2]
+    assert {t.motion.experiments[0].scenario.physics.step_rate for t in tasks} == {500.0, 1000.0}
+    assert tasks[0].motion.experiments[0].recording is tasks[1].motion.experiments[0].recording
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        (
+            "axes: {speed: [1]}",
+            "axes: found speed; expected revision, ground, step_rate, solver_iterations or a dotted",
+        ),
+        ("axes: {revision: [new]}", "axes.revision: found new; .* has under revisions: none"),
+        ("axes: {step_rate: [500, 500]}", "axes.step_rate: a value stands twice"),
+        ("axes: {robot.urdf: [arm.urdf]}", r"axes: robot.urdf is set by recordings.runs\[0\].with"),
+        ("axes: {servos.arm.gain: [1]}", "there is no arm; expected one of drive"),
+        ("axes: {physics.rate: [1]}", "physics.rate: unknown key; known here: solver_iterations, step_rate"),
+        ("leave_out: [{rate: 3}]", r"leave_out\[0\]: rate is no axis of this matrix"),
+        ("engines: [havok]", "engines: found havok; expected one of"),
+        ("speed: 3", "speed: unknown key; known here: axes, "),
+    ],
+)
+def test_what_is_wrong_is_one_sentence(write, text, sentence):
+    with pytest.raises(InputError, match=sentence):
+        write(f"{text}\n")
+
+
+def keys(write, folder):
+    return [t.key for t in write("engines: mujoco\n", folder)]
+
+
+def test_a_key_does_not_depend_on_where_files_lie_or_what_they_say_besides(write, copy):
+    urdf = copy / "arm.urdf"
+    urdf.write_text(urdf.read_text().replace("</robot>", "<!-- the same arm --></robot>"))
+    scenario = copy / "scenario.yaml"
+    scenario.write_text(scenario.read_text() + "budget: {position: 1.0}\n")
+    assert keys(write, copy) == keys(write, DEMO)
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("arm.urdf", '<mass value="', '<mass value="1'),
+        ("scenario.yaml", "gain: 5.048", "gain: 5.049"),
+        ("scenario.yaml", "effort: motor", "effort: joint"),
+    ],
+)
+def test_a_key_changes_with_what_a_cell_depends_on(write, copy, file, old, new):
+    path = copy / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert keys(write, copy) != keys(write, DEMO)
+
+
+def test_a_key_changes_with_the_recording(write, copy):
+    shutil.copy(copy / "triangle_1.mcap", copy / "chirp_1.mcap")
+    assert keys(write, copy) != keys(write, DEMO)
+
+
+def test_a_further_recording_changes_no_key(write, copy):
+    scenario = copy / "scenario.yaml"
+    scenario.write_text(scenario.read_text().replace("    - {path: triangle_1.mcap, use: train}\n", ""))
+    assert keys(write, copy) == keys(write, DEMO)

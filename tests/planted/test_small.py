@@ -1,0 +1,318 @@
+"""The blind suite itself: its foreign plant against closed forms, its generator, its judge."""
+
+import filecmp
+import os
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from realitygap.scenario.file import load_scenario
+
+sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
+
+import cases
+import judge
+import planted
+import robots
+import summary
+from chain import GRAVITY, Chain
+from drivetrain import drives
+from foreign import Foreign, simulate
+from recorder import Sensing
+
+INERTIA, MASS, LENGTH, ARMATURE = 0.004, 0.5, 0.2, 0.01
+SWING = INERTIA + MASS * LENGTH**2
+
+
+def pendulum(gravity: float = GRAVITY, **drive: float) -> Foreign:
+    """A point on a rod; q = 0 hangs down."""
+    chain = Chain(
+        np.array([False]),
+        np.array([[0.0, 1.0, 0.0]]),
+        np.zeros((1, 3)),
+        np.eye(3)[None],
+        np.array([MASS]),
+        np.array([[0.0, 0.0, -LENGTH]]),
+        np.diag([INERTIA] * 3)[None],
+        np.array([0.0, 0.0, -gravity]),
+    )
+    out = drives(1)
+    out["armature"] = ARMATURE
+    for key, value in drive.items():
+        out[key] = value
+    out["static"] = np.maximum(out["static"], out["coulomb"])
+    out["bristle"] = out["static"] / 3e-4
+    out["bristle_damping"] = np.sqrt(out["bristle"] * ARMATURE)
+    return Foreign(chain, out)
+
+
+def free(plant: Foreign, start: float, duration: float):
+    """The servo is off from the beginning."""
+    n = plant.n()
+    return simulate(plant, np.zeros(1), np.zeros((1, n)), np.zeros(1), np.full(n, start), duration, settle=0.0)
+
+
+def crossings(time: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Times at which x passes zero upwards."""
+    k = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
+    return time[k] - x[k] * (time[k + 1] - time[k]) / (x[k + 1] - x[k])
+
+
+def test_small_swing_has_the_period_of_a_compound_pendulum() -> None:
+    motion = free(pendulum(), 0.02, 6.0)
+    period = np.diff(crossings(motion.time, motion.link[:, 0])).mean()
+    assert period == pytest.approx(2 * np.pi * np.sqrt((SWING + ARMATURE) / (MASS * GRAVITY * LENGTH)), rel=2e-4)
+
+
+def test_dry_friction_takes_the_same_angle_from_every_half_swing() -> None:
+    torque = 0.02
+    motion = free(pendulum(coulomb=torque), 0.2, 4.0)
+    q = motion.link[:, 0]
+    turn = np.flatnonzero(np.diff(np.sign(motion.velocity[1:, 0])) != 0)
+    peaks = np.abs(q[turn + 1])[:4]
+    assert -np.diff(peaks) == pytest.approx(2 * torque / (MASS * GRAVITY * LENGTH), rel=0.03)
+
+
+def test_a_stuck_joint_stays_within_a_fraction_of_the_encoder_quantum() -> None:
+    motion = free(pendulum(coulomb=0.5), 0.3, 3.0)
+    assert np.ptp(motion.link[:, 0]) < 0.2 * robots.QUANTUM
+
+
+def test_beyond_its_friction_a_joint_speeds_up_as_a_free_body() -> None:
+    push, torque, time = 0.3, 0.1, 0.5
+    motion = free(pendulum(gravity=0.0, coulomb=torque, constant=push), 0.0, time)
+    assert motion.link[-1, 0] == pytest.approx(0.5 * (push - torque) / (SWING + ARMATURE) * time**2, rel=5e-3)
+
+
+def test_load_dependent_friction_takes_its_share_of_what_the_motor_gives() -> None:
+    """A motor at its stall limit against a bound of c·τ_t, τ_t = ½·(τ_m + what reaches the link)."""
+    motor, share, time = 1.0, 0.2, 0.3
+    plant = pendulum(gravity=0.0, kind=1, kp=1e4, effort_limit=motor, load=share)
+    plant.drive["bristle"] = motor * share / 3e-4
+    motion = simulate(plant, np.zeros(1), np.full((1, 1), 50.0), np.ones(1), np.zeros(1), time, settle=0.0)
+    # J_l·a = τ_m − c·τ_t − J_a·a and τ_t = ½·(τ_m + J_l·a)
+    total = SWING + ARMATURE + 0.5 * share * SWING
+    expected = motor * (1 - 0.5 * share) / total
+    assert motion.link[-1, 0] == pytest.approx(0.5 * expected * time**2, rel=5e-3)
+
+
+def test_compliance_rings_at_the_frequency_of_two_masses() -> None:
+    stiffness = 30.0
+    motion = free(pendulum(gravity=0.0, stiffness=stiffness, constant=0.2), 0.0, 1.5)
+    between = motion.reading[:, 0] - motion.link[:, 0]
+    period = np.diff(crossings(motion.time, between - between.mean())).mean()
+    assert 2 * np.pi / period == pytest.approx(np.sqrt(stiffness * (1 / ARMATURE + 1 / SWING)), rel=5e-3)
+
+
+def test_backlash_lets_the_output_fall_by_half_its_width() -> None:
+    # friction that even the impact does not overcome: the rotor stays
+    plant = pendulum(coulomb=50.0, output_share=0.0, backlash=0.04)
+    motion = free(plant, 0.5, 3.0)
+    assert 0.5 - motion.link[-1, 0] == pytest.approx(0.02, abs=5e-4)
+
+
+def test_delay_shifts_the_motion_and_nothing_else() -> None:
+    delay, at = 0.01, np.array([0.0, 0.1])
+    command = np.array([[0.0], [0.4]])
+    quick, late = (
+        simulate(pendulum(gain=5.0, delay=d), at, command, np.ones(2), np.zeros(1), 0.6, settle=0.0)
+        for d in (0.0, delay)
+    )
+    shift = round(delay / (quick.time[1] - quick.time[0]))
+    assert late.reading[shift:] == pytest.approx(quick.reading[:-shift], abs=1e-9)
+
+
+def test_the_servo_regulates_what_the_encoder_reads() -> None:
+    plant = pendulum(gravity=0.0, gain=5.0, offset=0.1)
+    motion = simulate(plant, np.zeros(1), np.full((1, 1), 0.3), np.ones(1), np.full(1, 0.3), 3.0, settle=0.0)
+    assert motion.reading[-1, 0] == pytest.approx(0.3, abs=1e-4)
+    assert motion.link[-1, 0] == pytest.approx(0.4, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", robots.TWO_LINKS)
+def test_two_links_without_friction_keep_their_energy(kind: str) -> None:
+    robot = robots.BUILDERS[kind](np.random.default_rng(5))
+    plant = robot.plant()
+    for name in ("coulomb", "static", "viscous", "armature"):
+        plant.drive[name] = 0.0
+    motion = free(plant, 0.6, 2.0)
+
+    def energy(k: int) -> float:
+        q, w, still = motion.link[k], motion.velocity[k], np.zeros(2)
+        calm = replace(plant.chain, gravity=np.zeros(3))
+        kinetic = 0.5 * w @ np.array([calm.torque(q, still, e) for e in np.eye(2)]) @ w
+        # potential energy: the integral of the gravity torque along a straight path from zero
+        steps = np.linspace(0, 1, 401)
+        work = [plant.chain.torque(s * q, still, still) @ q for s in steps]
+        return float(kinetic + np.trapezoid(work, steps))
+
+    values = [energy(k) for k in range(0, len(motion.time), 1000)]
+    assert values == pytest.approx([values[0]] * len(values), abs=1e-3 * abs(values[0]))
+
+
+@pytest.mark.parametrize("effect", planted.EFFECTS)
+def test_every_effect_is_planted_as_it_is_told(effect: str) -> None:
+    kind = "skew"
+    robot = robots.BUILDERS[kind](np.random.default_rng(2))
+    robot.torque = robot.speed = robot.peak = robot.fastest = np.ones(2)
+    plant = robot.plant()
+    told = planted.plant(effect, plant, robot, 1, 1.0, np.random.default_rng(3))
+    assert told.effect in planted.TABLE
+    assert all(np.isfinite(v) for v in told.parameters.values())
+    model = robot.plant()
+    changed = (
+        any(not np.array_equal(plant.drive[n], model.drive[n]) for n in plant.drive.dtype.names)
+        or plant.sag > 0
+        or any(not np.array_equal(a, b) for a, b in zip(plant.chain.arrays(), model.chain.arrays(), strict=True))
+        or plant.velocity_time.any()
+    )
+    assert changed
+
+
+@pytest.mark.parametrize(("kind", "robot"), [("single", "pendulum"), ("nothing", "skew")])
+def test_a_case_is_written_alike_twice_and_reads_as_a_scenario(kind: str, robot: str, tmp_path: Path) -> None:
+    case = next(c for c in cases.catalogue(kind) if c.robot == robot)
+    truths = [cases.generate(case, tmp_path / name) for name in ("a", "b")]
+    assert truths[0] == truths[1]
+    folder = tmp_path / "a" / "cases" / case.name
+    for path in sorted(p for p in folder.rglob("*") if p.is_file()):
+        assert filecmp.cmp(path, tmp_path / "b" / path.relative_to(tmp_path / "a"), shallow=False), path.name
+        assert not any(t["effect"].encode() in path.read_bytes() for t in truths[0]["truth"]), path.name
+    runs = load_scenario(folder / "scenario.yaml").cases()
+    assert {r.run.use for r in runs} == {"train", "held_out"}
+    assert all(t["visibility"] > 1.0 for t in truths[0]["truth"])
+
+
+def test_the_catalogue_is_as_large_as_promised() -> None:
+    assert {k: len(cases.catalogue(k)) for k in cases.COUNTS} == cases.COUNTS
+    singles = cases.catalogue("single")
+    assert len({c.name for c in singles}) == len(singles) >= 60
+    assert {c.effects[0][0] for c in singles} == set(planted.EFFECTS)
+    assert all(
+        planted.fits(e, robots.BUILDERS[c.robot](np.random.default_rng(0))) for c in singles for e, _ in c.effects
+    )
+    half = cases.catalogue("half")
+    assert {(c.sensing.rate, c.sensing.effort) for c in half} == {(100.0, False)}
+
+
+@pytest.mark.skipif("REALITYGAP_DATA" not in os.environ, reason="REALITYGAP_DATA is not set: no humanoid here")
+def test_the_humanoid_stands_and_sinks_into_soft_ground() -> None:
+    import humanoid
+    import standing
+
+    robot = humanoid._robot()
+    command = humanoid.command("squat", robot, 100.0, 0.1, 1)
+    heights = []
+    for ground in (standing.Ground(), standing.Ground(stiffness=3000.0, damping=100.0)):
+        body = replace(humanoid._humanoid(robot), ground=ground)
+        robot.peak = np.ones(len(robot.joints))
+        robot.bristles(body.plant)
+        _, height = standing.simulate(body, command, 0.05)
+        heights.append(height[0])
+    weight = 7.779 * GRAVITY
+    assert heights[0] - heights[1] == pytest.approx(weight / 8 * (1 / 3000 - 1 / standing.RIGID[0]), rel=0.3)
+
+
+TRUTH = {
+    "case": "c",
+    "kind": "single",
+    "robot": "planar",
+    "truth": [{"effect": "coulomb_friction", "target": "elbow", "parameters": {"torque": 0.2}, "twins": []}],
+    "outside": None,
+    "tolerated": [],
+    "sensing": asdict(Sensing()),
+    "joints": ["shoulder", "elbow"],
+}
+NOTHING = {**TRUTH, "kind": "nothing", "truth": []}
+TILT = {
+    **TRUTH,
+    "truth": [
+        {
+            "effect": "base_tilt",
+            "target": "base",
+            "parameters": {"roll": 0.0, "pitch": 0.1},
+            "twins": [["joint_offset", "shoulder"]],
+        }
+    ],
+}
+BUS = {**TRUTH, "truth": [{"effect": "command_delay", "target": "*", "parameters": {"time": 0.01}, "twins": []}]}
+
+
+def found(effect: str, target: object, *others: tuple[str, str], **parameters: float) -> dict:
+    return {
+        "effect": effect,
+        "target": target,
+        "parameters": {k: {"value": v, "low": v, "high": v, "unit": ""} for k, v in parameters.items()},
+        "cannot_tell_from": [{"effect": e, "target": t, "why": ""} for e, t in others],
+    }
+
+
+def diagnosis(*findings: dict, before: float = 5.0, after: float = 1.2) -> dict:
+    return {"verdict": "explained", "findings": list(findings), "gap": {"held_out": {"before": before, "after": after}}}
+
+
+FRICTION = found("coulomb_friction", "elbow", torque=0.21)
+ELSE = [("viscous_friction", "elbow"), ("backlash", "elbow"), ("torque_ripple", "elbow")]
+
+
+@pytest.mark.parametrize(
+    ("truth", "findings", "first", "exact", "wrong", "missed"),
+    [
+        (TRUTH, [FRICTION], True, True, 0, 0),
+        (TRUTH, [], False, False, 0, 1),
+        (TRUTH, [found("coulomb_friction", "shoulder")], False, False, 1, 1),
+        (TRUTH, [found("coulomb_friction", ["elb*"])], True, True, 0, 0),
+        (TRUTH, [found("coulomb_friction", "*")], False, False, 1, 1),
+        (TRUTH, [found("stribeck_friction", "elbow", ("coulomb_friction", "elbow"))], True, True, 0, 0),
+        (TRUTH, [found("stribeck_friction", "elbow", *ELSE, ("coulomb_friction", "elbow"))], False, False, 1, 1),
+        (TRUTH, [FRICTION, found("rotor_inertia", "elbow")], True, False, 1, 0),
+        (TRUTH, [found("rotor_inertia", "elbow"), FRICTION], False, False, 1, 0),
+        (TRUTH, [FRICTION, FRICTION], True, False, 1, 0),
+        (TILT, [found("joint_offset", "shoulder")], True, True, 0, 0),
+        (TILT, [found("joint_offset", "elbow")], False, False, 1, 1),
+        (BUS, [found("command_delay", ["shoulder", "elbow"])], True, True, 0, 0),
+        (NOTHING, [], None, True, 0, 0),
+        (NOTHING, [FRICTION], None, False, 1, 0),
+        ({**NOTHING, "tolerated": [["coulomb_friction", "elbow"]]}, [FRICTION], None, True, 0, 0),
+    ],
+)
+def test_the_judge(truth: dict, findings: list[dict], first: bool | None, exact: bool, wrong: int, missed: int) -> None:
+    score = judge.judge(truth, diagnosis(*findings))
+    assert (score.first_right, score.exact, score.wrong, score.missed) == (first, exact, wrong, missed)
+
+
+def test_a_truth_is_used_once_and_plain_names_go_first() -> None:
+    truths = [dict(TRUTH["truth"][0]), {**TRUTH["truth"][0], "effect": "stribeck_friction"}]
+    both = [found("stribeck_friction", "elbow", ("coulomb_friction", "elbow")), FRICTION]
+    assert judge.match(both, truths, TRUTH["joints"]) == [1, 0]
+
+
+def test_the_judge_measures_parameters_and_gap() -> None:
+    score = judge.judge(TRUTH, diagnosis(FRICTION))
+    assert score.parameter_error == pytest.approx(0.05)
+    assert score.gap_removed == pytest.approx(3.8 / 4.0)
+    tilted = found("base_tilt", "base", roll=0.01, pitch=0.1)
+    assert judge.judge(TILT, diagnosis(tilted)).parameter_error == pytest.approx(0.1)
+
+
+def test_a_diagnosis_that_was_not_written_is_right_nowhere() -> None:
+    score = judge.judge(NOTHING, None)
+    assert (score.exact, score.silent, score.verdict) == (False, False, "failed")
+
+
+def test_the_tables_count_what_was_judged(tmp_path: Path) -> None:
+    wrong = judge.judge({**TRUTH, "case": "d"}, diagnosis(found("backlash", "elbow")))
+    scores = [judge.judge(TRUTH, diagnosis(FRICTION)), wrong, judge.judge(NOTHING, diagnosis())]
+    counts = summary.confusion(scores)
+    assert counts["coulomb_friction", "coulomb_friction"] == 1
+    assert counts["coulomb_friction", "backlash"] == 1
+    assert counts["nothing", "nothing"] == 1
+    rows = {what: reached for what, _, reached in summary.goals(scores, {"c": 12.0})}
+    assert rows["single effects: first name right"] == "50 % (1/2)"
+    assert rows["nothing missing: nothing named"] == "100 % (1/1)"
+    summary.write_scores(scores, tmp_path / "blind.csv")
+    summary.write_confusion(scores, tmp_path)
+    assert len((tmp_path / "blind.csv").read_text().splitlines()) == 4
+    assert (tmp_path / "blind_confusion.png").stat().st_size > 0

@@ -1,0 +1,158 @@
+"""Repetitions are found and brought to one clock, and the noise floor is what was put in."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from realitygap.recording import Recording
+from realitygap.recording.align import group_repetitions, noise_floor, quantum
+from realitygap.recording.delay import delay, mean_squared_difference
+from realitygap.recording.frames import angle_between, unit_quaternions
+from realitygap.trace.trace import Trace
+
+PERIOD = 0.01
+
+
+def motion(t):
+    """A kick: still, then a swing, then still."""
+    return np.exp(-(((t - 4.0) / 0.6) ** 2)) * np.sin(3.0 * t)
+
+
+def recording(name="run", late=0.0, length=8.0, jitter=0.0, goal=motion, seed=0):
+    rng = np.random.default_rng(seed)
+    time = np.arange(0.0, length, PERIOD)
+    time[1:] += jitter * PERIOD * rng.uniform(-0.5, 0.5, len(time) - 1)
+    command = np.column_stack([goal(time - late), 0.5 * goal(time - late)])
+    position = np.column_stack([goal(time - late - 0.05), 0.5 * goal(time - late - 0.05)])
+    trace = Trace(time, ("a", "b"), position=position, command=command)
+    return Recording(Path(f"{name}.mcap"), trace, time, command, "position", np.empty(0), np.empty(0))
+
+
+@dataclass(frozen=True)
+class Run:
+    name: str
+    recording: Recording
+    overrides: str = "{}"
+    use: str | None = None
+    window: tuple[float, float] = (-np.inf, np.inf)
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+@pytest.mark.parametrize("late", [-1.234, -0.003, 0.0, 0.0042, 0.5, 2.0])
+def test_delay_is_found_below_the_sampling_period(late, jitter):
+    found = delay(recording(jitter=jitter), recording(late=late, length=9.5, jitter=jitter, seed=1))
+    assert found == pytest.approx(late, abs=0.1 * PERIOD)
+
+
+def test_delay_of_a_periodic_motion_is_the_smallest():
+    found = delay(recording(goal=np.sin), recording(goal=np.sin, late=0.3, length=30.0))
+    assert found == pytest.approx(0.3, abs=0.1 * PERIOD)
+
+
+def test_delay_without_motion_is_none():
+    still = recording(goal=np.zeros_like)
+    assert delay(still, recording()) == 0.0
+
+
+def test_correlation_is_the_sum_it_stands_for():
+    rng = np.random.default_rng(0)
+    a, b = rng.normal(size=(40, 2)), rng.normal(size=(30, 2))
+    a[5:9, 0] = np.nan
+    error, lags = mean_squared_difference(a, b)
+    for lag in (-12, -3, 0, 4):
+        pairs = [(k, k + lag) for k in range(40) if 0 <= k + lag < 30]
+        squares = np.array([(a[i] - b[j]) ** 2 for i, j in pairs])
+        assert error[lags == lag][0] == pytest.approx(np.nanmean(squares))
+    assert np.isinf(error[0])
+
+
+def test_repetitions_are_one_motion_under_one_set_of_conditions():
+    runs = [
+        Run("kick_rep1", recording("1"), use="train"),
+        Run("kick_rep2", recording("2", late=0.3, jitter=0.3), use="train"),
+        Run("kick_p16", recording("3"), '{"servos.*.gain": 2.5}', "train"),
+        Run("other", recording("4", goal=lambda t: motion(t) + 0.2 * np.sin(t)), use="train"),
+        Run("kick_rep3", recording("5", late=-0.2), use="train"),
+        Run("kick_rep4", recording("6"), use="held_out"),
+        Run("kick_rep1#2", recording("1"), use="train"),
+    ]
+    groups = group_repetitions(runs)
+    assert [g.indices for g in groups] == [(0, 1, 4), (2,), (3,), (5,), (6,)]
+    assert groups[0].name == "kick"
+    np.testing.assert_allclose(groups[0].shifts, [0.0, 0.3, -0.2], atol=1e-3)
+
+
+def test_windows_elsewhere_in_the_motion_are_not_repetitions():
+    first = Run("a", recording("1"), window=(2.0, 6.0))
+    again = Run("b", recording("2", late=0.5), window=(2.5, 6.5))
+    other = Run("c", recording("3"), window=(4.0, 8.0))
+    assert [g.indices for g in group_repetitions([first, again, other])] == [(0, 1), (2,)]
+
+
+def test_runs_without_commands_are_repetitions_where_they_start_alike():
+    def toss(name, height):
+        time = np.arange(0, 0.5, PERIOD)
+        place = np.column_stack([time, 0 * time, height + 0 * time])
+        turn = np.tile([1.0, 0, 0, 0], (len(time), 1))
+        trace = Trace(time, (), position=np.empty((len(time), 0)), base_position=place, base_quaternion=turn)
+        return Recording(Path(name), trace, np.empty(0), np.empty((0, 0)), None, np.empty(0), np.empty(0))
+
+    runs = [Run(n, toss(n, z)) for n, z in (("t1", 1.0), ("t2", 1.005), ("t3", 1.1))]
+    assert [g.indices for g in group_repetitions(runs)] == [(0, 1), (2,)]
+
+
+@pytest.mark.parametrize("count", [2, 3, 10])
+def test_noise_floor_is_the_noise_that_was_put_in(count):
+    """x minus the mean of r - 1 others has the deviation σ·√(1 + 1/(r-1)); the mean of its size is √(2/π) of that."""
+    rng = np.random.default_rng(count)
+    sigma = np.array([0.01, 0.03])
+    clean = recording().trace
+    noisy = [replace(clean, position=clean.position + sigma * rng.normal(size=(800, 2))) for _ in range(count)]
+    floors = noise_floor(noisy)
+    expected = np.sqrt(2 / np.pi) * sigma * np.sqrt(1 + 1 / (count - 1))
+    assert [floors["a", "position"], floors["b", "position"]] == pytest.approx(list(expected), rel=0.1)
+    assert ("a", "velocity") not in floors
+
+
+def test_noise_floor_of_two_is_their_difference_in_every_signal():
+    time = np.arange(0, 1, PERIOD)
+    turn = np.column_stack([np.cos(0.05 * time), np.sin(0.05 * time), 0 * time, 0 * time])  # by 0.1·t about x
+    still = np.tile([1.0, 0, 0, 0], (100, 1))
+    zero = np.zeros((100, 3))
+    one = Trace(time, ("a",), effort=np.zeros((100, 1)), base_position=zero, base_quaternion=still, base_angular=zero)
+    two = replace(one, effort=one.effort + 0.5, base_position=zero + np.array([0.3, 0, 0.4]), base_quaternion=-turn)
+    floors = noise_floor([one, two])
+    assert floors["a", "effort"] == pytest.approx(0.5)
+    assert floors["base", "base_position"] == pytest.approx(0.5)
+    assert floors["base", "base_orientation"] == pytest.approx(0.1 * time.mean(), rel=1e-6)
+    assert floors["base", "base_angular_velocity"] == 0.0
+
+
+def test_a_single_run_has_the_floor_of_its_quantum():
+    step = 2 * np.pi / 4096
+    clean = recording().trace
+    rounded = replace(clean, position=np.round(clean.position / step) * step)
+    floors = noise_floor([rounded])
+    assert floors["a", "position"] == pytest.approx(step / 4, rel=1e-9)
+    # a quarter is what the rounding does in the mean
+    moving = np.abs(np.gradient(clean.position[:, 0])) > step
+    assert np.abs(rounded.position - clean.position)[moving, 0].mean() == pytest.approx(step / 4, rel=0.1)
+
+
+def test_the_quantum_survives_the_rounding_of_files():
+    step = 2 * np.pi / 4096
+    value = (np.random.default_rng(0).integers(-1000, 1000, (500, 1)) * step).astype(np.float32).astype(float)
+    value = np.vstack([value, value[-1:] + 1e-7])
+    assert quantum(value)[0] == pytest.approx(step, rel=1e-3)
+    assert quantum(np.ones((5, 1)))[0] == 0.0
+
+
+def test_angles_and_signs_of_orientations():
+    half = 0.5 * np.array([0.0, 1e-9, 0.1, 3.0])
+    turned = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
+    still = np.tile([1.0, 0, 0, 0], (4, 1))
+    np.testing.assert_allclose(angle_between(still, -turned), 2 * half, rtol=1e-7, atol=1e-16)
+    flipped = turned * np.array([[1.0], [-1], [-1], [1]])
+    np.testing.assert_allclose(unit_quaternions(3.0 * flipped), turned, atol=1e-15)
+    assert np.isnan(unit_quaternions(np.zeros((1, 4)))).all()

@@ -1,0 +1,154 @@
+"""Faults that are planted in a recording are found, with their numbers, and none where nothing was planted."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from realitygap.recording import Recording
+from realitygap.recording.faults import (
+    clock_drift,
+    command_glitches,
+    drift_between,
+    faults,
+    low_pass,
+    repeated_readings,
+    velocity_faults,
+)
+from realitygap.recording.outliers import without_outliers
+from realitygap.trace.trace import Trace
+
+PERIOD = 0.01
+QUANTUM = 2 * np.pi / 4096
+
+
+def recording(*, scale=1.0, filter_time=0.0, pace=1.0, jitter=0.1):
+    """A swing of one joint as an encoder reads it, with a velocity as a servo reports it; a second joint rests."""
+    rng = np.random.default_rng(0)
+    time = np.arange(0.0, 20.0, PERIOD)
+    time[1:] += jitter * PERIOD * rng.uniform(-0.5, 0.5, len(time) - 1)
+    fine = np.arange(0.0, 20.0, 1e-3)
+    phase = pace * fine
+    angle = np.sin(2 * phase) + 0.3 * np.sin(5 * phase + 1) + 0.2 * np.sin(0.3 * phase**2)
+    slope = scale * low_pass(np.gradient(angle, fine), filter_time, 1e-3)
+    position = np.round(np.interp(time, fine, angle) / QUANTUM) * QUANTUM
+    velocity = np.round(np.interp(time, fine, slope) / 0.02) * 0.02
+    still = np.zeros_like(time)
+    command = np.column_stack([np.interp(time + 0.03, fine, angle), still])
+    trace = Trace(
+        time,
+        ("swing", "rest"),
+        position=np.column_stack([position, still]),
+        velocity=np.column_stack([velocity, still]),
+        command=command,
+    )
+    return Recording(Path("run.mcap"), trace, time, command, "position", np.empty(0), np.empty(0), time.copy())
+
+
+def test_a_sound_recording_has_no_faults():
+    assert faults(recording()) == []
+
+
+@pytest.mark.parametrize(
+    ("scale", "time"), [(0.89, 0.0), (1.1, 0.0), (1.0, 0.02), (0.91, 0.014), (1.0, 0.05), (0.95, 0.03)]
+)
+def test_a_velocity_that_is_scaled_and_filtered(scale, time):
+    (fault,) = velocity_faults(recording(scale=scale, filter_time=time))
+    assert fault.joints == ("swing",)
+    assert fault.numbers["scale"] == pytest.approx(scale, abs=0.01)
+    assert fault.numbers["time"] == pytest.approx(time, abs=0.002)
+    assert "the sensor, not the robot" in fault.sentence
+
+
+def test_a_velocity_of_the_wrong_sign():
+    (fault,) = velocity_faults(recording(scale=-1.0))
+    assert fault.numbers["scale"] == pytest.approx(-1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_repeated_readings(count):
+    sound = recording()
+    position, velocity = sound.trace.position.copy(), sound.trace.velocity.copy()
+    steps = np.diff(position[:, 0])
+    fast = 2 + np.flatnonzero((np.abs(steps[:-3]) > 4 * QUANTUM) & (np.abs(steps[3:]) > 4 * QUANTUM))
+    for row in fast[50 :: len(fast) // count][:count]:
+        position[row], velocity[row] = position[row - 1], velocity[row - 1]
+    found = repeated_readings(replace(sound, trace=replace(sound.trace, position=position, velocity=velocity)))
+    assert found.joints == ("swing",)
+    assert found.numbers["count"] == count
+
+
+def test_a_joint_at_rest_repeats_its_reading_rightly():
+    sound = recording()
+    still = replace(sound.trace, position=np.zeros((2000, 2)), velocity=np.zeros((2000, 2)))
+    assert repeated_readings(replace(sound, trace=still)) is None
+
+
+@pytest.mark.parametrize("size", [0.3, -0.6])
+def test_a_single_command_that_jumps_and_comes_back(size):
+    sound = recording()
+    command = sound.command.copy()
+    command[812] += [size, -size]
+    (fault,) = command_glitches(replace(sound, command=command))
+    assert fault.joints == ("swing", "rest")
+    assert fault.numbers["time"] == pytest.approx(sound.command_time[812])
+    assert fault.numbers["size"] == pytest.approx(abs(size), abs=0.05)
+
+
+def test_a_step_is_not_a_glitch():
+    sound = recording()
+    command = sound.command.copy()
+    command[812:] += 0.5
+    command[900:] = np.nan
+    assert command_glitches(replace(sound, command=command)) == []
+
+
+@pytest.mark.parametrize(
+    ("signal", "joint", "value"), [("velocity", 0, -381.95), ("velocity", 1, 40.0), ("position", 0, 12)]
+)
+def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal, joint, value):
+    sound = recording()
+    garbled = getattr(sound.trace, signal).copy()
+    garbled[730, joint] = value
+    trace, outliers = without_outliers(replace(sound.trace, **{signal: garbled}))
+    (fault,) = faults(replace(sound, trace=trace, outliers=outliers))
+    assert fault.kind == "outlier"
+    assert f"1 {signal} reading of {sound.trace.joints[joint]} jumps far away and back" in fault.sentence
+    assert f"({value:.4g} at {sound.trace.time[730]:.3f} s)" in fault.sentence
+    mended, before = getattr(trace, signal), getattr(sound.trace, signal)
+    assert mended[730, joint] == pytest.approx(before[[729, 731], joint].mean())
+    assert np.array_equal(np.delete(mended, 730, axis=0), np.delete(before, 730, axis=0))
+
+
+def test_an_impact_is_not_an_outlier():
+    """One reading of a speed that the positions before and after bear out."""
+    sound = recording()
+    position, velocity = np.zeros((2000, 2)), np.zeros((2000, 2))
+    position[1000:], velocity[1000] = 0.2, 20.0
+    trace = replace(sound.trace, position=position, velocity=velocity)
+    assert without_outliers(trace) == (trace, ())
+
+
+def test_noise_is_no_outlier():
+    sound = recording()
+    noise = np.random.default_rng(3).standard_normal((2000, 2))
+    trace = replace(sound.trace, position=sound.trace.position + 1e-3 * noise, velocity=0.5 * noise)
+    assert without_outliers(trace)[1] == ()
+
+
+@pytest.mark.parametrize("rate", [2e-3, -1e-3])
+def test_a_recorder_and_stamps_that_run_apart(rate):
+    sound = recording()
+    delays = np.abs(np.random.default_rng(1).normal(size=2000)) * 2e-3
+    fault = clock_drift(replace(sound, receive_time=(1 + rate) * sound.trace.time + delays))
+    assert fault.numbers["rate"] == pytest.approx(rate, rel=0.1)
+    assert ("slower" if rate > 0 else "faster") in fault.sentence
+    assert clock_drift(replace(sound, receive_time=sound.trace.time + delays)) is None
+
+
+@pytest.mark.parametrize("rate", [3e-3, -2e-3])
+def test_repetitions_whose_clocks_run_apart(rate):
+    reference = recording(jitter=0.0)
+    fault = drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0))
+    assert fault.numbers["rate"] == pytest.approx(rate, rel=0.25)
+    assert drift_between(reference, recording()) is None

@@ -1,0 +1,167 @@
+"""Tables: columns by name, by joint and by mapping; servos that are off; free bodies; and what is wrong with one."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from realitygap.files.errors import InputError
+from realitygap.recording import read_recording
+from realitygap.recording.frames import rotate
+from realitygap.scenario.schema import Scenario
+
+FILE = Path("scenario.yaml")
+TIME = np.arange(50) * 0.01
+
+
+def scenario(command="command", base="fixed", meaning="position", **recordings):
+    return Scenario.model_validate(
+        {
+            "name": "test",
+            "robot": {"urdf": "robot.urdf", "base": base},
+            "motion": {"recorded": command, "as": meaning} if command else None,
+            "recordings": recordings,
+        }
+    )
+
+
+def one_joint(**more):
+    return pd.DataFrame({"time": 3.0 + TIME, "command": TIME + 1, "position": TIME, "velocity": 1.0, **more})
+
+
+def write(frame, path):
+    frame.to_parquet(path) if path.suffix == ".parquet" else frame.to_csv(path, index=False)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_single_joint(suffix, tmp_path):
+    recording = read_recording(write(one_joint(), tmp_path / f"run{suffix}"), scenario(), ["elbow"], file=FILE)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
+    np.testing.assert_array_equal(recording.trace.position[:, 0], TIME)
+    np.testing.assert_array_equal(recording.trace.command[:, 0], TIME + 1)
+    np.testing.assert_array_equal(recording.command_time, recording.trace.time)
+    assert recording.command_kind == "position"
+    assert recording.trace.supply is None
+    assert recording.trace.effort is None
+
+
+@pytest.mark.parametrize("form", ["{0}_{1}", "{1}_{0}", "{0}.{1}", "{0}/{1}"])
+def test_several_joints_by_column_name(form, tmp_path):
+    frame = pd.DataFrame({"time": TIME})
+    for k, joint in enumerate(("hip", "knee")):
+        for signal in ("command", "position"):
+            frame[form.format(signal, joint)] = k + TIME
+    trace = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["knee", "hip"], file=FILE).trace
+    np.testing.assert_allclose(trace.position, np.column_stack([1 + TIME, TIME]))
+    np.testing.assert_allclose(trace.command, trace.position)
+    assert trace.velocity is None
+
+
+def test_several_joints_by_mapping(tmp_path):
+    frame = pd.DataFrame({"t": TIME, "x1": TIME, "x2": 2 * TIME, "u1": 0.0, "u2": 1.0})
+    columns = {"time": "t", "position": {"a": "x1", "b": "x2"}, "command": {"a": "u1", "b": "u2"}}
+    asked = scenario(columns=columns)
+    trace = read_recording(write(frame, tmp_path / "run.csv"), asked, ["b", "a"], file=FILE).trace
+    np.testing.assert_allclose(trace.position, np.column_stack([2 * TIME, TIME]))
+    np.testing.assert_allclose(trace.command, np.tile([1.0, 0.0], (50, 1)))
+    with pytest.raises(InputError, match=r"columns.position: names no column for joint c; it has a, b"):
+        read_recording(tmp_path / "run.csv", asked, ["a", "c"], file=FILE)
+
+
+def test_a_servo_that_is_off_has_no_command(tmp_path):
+    frame = one_joint(torque_enabled=np.where(TIME < 0.2, 1, 0), supply_voltage=12.0 - TIME)
+    recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
+    np.testing.assert_array_equal(np.isnan(recording.trace.command[:, 0]), TIME >= 0.2)
+    np.testing.assert_array_equal(np.isnan(recording.command[:, 0]), TIME >= 0.2)
+    np.testing.assert_allclose(recording.supply, 12.0 - TIME)
+
+
+def test_effort_in_its_own_column_and_unit(tmp_path):
+    path = write(one_joint(current=0.5), tmp_path / "run.csv")
+    asked = scenario(effort={"topic": "current", "factor": 2.0})
+    np.testing.assert_allclose(read_recording(path, asked, ["elbow"], file=FILE).trace.effort, 1.0)
+    with pytest.raises(InputError, match=r"recordings.effort: .*run.csv holds no effort"):
+        read_recording(path, scenario(effort="motor"), ["elbow"], file=FILE)
+
+
+def test_a_command_that_is_a_duty(tmp_path):
+    path = write(one_joint(duty=0.3), tmp_path / "run.csv")
+    recording = read_recording(path, scenario("duty", meaning="duty"), ["elbow"], file=FILE)
+    assert recording.command_kind == "duty"
+    np.testing.assert_allclose(recording.command, 0.3)
+
+
+@pytest.mark.parametrize("axes", ["body", "world"])
+def test_a_free_body_turns_about_world_axes(axes, tmp_path):
+    """A body that spins about its own z, which points along the world's -y: a quarter turn about x."""
+    angle = 2.0 * TIME
+    half = np.sqrt(0.5)
+    # rotation about x by +90°, then about the body's z by the angle
+    frame = pd.DataFrame({"time": TIME, "x": TIME, "y": 0.0, "z": 1.0})
+    frame["qw"], frame["qx"] = half * np.cos(angle / 2), half * np.cos(angle / 2)
+    frame["qy"], frame["qz"] = -half * np.sin(angle / 2), half * np.sin(angle / 2)
+    spin = np.array([0.0, 0.0, 2.0]) if axes == "body" else np.array([0.0, -2.0, 0.0])
+    for name, value in zip(("wx", "wy", "wz"), spin, strict=True):
+        frame[name] = value
+    asked = scenario(None, "free", columns={"base_angular_axes": axes})
+    trace = read_recording(write(frame, tmp_path / "run.csv"), asked, [], file=FILE).trace
+    assert trace.position.shape == (50, 0)
+    assert trace.base_linear is None
+    np.testing.assert_allclose(trace.base_angular, np.tile([0.0, -2.0, 0.0], (50, 1)), atol=1e-9)
+    # and the orientations do turn like that: the axis stays, the body's x goes round it
+    nose = rotate(trace.base_quaternion, np.tile([1.0, 0, 0], (50, 1)))
+    np.testing.assert_allclose(np.diff(nose, axis=0) / 0.01, np.cross([0, -2.0, 0], nose)[:-1], atol=0.03)
+
+
+def test_rows_that_repeat_a_time_are_dropped(tmp_path):
+    frame = one_joint()
+    frame.loc[10, "time"] = frame.loc[9, "time"]
+    recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
+    assert len(recording.trace.time) == 49
+    assert recording.trace.position[9, 0] == TIME[10]
+    assert "1 rows repeat the time" in recording.notes[0]
+
+
+def broken(column, row, value):
+    frame = one_joint().astype(object)
+    frame.loc[row, column] = value
+    return frame
+
+
+@pytest.mark.parametrize(
+    ("frame", "asked", "sentence"),
+    [
+        (broken("time", 7, 2.0), {}, r"time goes back from 3.06 to 2 s in line 9, expected times that increase"),
+        (broken("time", 7, ""), {}, r"time is empty in line 9"),
+        (broken("position", 7, "n/k"), {}, r"position is 'n/k' in line 9, expected a number"),
+        (broken("position", 7, ""), {}, r"position of joint elbow is nan at 0.070 s"),
+        (broken("position", 7, "inf"), {}, r"position of joint elbow is inf at 0.070 s"),
+        (broken("command", 7, "inf"), {}, r"a command is infinite"),
+        (one_joint().drop(columns="position"), {}, r"has no position of joint elbow; it has the columns time, command"),
+        (one_joint().drop(columns="time"), {}, r"has no column time, named by recordings.columns.time; it has command"),
+        (one_joint(), {"columns": {"velocity": "speed"}}, r"has no velocity of joint elbow; .*expected speed"),
+        (one_joint(), {"battery": "volts"}, r"has no column volts"),
+        (one_joint()[:1], {}, r"holds 1 sample, expected at least two"),
+        (one_joint()[:0], {}, r"the table holds no rows; it has the columns time"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_told(frame, asked, sentence, tmp_path):
+    path = write(frame, tmp_path / "run.csv")
+    with pytest.raises(InputError, match=sentence):
+        read_recording(path, scenario(**asked), ["elbow"], file=FILE)
+
+
+def test_a_command_that_is_not_there(tmp_path):
+    path = write(one_joint().drop(columns="command"), tmp_path / "run.csv")
+    with pytest.raises(InputError, match=r"has no command of joint elbow; it has the columns time, position"):
+        read_recording(path, scenario("/joint_commands"), ["elbow"], file=FILE)
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
+@pytest.mark.parametrize("data", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'time,position\n1,2\n1,2,3,4\n"'])
+def test_files_that_are_not_tables(name, data, tmp_path):
+    path = tmp_path / name
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"run\.\w+: is not a table .*expected columns with a header line"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)

@@ -1,0 +1,183 @@
+"""The page and its parts as files: a pure function of the result folder."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+import synthetic
+from realitygap.files.errors import InputError
+from realitygap.report import write_curves, write_figures, write_page
+from realitygap.report.curves import read_curves, unpack
+from realitygap.report.folder import read_folder
+from realitygap.report.spread import spread
+from realitygap.report.thesis import grounds, improvements
+
+JOINTS = ("hip", "knee", "ankle", "toe")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    cells = synthetic.grid(engine=["mujoco", "drake"], robot_revision=["old", "new"], step_rate=[500.0, 1000.0])
+    return synthetic.write_folder(
+        tmp_path_factory.mktemp("synthetic"),
+        joints=JOINTS,
+        cells=cells,
+        error=lambda c: (
+            np.inf if (c.engine, c.step_rate) == ("drake", 500.0) else 0.02 if c.robot_revision == "old" else 0.01
+        ),
+    )
+
+
+def test_same_folder_same_page(folder, tmp_path):
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    assert write_page(copy).read_bytes() == write_page(folder).read_bytes()
+
+
+def test_page_needs_nothing_from_elsewhere(folder):
+    text = write_page(folder).read_text()
+    assert not re.search(r"""(?:src|href)\s*=\s*["']?\s*(?:https?:)?//""", text)
+    assert "fetch(" not in text
+    assert "@import" not in text
+    assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", text)
+
+
+def test_page_says_settings_limits_and_failures(folder):
+    text = write_page(folder).read_text()
+    assert "the solver of drake" in text
+    assert "armature: emulated. outside the engine" in text
+    assert "diverged at 1.2000 s at knee: not finite" in text
+    assert "Virtual recordings." not in text
+
+
+def test_page_of_virtual_recordings_says_so(tmp_path):
+    cells = [synthetic.cell()]
+    synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.01, virtual=True)
+    assert "Nothing is concluded about reality" in write_page(tmp_path).read_text()
+
+
+def test_page_without_timings_manifest_and_curves(folder, tmp_path):
+    shutil.copy(folder / "gaps.csv", tmp_path)
+    assert "MuJoCo comes closest" in write_page(tmp_path).read_text() or "MuJoCo is" in write_page(tmp_path).read_text()
+
+
+def test_names_from_outside_stay_text(tmp_path):
+    joints = ["</script><script>alert(1)</script>", "<b>knee</b>"]
+    synthetic.write_folder(tmp_path, joints=joints, cells=[synthetic.cell(recording="<i>x</i>")], error=lambda _: 0.01)
+    text = write_page(tmp_path).read_text()
+    assert "<script>alert" not in text
+    assert "<b>knee" not in text
+    assert "<i>x" not in text
+
+
+def test_folder_without_table_is_bad_input(tmp_path):
+    with pytest.raises(InputError, match=r"found no gaps\.csv"):
+        write_page(tmp_path)
+
+
+def test_curves_come_back_within_their_quantum(tmp_path):
+    joints = ["a", "b"]
+    measured, simulated = synthetic.trace(joints, 0.0, 0, command=True), synthetic.trace(joints, 0.01, 1)
+    path = write_curves(tmp_path, synthetic.cell(), simulated, measured, synthetic.model(joints))
+    content = read_curves(path)
+    time = unpack(content["time"])
+    truth = np.rad2deg(simulated.at(time + measured.time[0]).position)
+    for i, joint in enumerate(joints):
+        packed = content["simulated"]["position"][joint]
+        assert packed["unit"] == "deg"
+        np.testing.assert_allclose(unpack(packed), truth[:, i], atol=0.51 * packed["quantum"])
+        assert packed["quantum"] <= 1e-4 * np.abs(truth[:, i]).max()
+    theirs = read_curves(tmp_path / "curves" / f"{content['measured']}.js")
+    np.testing.assert_allclose(unpack(theirs["position"]["a"]), np.rad2deg(measured.at(time).position[:, 0]), atol=1e-3)
+
+
+def test_samples_that_were_not_measured_stay_missing(tmp_path):
+    measured = synthetic.trace(["a"], 0.0, 0)
+    measured.position[200:400] = np.nan
+    path = write_curves(tmp_path, synthetic.cell(), synthetic.trace(["a"], 0.01, 1), measured, synthetic.model(["a"]))
+    content = read_curves(path)
+    values = unpack(read_curves(tmp_path / "curves" / f"{content['measured']}.js")["position"]["a"])
+    time = unpack(content["time"])
+    assert np.isnan(values[(time > 1.01) & (time < 1.98)]).all()
+    assert np.isfinite(values[time < 0.99]).all()
+    assert np.isfinite(content["boxes"]["position"]["a"]).all()
+
+
+def test_box_is_that_of_all_samples(tmp_path):
+    measured, simulated = synthetic.trace(["a"], 0.0, 0), synthetic.trace(["a"], 0.02, 3)
+    path = write_curves(tmp_path, synthetic.cell(), simulated, measured, synthetic.model(["a"]))
+    gap = np.rad2deg(np.abs(simulated.position[:, 0] - measured.position[:, 0]))
+    low, q1, median, q3, high, most = read_curves(path)["boxes"]["position"]["a"]
+    np.testing.assert_allclose([q1, median, q3, most], [*np.percentile(gap, [25, 50, 75]), gap.max()], rtol=1e-3)
+    assert low <= q1 <= median <= q3 <= high <= most
+
+
+def test_spread_is_the_rms_between_the_engines(tmp_path):
+    measured = synthetic.trace(["a"], 0.0, 0)
+    for engine, offset in (("mujoco", 0.01), ("drake", 0.03)):
+        shifted = synthetic.trace(["a"], 0.0, 0)
+        shifted.position[:] += offset
+        write_curves(tmp_path, synthetic.cell(engine), shifted, measured, synthetic.model(["a"]))
+    gaps = {(e, (), "position", "moving"): 1.0 for e in ("mujoco", "drake")}
+    synthetic.write_planted(tmp_path, synthetic.planted(gaps))
+    (one,) = spread(read_folder(tmp_path))
+    assert one.radians == pytest.approx(0.02, rel=1e-3)
+
+
+def test_gain_that_follows_from_the_recording_is_no_axis(tmp_path):
+    def gaps(pairs):
+        return {
+            ("mujoco", (("recording", r), ("overrides", json.dumps({"servos.*.gain": g}))), "position", "moving"): 1.0
+            for r, g in pairs
+        }
+
+    synthetic.write_planted(tmp_path / "a", synthetic.planted(gaps([("p16", 2.5), ("p32", 5.0)])))
+    synthetic.write_planted(tmp_path / "b", synthetic.planted(gaps([("p16", 2.5), ("p16", 5.0)])))
+    assert "servos.*.gain" not in read_folder(tmp_path / "a").varying
+    assert read_folder(tmp_path / "b").axes["servos.*.gain"] == [2.5, 5.0]
+
+
+def test_figures_are_the_same_twice_and_name_what_they_show(tmp_path):
+    cells = synthetic.grid(engine=["mujoco", "drake"], robot_revision=["old", "new"])
+    synthetic.write_folder(
+        tmp_path, joints=JOINTS[:2], cells=cells, error=lambda c: np.inf if c.engine == "drake" else 0.01
+    )
+    files = write_figures(tmp_path)
+    first = {f: f.read_bytes() for f in files}
+    assert {f: f.read_bytes() for f in write_figures(tmp_path)} == first
+    names = [f.name for f in files]
+    assert "boxes-position-revisions-MuJoCo.svg" in names
+    assert "curves-position-new.svg" in names
+    boxes = (tmp_path / "figures" / "boxes-position-new.svg").read_text()
+    for label in ("MuJoCo", "Drake", "diverged", *JOINTS[:2]):
+        assert label in boxes
+
+
+@pytest.mark.parametrize("joints", [1, 20])
+def test_figures_for_one_joint_and_for_many(tmp_path, joints):
+    names = [f"joint_{i}" for i in range(joints)]
+    synthetic.write_folder(tmp_path, joints=names, cells=[synthetic.cell()], error=lambda _: 0.01)
+    boxes = next(f for f in write_figures(tmp_path) if f.name == "boxes-position-swing.svg").read_text()
+    assert all(n in boxes for n in names)
+
+
+def test_the_thesis_own_differences_are_those_of_its_tables():
+    """Table 5.6 as printed, made anew from tables 5.4 and 5.5."""
+    assert improvements() == [
+        ("cheering", "moving", "+0.2924", "-0.9567", "+1.7149"),
+        ("cheering", "unmoving", "+0.3951", "-0.1687", "+0.3538"),
+        ("kick", "moving", "+0.1311", "-0.3301", "+0.1088"),
+        ("kick", "unmoving", "+0.1821", "+0.3208", "+0.3139"),
+    ]
+    assert grounds()[:2] == [
+        ("moving", "flat", "0.3345", "0.6742", "1.6723"),
+        ("moving", "grass", "0.3138", "1.6838", "0.2798"),
+    ]
+
+
+def test_only_pages_of_the_thesis_robot_show_its_tables(tmp_path):
+    for name, shown in (("wolfgang_cheering", True), ("arm", False)):
+        gaps = {("mujoco", (("scenario", name),), "position", "moving"): 1.0}
+        page = write_page(synthetic.write_planted(tmp_path / name, synthetic.planted(gaps))).read_text()
+        assert ("table 6.1" in page) is shown
