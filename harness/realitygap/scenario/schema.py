@@ -254,7 +254,7 @@ class Scenario(Section):
     budget: Budget | None = Field(default=None, description="what `run` and tests accept")
     accept: list[str] = Field(
         default=[],
-        description="what `realitygap check` finds and that is no mistake here: `KIND` or `KIND@JOINT`, with patterns "
+        description="what `check` finds and that is no mistake here: `KIND` or `KIND@JOINT`, with patterns "
         "over joint names",
     )
     certain: list[str] = Field(
