@@ -34,7 +34,7 @@ def arm(folder: Path, moments: tuple[float, float, float], *, moving: bool = Tru
 
 @pytest.mark.parametrize("moments", [(0.0, 0.0, 0.0), (1e-3, 1e-3, 0.0), (1e-3, 1e-3, 1e-16), (1e-17,) * 3])
 def test_a_moving_link_without_inertia_is_one_sentence(moments: tuple[float, float, float], tmp_path: Path) -> None:
-    with pytest.raises(ModelError, match="link bob moves but has principal moments of inertia .* expected all three"):
+    with pytest.raises(ModelError, match=r"link bob moves but has principal moments of inertia .* expected all three"):
         read_urdf(arm(tmp_path, moments), floating=False)
     fixed = arm(tmp_path, moments, moving=False)
     assert read_urdf(fixed, floating=False).joint_names == ["hinge"]  # what is bolted down needs none

@@ -60,7 +60,7 @@ def lump(path: Path, parts: list[Part], *, moves: bool) -> tuple[Link, list[str]
 
 
 def _check(path: Path, part: Part) -> None:
-    moments = np.linalg.eigvalsh(part.inertia)
+    moments = _moments(part.inertia)
     allowed = ROUNDING * max(moments[2], 1e-12)
     if moments[0] < -1e-6 * max(moments[2], 1e-12) or moments[0] + moments[1] < moments[2] - allowed:
         raise ModelError(
@@ -71,7 +71,7 @@ def _check(path: Path, part: Part) -> None:
 
 def _movable(path: Path, name: str, inertia: Array) -> tuple[Array, list[str]]:
     """The inertia of a moving link, with moments that rounding left too small made fit."""
-    moments = np.linalg.eigvalsh(inertia)
+    moments = _moments(inertia)
     if moments[0] <= max(LEAST * moments[2], LEAST_MOMENT):
         raise ModelError(
             f"{path}: link {name} moves but has principal moments of inertia {_listed(moments)} kg·m²; expected all "
@@ -85,6 +85,11 @@ def _movable(path: Path, name: str, inertia: Array) -> tuple[Array, list[str]]:
         f"were raised by {short:.2g}"
     )
     return inertia + short * np.eye(3), [note] if short > 2 * SPARE * moments[2] else []
+
+
+def _moments(inertia: Array) -> Array:
+    """The principal moments, rising. Shape (3,)."""
+    return np.asarray(np.linalg.eigvalsh(inertia), dtype=np.float64)
 
 
 def _listed(moments: Array) -> str:
