@@ -8,13 +8,13 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import yourdfpy
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import contact_spheres
 from realitygap_engines.model.robot import (
     Array,
     Joint,
     Link,
     Model,
-    ModelError,
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
