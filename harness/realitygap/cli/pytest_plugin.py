@@ -130,7 +130,7 @@ def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
     from realitygap_engines import RealityGapError
 
     from realitygap.compare.comparison import motions_of
-    from realitygap.matrix.run import engine_names
+    from realitygap.scenario.engine_names import engine_names
     from realitygap.scenario.file import load_scenario
 
     try:
