@@ -18,7 +18,8 @@ from math import cos, hypot, isfinite, sin, sqrt
 import dartpy
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 

@@ -18,28 +18,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap_engines.errors import Unsupported
 from realitygap_engines.model.robot import Model
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81
 """[m/s²]"""
-
-
-class Unsupported(Exception):
-    """An engine was asked for physics that it cannot express; the message says what, why and what can be done."""
-
-
-class Diverged(Exception):
-    """The simulation blew up: a state that is not finite or not physical, or an engine's silent reset.
-
-    `time` [s] is the end of the step that failed and `joint` the first joint (or "base") seen to be wrong.
-    """
-
-    def __init__(self, time: float, joint: str, what: str) -> None:
-        super().__init__(f"diverged at {time:.4f} s at {joint}: {what}")
-        self.time = time
-        self.joint = joint
-        self.what = what
 
 
 @dataclass(frozen=True)

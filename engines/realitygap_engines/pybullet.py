@@ -20,7 +20,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 from realitygap_engines.model.urdf import rpy_from_rotation, write_urdf

@@ -20,7 +20,8 @@ from math import inf, isfinite
 
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.model.robot import Array, Model
 from realitygap_engines.ode.contact import ContactPoints

@@ -11,7 +11,8 @@ from math import inf, isfinite, pi, tau
 
 import numpy as np
 
-from realitygap_engines.engine import State, Unsupported
+from realitygap_engines.engine import State
+from realitygap_engines.errors import Unsupported
 from realitygap_engines.model.robot import (
     Array,
     Link,
