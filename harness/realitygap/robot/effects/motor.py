@@ -142,8 +142,8 @@ VOLTAGE_SAG = Effect(
         equation="bus = supply − resistance·Σ volts·current/bus, volts = duty·bus",
         signature="Joints lose speed and torque while others work hard; single joints alone are as before.",
         confused_with="supply_voltage (always), torque_speed_limit (each joint on its own), motor_heating (stays).",
-        source="Erickson, Maksimović: Fundamentals of Power Electronics, chapter 3 (a chopper as a transformer); Linden's "
-        "Handbook of Batteries, internal resistance.",
+        source="Erickson, Maksimović: Fundamentals of Power Electronics, chapter 3 (a chopper is a transformer); "
+        "Linden's Handbook of Batteries, internal resistance.",
     ),
 )
 
