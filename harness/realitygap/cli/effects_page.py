@@ -7,7 +7,7 @@ import numpy as np
 
 from realitygap.robot.effects import EFFECTS, Effect, Parameter
 from realitygap.robot.effects.place import known
-from realitygap.simulate.effect_bench import bench, planted, push, signal, simulate
+from realitygap.simulate.effect_bench import bench, motion, planted, signal, simulate
 from realitygap.trace.trace import Array
 
 WIDTH = 88
@@ -57,9 +57,9 @@ def page(name: str) -> str:
 def signature(effect: Effect) -> tuple[str, str, Array, Array, Array]:
     """The bench without and with the effect: signal, unit, times [s] and both curves. Shape (t,)."""
     plant, _ = bench(effect)
-    before = simulate(plant, push=push(effect))
+    before = simulate(plant, what=motion(effect))
     what, unit, without = signal(effect, before)
-    return what, unit, before.time, without, signal(effect, simulate(planted(effect), push=push(effect)))[2]
+    return what, unit, before.time, without, signal(effect, simulate(planted(effect), what=motion(effect)))[2]
 
 
 def save_figure(name: str, path: Path) -> None:

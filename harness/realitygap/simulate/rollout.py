@@ -11,7 +11,8 @@ from realitygap_engines import Diverged, Simulation, State
 from realitygap.robot.drive import LOG, STATE, Array
 from realitygap.robot.drive_law import arrive, drive_effort
 from realitygap.robot.plant import Plant
-from realitygap.simulate.commands import Commands, on_steps
+from realitygap.simulate.commands import Commands
+from realitygap.simulate.profile import told
 from realitygap.trace.trace import Trace
 
 TOO_FAST = 1e5
@@ -62,7 +63,7 @@ def rollout(
     q, w = np.empty((steps + 1, n)), np.empty((steps + 1, n))
     base = np.zeros((steps + 1, 13))
     log, dry = np.zeros((steps + 1, n), LOG), np.zeros((steps + 1, n))
-    command = on_steps(commands, steps, h, plant.delay)
+    command = told(commands, plant.drive, steps, h, plant.delay)
     volts = np.zeros(steps) if supply is None else np.interp(np.arange(steps) * h, *supply)
     effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
@@ -136,7 +137,9 @@ def _trace(
     effort = log["motor"][:-1] - log["emf"][:-1] * rotor
     if dry is not None:
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
-        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] - drive["viscous"] * middle)
+        turned = drive["friction_periods"] * log["encoder"][:-1] + drive["friction_phase"]
+        lean = drive["lean"] * (1 + drive["friction_ripple"] * np.sin(turned))
+        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] + lean - drive["viscous"] * middle)
     velocity = _sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
     floating = plant.model.floating
     b = base[:steps]

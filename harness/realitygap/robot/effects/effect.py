@@ -64,6 +64,7 @@ class Effect:
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
         absurd: (values) -> a reason in words why these values are not this effect, or None.
+        contradiction: (values) -> what in them cannot be, and what was expected, or None.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Effect:
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
     absurd: Callable[[Values], str | None] | None = None
+    contradiction: Callable[[Values], str | None] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

@@ -61,6 +61,8 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
             if parameter.default is None:
                 raise InputError(f"effect {effect.name}: {parameter.name} is missing; it has {listed}")
             out[parameter.name] = parameter.default
+    if effect.contradiction and (reason := effect.contradiction(out)):
+        raise InputError(f"effect {effect.name}: {reason}")
     return out
 
 
