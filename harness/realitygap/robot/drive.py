@@ -88,6 +88,8 @@ STATE = np.dtype(
         ("aim_speed", np.float64),
         ("goal", np.float64),  # the previous command
         ("bus", np.float64),  # supply voltage after sag
+        ("heading", np.float64),  # sign of the last speed that was one, and when that changed: for effort maps
+        ("reversed", np.float64),
         ("velocity", np.float64),  # of the link, at the previous step
         ("effort", np.float64),  # of the joint law over the previous step, without the constant effort
         ("damping", np.float64),

@@ -15,6 +15,7 @@ from realitygap_engines.model.urdf import read_urdf
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
+from realitygap.robot.effort_map import EffortMap
 from realitygap.scenario.file import ScenarioFile
 from realitygap.scenario.schema import AnyServo, DcServo, GroundSpec, PidServo, RecordedSupply, Scenario
 
@@ -34,6 +35,7 @@ class Plant:
         velocity_lag, velocity_scale: low-pass time [s] and scale of the reported velocity. Shape (n,).
         base_tilt: roll and pitch of a fixed base [rad]. Shape (2,).
         efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
+        maps: efforts that depend on measured variables.
     """
 
     model: Model
@@ -44,6 +46,7 @@ class Plant:
     velocity_scale: Array
     base_tilt: Array
     efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+    maps: list[EffortMap] = field(default_factory=list)
 
     def copy(self) -> Plant:
         """A plant that can be edited without changing this one."""
@@ -51,7 +54,7 @@ class Plant:
         out.drive = self.drive.copy()
         for name in ("delay", "velocity_lag", "velocity_scale", "base_tilt"):
             setattr(out, name, getattr(self, name).copy())
-        out.efforts = list(self.efforts)
+        out.efforts, out.maps = list(self.efforts), list(self.maps)
         return out
 
     def passing(self, position: Array) -> tuple[Plant, list[str]]:

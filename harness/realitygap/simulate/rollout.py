@@ -10,6 +10,8 @@ from realitygap_engines import Diverged, Simulation, State
 
 from realitygap.robot.drive import LOG, STATE, Array
 from realitygap.robot.drive_law import arrive, drive_effort
+from realitygap.robot.effort_map import packed
+from realitygap.robot.law.effort_map import add_mapped
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.profile import told
@@ -69,6 +71,7 @@ def rollout(
     drive, state = plant.drive, np.zeros(n, STATE)
     wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
     inertia = plant.inertia()
+    mapped, (maps, numbers) = bool(plant.maps), packed(plant.maps)
 
     simulation.reset(start)
     simulation.read(q[0], w[0], base[0])
@@ -93,6 +96,8 @@ def rollout(
         for k, (c, c1, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
             t = k * h
             drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
+            if mapped:
+                add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
             for law in efforts:
                 effort += law(t, qk, wk)
             step(effort, damping, friction)

@@ -3,6 +3,7 @@
 from realitygap.robot.effects.body import BASE_TILT, CENTER_OF_MASS, LINK_INERTIA, LINK_MASS
 from realitygap.robot.effects.control import COMMAND_DELAY, CONTROLLER_GAIN
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
+from realitygap.robot.effects.effort_map import EFFORT_MAP
 from realitygap.robot.effects.firmware import COMMAND_PROFILE, DEAD_BAND, GAIN_LAW, SERVO_RATE
 from realitygap.robot.effects.friction import (
     COULOMB_FRICTION,
@@ -26,7 +27,7 @@ from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
 from realitygap.robot.effects.springs import CABLE_SPRING, JOINT_STOP
 from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
-__all__ = ["EFFECTS", "Effect", "Page", "Parameter", "Values"]
+__all__ = ["EFFECTS", "EFFORT_MAP", "WRITABLE", "Effect", "Page", "Parameter", "Values"]
 
 EFFECTS: dict[str, Effect] = {
     effect.name: effect
@@ -69,3 +70,5 @@ EFFECTS: dict[str, Effect] = {
     )
 }
 """In the order in which the simpler of two explanations is preferred."""
+WRITABLE: dict[str, Effect] = {**EFFECTS, EFFORT_MAP.name: EFFORT_MAP}
+"""What a scenario can have: the effects, which have a law and a name to give, and an effort that has neither."""

@@ -19,8 +19,9 @@ def _own_limit(plant: Plant, index: int) -> dict[str, float]:
 
 def _limit(plant: Plant, indices: list[int], values: Values) -> None:
     plant.drive["real_limit"][indices] = values["effort"] or math.inf
-    plant.drive["protection"][indices] = values["beyond"]
-    plant.drive["protection_share"][indices] = values["share"]
+    for name, field in (("beyond", "protection"), ("share", "protection_share")):
+        if name in values:
+            plant.drive[field][indices] = values[name]
 
 
 def _low_limit(plant: Plant, index: int) -> dict[str, float]:

@@ -44,7 +44,8 @@ def _own_compliance(plant: Plant, index: int) -> dict[str, float]:
 def _compliance(plant: Plant, indices: list[int], values: Values) -> None:
     stiffness = values["stiffness"]
     plant.drive["stiffness"][indices] = stiffness if math.isfinite(stiffness) else 0.0
-    plant.drive["give_damping"][indices] = values["damping"]
+    if "damping" in values:
+        plant.drive["give_damping"][indices] = values["damping"]
 
 
 def _soft_spring(plant: Plant, index: int) -> dict[str, float]:
