@@ -69,10 +69,10 @@ def same(a: Plant, b: Plant) -> bool:
         return [(link.name, link.mass, link.com.tolist(), link.inertia.tolist()) for link in plant.model.links]
 
     arrays = ("drive", "delay", "velocity_lag", "velocity_scale", "base_tilt")
-    known = {"model", "ground", "efforts", *arrays}
+    known = {"model", "ground", "efforts", "maps", *arrays}
     assert {f.name for f in fields(Plant)} == known, "this comparison has to know every part of a plant"
     equal = all(np.array_equal(getattr(a, n), getattr(b, n)) for n in arrays)
-    return equal and links(a) == links(b) and a.ground == b.ground and a.efforts == b.efforts
+    return equal and links(a) == links(b) and a.ground == b.ground and (a.efforts, a.maps) == (b.efforts, b.maps)
 
 
 @each

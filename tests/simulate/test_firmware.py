@@ -103,10 +103,10 @@ def profile(commands: Commands, speed: float, acceleration: float, steps: int, h
 def test_the_way_to_a_goal_is_a_trapezoid(speed: float, acceleration: float) -> None:
     """1 rad at t = 0.2 s: ramps of speed/acceleration around the cruise, or two halves that meet below the speed."""
     commands = Commands(np.array([0.0, 0.2]), np.array([[0.0], [1.0]]))
+    limit, pull = speed or np.inf, acceleration or np.inf
     parts, step = 101, 1e-3  # an odd number of fine steps, whose spans together are a coarse one's
     h = step / parts
-    fine = profile(commands, speed, acceleration, 1500 * parts, h)
-    limit, pull = speed or np.inf, acceleration or np.inf
+    fine = profile(commands, limit, pull, 1500 * parts, h)
     top = min(limit, np.sqrt(pull))
     lasting = 1.0 / top + (top / pull if acceleration else 0.0)
     t = np.arange(len(fine)) * h - 0.2
@@ -120,7 +120,7 @@ def test_the_way_to_a_goal_is_a_trapezoid(speed: float, acceleration: float) -> 
     )
     assert_allclose(fine, expected, atol=3e-5)
     means = fine[parts // 2 + 1 : -(parts // 2)].reshape(-1, parts).mean(axis=1)
-    coarse = profile(commands, speed, acceleration, 1500, step)[1:]
+    coarse = profile(commands, limit, pull, 1500, step)[1:]
     assert_allclose(coarse, means, atol=1e-9, err_msg="whatever the step")
 
 
@@ -130,7 +130,7 @@ def test_a_profile_keeps_both_bounds_and_arrives(acceleration: float) -> None:
     goals = np.append(rng.uniform(-1.0, 1.0, 40), 0.5)
     h = 1e-4
     commands = Commands(np.arange(41) * 0.05, goals[:, None])
-    out = profile(commands, 5.0, acceleration, 30_000, h)
+    out = profile(commands, 5.0, acceleration or np.inf, 30_000, h)
     speed = np.diff(out) / h
     assert np.abs(speed).max() <= 5.0 + 1e-6
     if acceleration:
@@ -142,9 +142,9 @@ def test_a_profile_keeps_both_bounds_and_arrives(acceleration: float) -> None:
 def test_slow_commands_pass_and_a_delay_is_a_shift() -> None:
     t = np.arange(0.0, 1.0, 1e-3)
     slow = Commands(t, 0.2 * np.sin(3.0 * t)[:, None], held=False)
-    assert_allclose(profile(slow, 5.0, 0.0, 900, H)[1:], on_steps(slow, 900, H, np.zeros(1))[1:, 0], atol=1e-4)
+    assert_allclose(profile(slow, 5.0, np.inf, 900, H)[1:], on_steps(slow, 900, H, np.zeros(1))[1:, 0], atol=1e-4)
     jump = Commands(np.array([0.0, 0.1]), np.array([[0.0], [1.0]]))
-    early, late = profile(jump, 4.0, 0.0, 600, H), profile(jump, 4.0, 0.0, 600, H, delay=0.4e-3)
+    early, late = profile(jump, 4.0, np.inf, 600, H), profile(jump, 4.0, np.inf, 600, H, delay=0.4e-3)
     moving = (early > 0.1) & (early < 0.9)
     assert_allclose((early - late)[moving], 4.0 * 0.4e-3, rtol=1e-9, err_msg="also by a part of a step")
 

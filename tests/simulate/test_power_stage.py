@@ -33,7 +33,7 @@ def test_a_limited_servo_accelerates_at_effort_over_inertia(engine: str) -> None
 
 
 def test_protection_gives_a_share_beyond_an_error() -> None:
-    plant = added(wheel(), "effort_limit", effort=0.0, beyond=0.1, share=0.25)
+    plant = added(wheel(), "effort_limit", beyond=0.1, share=0.25)
     gain = 5.0 * STALL
     for error, expected in ((0.099, 0.099 * gain), (0.101, 0.25 * 0.101 * gain), (-0.3, -0.25 * 0.3 * gain)):
         motor, _ = one_step(plant, np.array([error]), np.zeros(1))

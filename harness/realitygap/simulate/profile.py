@@ -21,19 +21,19 @@ def told(commands: Commands, drive: NDArray[np.void], steps: int, h: float, dela
 
     Args:
         commands: what is sent.
-        drive: with `profile_speed` [rad/s] and `profile_acceleration` [rad/s²]; 0 is no bound. Shape (n,).
+        drive: with `profile_speed` [rad/s] and `profile_acceleration` [rad/s²]; infinite: no bound. Shape (n,).
         steps: how many.
         h: the length of a step [s].
         delay: of each joint [s]. Shape (n,).
     """
     out = on_steps(commands, steps, h, delay)
     edges = (np.arange(steps + 1) - 0.5) * h
-    for j in np.flatnonzero((drive["profile_speed"] > 0) | (drive["profile_acceleration"] > 0)):
+    for j in np.flatnonzero(np.isfinite(drive["profile_speed"]) | np.isfinite(drive["profile_acceleration"])):
         time, goal = _goals(commands, int(j))
         if not len(time):
             continue
-        speed, acceleration = (float(drive[f"profile_{x}"][j]) or np.inf for x in ("speed", "acceleration"))
-        mean = np.diff(_integral(phases(time, goal, speed, acceleration), edges - delay[j])) / h
+        profile = phases(time, goal, float(drive["profile_speed"][j]), float(drive["profile_acceleration"][j]))
+        mean = np.diff(_integral(profile, edges - delay[j])) / h
         out[:, j] = np.where(np.isnan(out[:, j]), np.nan, mean)
     return out
 

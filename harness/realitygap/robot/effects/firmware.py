@@ -1,5 +1,7 @@
 """What a servo's firmware makes of its command and its error."""
 
+import math
+
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
 from realitygap.robot.effects.joint import follows_position, speed_scale
 from realitygap.robot.plant import Plant
@@ -44,7 +46,8 @@ DEAD_BAND = Effect(
 
 
 def _slow_profile(plant: Plant, index: int) -> dict[str, float]:
-    return {"speed": 0.4 * speed_scale(plant, index)}
+    speed = 0.4 * speed_scale(plant, index)
+    return {"speed": speed, "acceleration": speed / 0.02}
 
 
 COMMAND_PROFILE = Effect(
@@ -52,8 +55,10 @@ COMMAND_PROFILE = Effect(
     changes="command",
     sits_at="joint",
     parameters=(
-        Parameter("speed", "rad/s", 1e-3, 1000.0, 3.0, absent=0.0, logarithmic=True),
-        Parameter("acceleration", "rad/s²", 0.0, 1e6, 0.0, absent=0.0, default=0.0, shape=True),
+        Parameter("speed", "rad/s", 1e-3, 1e3, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
+        Parameter(
+            "acceleration", "rad/s²", 1e-2, 1e6, 150.0, absent=math.inf, default=math.inf, logarithmic=True, shape=True
+        ),
     ),
     signals=("position", "velocity"),
     own=reads(speed="profile_speed", acceleration="profile_acceleration"),
@@ -63,8 +68,8 @@ COMMAND_PROFILE = Effect(
     page=Page(
         physics="Firmware does not hand a goal to its controller at once: a profile moves to it with a bounded speed "
         "and acceleration, so as to come to rest there, and every new goal is a new plan from where the profile is. "
-        "The profile begins at the first command, and at the next command where a servo was off. 0 stands for no "
-        "bound. It happens before the command's delay.",
+        "The profile begins at the first command, and at the next command where a servo was off. A bound that is "
+        "left out is not there. It happens before the command's delay.",
         equation="the servo follows p(t): |dp/dt| ≤ speed, |d²p/dt²| ≤ acceleration, as fast as both allow to the "
         "last command",
         signature="After a jump of the command the position climbs a straight line of the same slope whatever the "
@@ -104,7 +109,7 @@ SERVO_RATE = Effect(
     name="servo_rate",
     changes="torque",
     sits_at="joint",
-    parameters=(Parameter("rate", "Hz", 1.0, 1e4, 50.0, absent=0.0, logarithmic=True),),
+    parameters=(Parameter("rate", "Hz", 1.0, 1e4, 50.0, absent=math.inf, logarithmic=True),),
     signals=("position", "velocity"),
     own=reads(rate="servo_rate"),
     apply=writes(rate="servo_rate"),
@@ -112,8 +117,7 @@ SERVO_RATE = Effect(
     page=Page(
         physics="A servo looks at its position error so many times a second and holds it in between: its answer is "
         "half a period late in the mean. Damping by the velocity and back-EMF stay continuous. The first sample is "
-        "at the start of the simulation. 0 stands for a controller without such a period, as does a rate above the "
-        "step rate.",
+        "at the start of the simulation. A rate above the step rate does nothing.",
         equation="the controller takes e(t_k) for t_k ≤ t < t_k + 1/rate, t_k = k/rate",
         signature="A lag of half a period in what the servo does about an error, which takes damping away: fast, "
         "stiff joints overshoot and ring.",

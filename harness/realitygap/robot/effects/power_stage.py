@@ -2,26 +2,9 @@
 
 import math
 
-from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
+from realitygap.robot.effects.effect import Effect, Page, Parameter, reads, writes
 from realitygap.robot.effects.joint import effort_scale, has_dc_motor, has_servo
 from realitygap.robot.plant import Plant
-
-
-def _own_limit(plant: Plant, index: int) -> dict[str, float]:
-    d = plant.drive[index]
-    limit = float(d["real_limit"])
-    return {
-        "effort": limit if math.isfinite(limit) else 0.0,
-        "beyond": float(d["protection"]),
-        "share": float(d["protection_share"]),
-    }
-
-
-def _limit(plant: Plant, indices: list[int], values: Values) -> None:
-    plant.drive["real_limit"][indices] = values["effort"] or math.inf
-    for name, field in (("beyond", "protection"), ("share", "protection_share")):
-        if name in values:
-            plant.drive[field][indices] = values[name]
 
 
 def _low_limit(plant: Plant, index: int) -> dict[str, float]:
@@ -33,20 +16,20 @@ EFFORT_LIMIT = Effect(
     changes="torque",
     sits_at="joint",
     parameters=(
-        Parameter("effort", "N·m", 1e-4, 1e5, 2.0, absent=0.0, logarithmic=True),
-        Parameter("beyond", "rad", 0.0, 10.0, 0.0, absent=0.0, default=0.0, shape=True),
-        Parameter("share", "", 0.0, 1.0, 1.0, absent=1.0, default=1.0, shape=True),
+        Parameter("effort", "N·m", 1e-4, 1e5, 2.0, absent=math.inf, default=math.inf, logarithmic=True),
+        Parameter("beyond", "rad", 1e-3, 10.0, 1.0, absent=math.inf, default=math.inf, shape=True),
+        Parameter("share", "", 0.0, 1.0, 0.25, absent=1.0, default=1.0, shape=True),
     ),
     signals=("position", "effort"),
-    own=_own_limit,
-    apply=_limit,
+    own=reads(effort="real_limit", beyond="protection", share="protection_share"),
+    apply=writes(effort="real_limit", beyond="protection", share="protection_share"),
     possible=has_servo,
     scaled=_low_limit,
     page=Page(
         physics="The torque that a servo really gives at most: firmware limits the current, whatever the data sheet "
-        "says. It acts beside the limits of the model, and the smaller one counts; 0 stands for none. Protection is "
-        "something else that firmware does: beyond a position error (`beyond`; 0: never) it gives a `share` of what "
-        "it would. An STS3215 falls from a duty of 0.165·P·error to 0.04·P·error: a share of 0.24.",
+        "says. It acts beside the limits of the model, and the smaller one counts. Protection is something else that "
+        "firmware does: beyond a position error (`beyond`) it gives a `share` of what it would. An STS3215 falls "
+        "from a duty of 0.165·P·error to 0.04·P·error: a share of 0.24.",
         equation="|τ_m| ≤ effort; where |e| > beyond, the controller takes share·e for the error e",
         signature="The effort has a ceiling that does not depend on the speed; heavy loads sag, and fast starts are "
         "delayed. With protection, a joint that falls far behind becomes soft at once, and hard again when it has "

@@ -20,9 +20,9 @@ def position_error(d, s, command, upcoming, reading, rate, t, h):  # type: ignor
     the encoder's speed.
     """
     error = command - reading
-    if d.servo_rate > 0.0 and d.servo_rate * h < 1.0:
+    if d.servo_rate * h < 1.0:
         error = sampled(d, s, error, command, upcoming, rate, t, h)
-    share = 1.0 if d.protection == 0.0 or abs(error) <= d.protection else d.protection_share
+    share = d.protection_share if abs(error) > d.protection else 1.0
     if d.dead_band > 0.0:
         error = np.sign(error) * max(abs(error) - d.dead_band, 0.0)
     if d.gain_exponent != 1.0:

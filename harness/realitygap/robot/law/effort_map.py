@@ -9,6 +9,8 @@ ANGLE, SPEED, ERROR, LOAD, REVERSAL, SUPPLY = 0, 1, 2, 3, 4, 5
 """Codes of the variables, in the order of `effort_map.VARIABLES`."""
 TURNING = 0.01
 """A speed below this [rad/s or m/s] is no direction: a joint that rests does not reverse."""
+SLOW = 1e-3
+"""What a map loses within this speed from rest [rad/s or m/s] is the damping of a joint that rests."""
 
 
 @compiled
@@ -17,7 +19,8 @@ def add_mapped(  # type: ignore[no-untyped-def]
 ):
     """Add the efforts of all maps to `effort` and `damping` of the joint law; arguments as in `drive_effort`, after it.
 
-    Where an effort falls with the speed it is damping, and acts on the speed amid the step as other damping does.
+    What an effort loses from rest to the speed is damping, and acts on the speed amid the step as other damping does:
+    a map that is as steep as dry friction does not ring.
     """
     for m in range(maps.size):
         p = maps[m]
@@ -28,29 +31,39 @@ def add_mapped(  # type: ignore[no-untyped-def]
             s.reversed = t if s.heading != 0.0 else 0.0
             s.heading = np.sign(speed)
         a = measured(p.first, d, s, log[j], command[j], speed, recorded, t)
-        b = measured(p.second, d, s, log[j], command[j], speed, recorded, t) if p.second >= 0 else 0.0
-        rows, columns = numbers[p.at : p.at + p.rows], numbers[p.at + p.rows : p.at + p.rows + p.columns]
-        values = numbers[p.at + p.rows + p.columns : p.at + p.rows + p.columns + p.rows * p.columns]
-        i, x, wide = cell(rows, a)
-        k, y, high = cell(columns, b)
-        i1, k1 = min(i + 1, p.rows - 1), min(k + 1, p.columns - 1)
-        low_low, low_high = values[i * p.columns + k], values[i * p.columns + k1]
-        high_low, high_high = values[i1 * p.columns + k], values[i1 * p.columns + k1]
-        torque = (1 - x) * ((1 - y) * low_low + y * low_high) + x * ((1 - y) * high_low + y * high_high)
-        slope = 0.0
-        if d.stiffness == 0.0:
-            if p.first == SPEED and wide > 0.0:
-                slope += ((1 - y) * (high_low - low_low) + y * (high_high - low_high)) / wide
-            if p.second == SPEED and high > 0.0:
-                slope += ((1 - x) * (low_high - low_low) + x * (high_high - high_low)) / high
-        late = weight(-h * slope / inertia[j]) if slope < 0.0 else 0.0
-        effort[j] += torque - slope * late * w[j]
-        damping[j] -= slope * late
+        b = measured(p.second, d, s, log[j], command[j], speed, recorded, t)
+        torque = between(p, numbers, a, b)
+        effort[j] += torque
+        if d.stiffness == 0.0 and (p.first == SPEED or p.second == SPEED):
+            moving = speed if abs(speed) > SLOW else SLOW
+            there = between(p, numbers, moving if p.first == SPEED else a, moving if p.second == SPEED else b)
+            rest = between(p, numbers, 0.0 if p.first == SPEED else a, 0.0 if p.second == SPEED else b)
+            lost = max((rest - there) / moving, 0.0)
+            late = weight(h * lost / inertia[j])
+            effort[j] += late * lost * w[j]
+            damping[j] += late * lost
+
+
+@compiled
+def between(p, numbers, a, b):  # type: ignore[no-untyped-def]
+    """The value of a map at a of its first variable and b of its second."""
+    rows, columns = numbers[p.at : p.at + p.rows], numbers[p.at + p.rows : p.at + p.rows + p.columns]
+    values = p.at + p.rows + p.columns
+    i, x = cell(rows, a)
+    k, y = cell(columns, b)
+    out = 0.0
+    for row, share in ((i, 1.0 - x), (i + 1, x)):
+        for column, part in ((k, 1.0 - y), (k + 1, y)):
+            if share * part > 0.0:
+                out += share * part * numbers[values + row * p.columns + column]
+    return out
 
 
 @compiled
 def measured(variable, d, s, logged, command, speed, recorded, t):  # type: ignore[no-untyped-def]
-    """The value of a variable by its code."""
+    """The value of a variable by its code; of none, 0."""
+    if variable < 0:
+        return 0.0
     reading = logged.encoder - d.offset
     if variable == ANGLE:
         return reading
@@ -67,12 +80,11 @@ def measured(variable, d, s, logged, command, speed, recorded, t):  # type: igno
 
 @compiled
 def cell(knots, x):  # type: ignore[no-untyped-def]
-    """The knot before x, the part of the way to the next one, and how far that is; 0 where x lies beyond the knots."""
+    """The knot before x, and the part of the way to the next one; the first or last knot beyond them."""
     last = knots.size - 1
-    if x <= knots[0] or last == 0:
-        return 0, 0.0, 0.0
+    if x <= knots[0]:
+        return 0, 0.0
     if x >= knots[last]:
-        return last, 0.0, 0.0
+        return last, 0.0
     i = np.searchsorted(knots, x, side="right") - 1
-    wide = knots[i + 1] - knots[i]
-    return i, (x - knots[i]) / wide, wide
+    return i, (x - knots[i]) / (knots[i + 1] - knots[i])
