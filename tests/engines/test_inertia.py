@@ -7,7 +7,8 @@ import pytest
 import realitygap_engines as engines
 from realitygap.cli.main import main
 from realitygap_engines import Physics, State
-from realitygap_engines.model.robot import Model, ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Model
 from realitygap_engines.model.urdf import read_urdf
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"

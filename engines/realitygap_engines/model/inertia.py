@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap_engines.model.robot import Array, Link, ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Array, Link
 
 ROUNDING = 2e-3
 """By how much of the largest moment the other two may fall short of it: three moments that were each rounded to three

@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import yourdfpy
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import contact_spheres
 from realitygap_engines.model.inertia import Part, lump
 from realitygap_engines.model.robot import (
@@ -15,7 +16,6 @@ from realitygap_engines.model.robot import (
     Joint,
     Link,
     Model,
-    ModelError,
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
