@@ -6,10 +6,11 @@ import mujoco
 import numpy as np
 import pytest
 from realitygap_engines.engine import GRAVITY
+from realitygap_engines.errors import ModelError
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.model.mjcf import read_mjcf
 from realitygap_engines.model.read import read_model
-from realitygap_engines.model.robot import Model, ModelError, rotation_from_quaternion
+from realitygap_engines.model.robot import Model, rotation_from_quaternion
 
 INERTIAL = '<inertial pos=".03 .01 -.02" quat=".9 .1 .2 .3" mass="1.5" diaginertia=".02 .03 .04"/>'
 ARM = f"""<mujoco model="arm"><compiler angle="degree" autolimits="true"/>
@@ -120,18 +121,15 @@ def actuated(actuator: str) -> str:
     return f"<mujoco><worldbody>{BAR}</worldbody><actuator>{actuator}</actuator></mujoco>"
 
 
+MOTOR = 'motorconst="1.5 1.5" resistance="2.5" input="pos"'
 SERVOS = {
     '<position joint="j" kp="40" kv="2" gear="3" forcerange="-5 5"/>': ("cascade", 40 * 9, 2 * 9, 15),
     '<position joint="j" kp="40"/>': ("pid", 40, 0, np.inf),
     '<general joint="j" gainprm="40" biastype="affine" biasprm="0 -40 -2"/>': ("cascade", 40, 2, np.inf),
     '<pid joint="j" kp="40" kv="2" forcerange="-5 5"/>': ("pid", 40, 2, 5),
     '<motor joint="j" gear="2" ctrlrange="-4 4"/>': ("pid", 0, 0, 8),
-    '<dcmotor joint="j" motorconst="1.5 1.5" resistance="2.5" controller="40 0 0 0 0 12" input="pos"/>': (
-        "dc",
-        40 * 1.5 / 2.5,
-        1.5**2 / 2.5,
-        np.inf,
-    ),
+    f'<dcmotor joint="j" {MOTOR} controller="40 0 0 0 0 12"/>': ("pid", 40, 0, np.inf),
+    f'<dcmotor joint="j" {MOTOR.replace("pos", "voltage")} ctrlrange="-12 12"/>': ("dc", 0, 1.5**2 / 2.5, np.inf),
 }
 
 
@@ -171,8 +169,11 @@ LOST = {
     '<position joint="j" kp="3"/><position joint="j" kp="4"/>': "driven by another one already",
     '<position joint="j" kp="3" forcerange="-1 2"/>': "effort limits -1 and 2 differ",
     '<motor joint="j"/>': "it takes efforts",
-    '<dcmotor joint="j" motorconst="1.5 1.5" resistance="2.5" cogging=".1 20 .3" controller="4 0 0 0 0 12" input="pos"/>': (
+    f'<dcmotor joint="j" {MOTOR} cogging=".1 20 .3" controller="4"/>': (
         "effect torque_ripple: amplitude 0.1, periods 20, phase 0.3"
+    ),
+    f'<dcmotor joint="j" {MOTOR} controller="4 0 0 0 0 12" />': (
+        "effect torque_speed_limit: stall_torque 7.2, no_load_speed 8"
     ),
 }
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.inertia import Part, lump
 from realitygap_engines.model.mjcf_actuators import read_actuators, reflected
 from realitygap_engines.model.mjcf_file import compile_mjcf
@@ -20,7 +21,6 @@ from realitygap_engines.model.robot import (
     Joint,
     Link,
     Model,
-    ModelError,
     axis_rotation,
     rotation_from_quaternion,
 )

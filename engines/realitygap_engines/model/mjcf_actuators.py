@@ -5,7 +5,8 @@ MuJoCo's forces, for control u, actuator length l = gear·q and velocity gear·�
 - fixed gain and affine bias: gain·u + b0 + b1·l + b2·l'; `position` has b1 = −gain, `velocity` b2 = −gain, `motor`
   neither. Damping inside a `position` acts on the speed, not on the rate of the error: a `cascade` servo.
 - `pid`: kp·(u − l) + ki·∫(u − l) + kv·(u' − l'): a `pid` servo.
-- `dcmotor`: K/R·(volts − K·l'), volts = kp·(u − l) within ±Vmax: a `dc` servo.
+- `dcmotor` told volts: K/R·(u − K·l'), a `dc` servo; told a goal, kp·(u − l) + ki·∫(u − l) + kd·(u' − l') as far as
+  ±Vmax allows: a `pid` servo, with a torque-speed limit.
 
 The force acts on the joint gear times.
 """
@@ -18,8 +19,6 @@ import numpy as np
 from realitygap_engines.model.robot import Actuator
 
 FIXED, AFFINE, DCMOTOR, PID = "mjGAIN_FIXED", "mjBIAS_AFFINE", "mjGAIN_DCMOTOR", "mjGAIN_PID"
-STIFF = 1e3
-"""[V] A supply that stands for a voltage without limit."""
 
 
 @dataclass(frozen=True)
@@ -133,14 +132,14 @@ def _pid(m: Any, i: int, joint: str, gear: float) -> tuple[Actuator | None, list
 
 
 def _dc(m: Any, i: int, joint: str, gear: float) -> tuple[Actuator | None, list[str]]:
-    resistance, constant = (float(x) for x in m.actuator_gainprm[i, :2])
+    import mujoco
+
+    resistance, constant = float(m.actuator_gainprm[i, 0]), float(m.actuator_gainprm[i, 1]) * abs(gear)
     kp, ki, kd, most = (float(x) for x in m.actuator_gainprm[i, 4:8])
-    dynamics, bias = m.actuator_dynprm[i], m.actuator_biasprm[i]
+    dynamics, bias, square = m.actuator_dynprm[i], m.actuator_biasprm[i], gear * gear
     if not (resistance > 0 and constant > 0):
         return None, ["it has no resistance or no motor constant, it is left out"]
     lost = []
-    if ki or kd:
-        lost.append(f"its integral and rate gains {ki:g} and {kd:g} are left out")
     if bias[0]:
         lost.append(
             f"its cogging is left out (effect torque_ripple: amplitude {bias[0] * abs(gear):g}, "
@@ -150,20 +149,20 @@ def _dc(m: Any, i: int, joint: str, gear: float) -> tuple[Actuator | None, list[
         lost.append(f"its inductance (time constant {dynamics[0]:g} s) is left out")
     if np.any(m.actuator_gainprm[i, 2:4]) or np.any(dynamics[1:7]) or np.any(bias[3:]):
         lost.append("its saturation, heat or LuGre friction is left out")
-    supply = most if most > 0 else STIFF
-    if kp > 0 and most <= 0:
-        lost.append(f"its voltage has no limit: {STIFF:g} V stand for it")
-    if kp == 0:
+    if int(m.actuator_ctrlspec[i]) & int(mujoco.mjtCtrlInput.mjINPUT_VOLTAGE):
         ends = m.actuator_ctrlrange[i] if m.actuator_ctrllimited[i] else (0.0, 0.0)
         supply = float(max(abs(ends[0]), abs(ends[1]))) or 1.0
-        lost.append(f"it takes volts: say `as: duty` under `motion`, with duty 1 for {supply:g} V")
-    values = {
-        "gain": kp * abs(gear) / supply,
-        "supply": supply,
-        "torque_constant": constant * abs(gear),
-        "resistance": resistance,
-    }
-    return Actuator(joint, "dc", values), lost
+        values = {"gain": 0.0, "supply": supply, "torque_constant": constant, "resistance": resistance}
+        return Actuator(joint, "dc", values), [
+            *lost,
+            f"it takes volts: say `as: duty` under `motion`, with duty 1 for {supply:g} V",
+        ]
+    if most > 0:
+        lost.append(
+            "its voltage limit is left out (effect torque_speed_limit: "
+            f"stall_torque {constant * most / resistance:g}, no_load_speed {most / constant:g})"
+        )
+    return Actuator(joint, "pid", {"kp": kp * square, "ki": ki * square, "kd": kd * square}), lost
 
 
 def _limit(m: Any, i: int, kind: str) -> tuple[float, str | None]:

@@ -4,7 +4,7 @@ import importlib.util
 from pathlib import Path
 from typing import Any
 
-from realitygap_engines.model.robot import ModelError
+from realitygap_engines.errors import ModelError
 
 
 def compile_mjcf(path: Path) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from realitygap_engines.engine import GRAVITY
-from realitygap_engines.model.robot import ModelError
+from realitygap_engines.errors import ModelError
 
 
 def refuse_loops(path: Path, m: Any, bodies: set[int]) -> None:

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import corner_spheres, inset_box, inset_cylinder, inset_points
-from realitygap_engines.model.robot import Array, ModelError, Sphere
+from realitygap_engines.model.robot import Array, Sphere
 
 Shapes = list[tuple[int, Array]]
 """MuJoCo's numbers of geoms, and their poses (4, 4) in the link's frame."""

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from realitygap_engines.model.robot import Joint, Link, ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Joint, Link
 
 
 def touching(path: Path, links: Sequence[Link], joints: Sequence[Joint], wanted: list[str] | None) -> set[str]:
