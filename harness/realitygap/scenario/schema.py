@@ -295,6 +295,21 @@ class Scenario(Section):
     effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
     recordings: Recordings | None = Field(default=None, description="what was measured")
     budget: Budget | None = Field(default=None, description="what `run` and tests accept")
+    accept: list[str] = Field(
+        default=[],
+        description="what `check` finds and that is no mistake here: `KIND` or `KIND@JOINT`, with patterns "
+        "over joint names",
+    )
+    certain: list[str] = Field(
+        default=[],
+        description="quantities that a diagnosis must not suspect, as `servos.*.gain`, `servos.legs.friction`, "
+        "`robot.mass`, `robot.mass@forearm` or `ground`, and effects, as `command_delay` or `joint_offset@elbow`",
+    )
+    suspects: list[str] = Field(
+        default=[],
+        description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
+        "patterns over joint and link names",
+    )
 
     @property
     def ground_spec(self) -> GroundSpec | None:

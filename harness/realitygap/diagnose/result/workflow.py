@@ -15,7 +15,7 @@ from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.found import name
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
-from realitygap.matrix.run import engine_names
+from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 
 SEARCH = "mujoco"
