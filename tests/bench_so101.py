@@ -3,8 +3,9 @@
     REALITYGAP_DATA=... python tests/bench_so101.py [SCENARIO] [--engine mujoco] [--windows] [--write FILE]
 
 Four motions are judged, `frequency_sweep`, `friction_gravity`, `hold_under_gravity` and `backlash_detection`; beside
-them stand five further episodes of the same data set, and all but those that the protocol trains on and judges. Of every motion 12 s count, those with the most command motion. SCENARIO is the committed one, or the
-`revised/` of a diagnosis: its robot, servos and effects are used, on every episode of its data set.
+them stand five further episodes of the same data set, and all but those that the protocol trains on and judges. Of
+every motion 12 s count, those with the most command motion. SCENARIO is the committed one, or the `revised/` of a
+diagnosis: its robot, servos and effects are used, on every episode of its data set. `--windows` prints the windows.
 
 Score of a motion, the less the better: 0.60 · position NRMSE + 0.15 · velocity NRMSE + 0.15 · phase lag [s] + 0.10 ·
 position NRMSE while holding. Published: 1.915 before and 0.151 after a fit of 11 scalars.
@@ -74,7 +75,7 @@ def _nrmse(simulated: Array, measured: Array, where: Array) -> float:
 
 
 def _lag(a: Array, b: Array) -> float:
-    """The absolute lag [s] of the largest cross-correlation of two signals without their means; 0 where one is still."""
+    """The absolute lag [s] of the largest cross-correlation of two signals without their means; 0 where one rests."""
     most = round(LONGEST / GRID)
     a, b = a - a.mean(), b - b.mean()
     lags = sorted(range(-most, most + 1), key=abs)  # of equally good ones the smallest
