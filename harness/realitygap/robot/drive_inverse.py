@@ -9,10 +9,11 @@ sign of the velocity stands its expected value for a velocity that is known with
 
 import math
 
-import numba
 import numpy as np
+from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.drive_law import _friction
+from realitygap.robot.law.friction import dry_bound, unevenness
+from realitygap.robot.law.springs import springs
 
 PASSES = 100
 """Friction that grows with the load depends on the effort that it is part of; each pass shrinks the error by half of
@@ -21,7 +22,7 @@ CLOSE = 1e-10
 """Relative change of an effort at which the passes end."""
 
 
-@numba.njit(cache=True, error_model="numpy")
+@compiled
 def motor_efforts(drive, position, velocity, acceleration, error, load, motor, joint):
     """Write the efforts of motors and on joints along a motion.
 
@@ -37,14 +38,18 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
     """
     for k in range(len(position)):
         for j in range(len(drive)):
-            d, v = drive[j], velocity[k, j]
-            transmitted = load[k, j] - d.constant
-            ripple = d.ripple * np.sin(d.ripple_periods * position[k, j] + d.ripple_phase) if d.ripple != 0.0 else 0.0
-            smooth = transmitted + d.armature * acceleration[k, j] + ripple
+            d, q, v = drive[j], position[k, j], velocity[k, j]
+            pull, _ = springs(d, q, v, 0.0)
+            transmitted = load[k, j] - d.constant - pull
+            uneven = unevenness(d, q)
+            smooth = transmitted + d.armature * acceleration[k, j]
+            if d.ripple != 0.0:
+                smooth += d.ripple * np.sin(d.ripple_periods * q + d.ripple_phase)
             side = math.erf(v / (math.sqrt(2.0) * error[k, j])) if error[k, j] > 0.0 else np.sign(v)
-            given = smooth + d.viscous * v
+            steady = smooth + d.viscous * v - uneven * d.lean
+            given = steady
             for _ in range(PASSES):
-                found = smooth + d.viscous * v + side * _friction(d, abs(v), given, transmitted)
+                found = steady + side * uneven * dry_bound(d, abs(v), given, transmitted)
                 change = abs(found - given)
                 given = found
                 if change <= CLOSE * abs(found):
