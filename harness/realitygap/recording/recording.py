@@ -39,6 +39,10 @@ class Recording:
     notes: tuple[str, ...] = field(default=())
     outliers: tuple[Outlier, ...] = field(default=())
 
+    def __repr__(self) -> str:
+        told = f", {len(self.command_time)} commands ({self.command_kind})" if len(self.command_time) else ""
+        return f"<Recording {self.name}: {self.trace!r}{told}>"
+
     @property
     def name(self) -> str:
         """The recording's name: that of its file or folder, without suffix."""

@@ -268,6 +268,9 @@ class Scenario(Section):
         "patterns over joint and link names",
     )
 
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
+
     @property
     def ground_spec(self) -> GroundSpec | None:
         """The ground by its numbers; None for no ground."""
