@@ -30,6 +30,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
+    MultibodyForces,
     PrismaticJoint,
     QuaternionFloatingJoint,
     RevoluteJoint,
@@ -167,6 +168,18 @@ class DrakeSimulation(Simulation):
         plant, context = self._plant, self._plant_context
         bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
         return np.asarray(bias)[self._world_order]
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        plant, context = self._plant, self._plant_context
+        self.reset(start)
+        order, forces = self._world_order, MultibodyForces(plant)
+        state, rate, out = self._state, np.zeros(plant.num_velocities()), np.empty_like(position)
+        for k in range(len(position)):
+            state[self._q], state[self._v], rate[order] = position[k], velocity[k], acceleration[k]
+            plant.SetPositionsAndVelocities(context, state)
+            plant.CalcForceElementsContribution(context, forces)  # gravity
+            out[k] = plant.CalcInverseDynamics(context, rate, forces)[order]
+        return out
 
 
 def _run(indices: list[int]) -> slice | Array:

@@ -152,6 +152,17 @@ class MujocoSimulation(Simulation):
         mujoco.mj_forward(self._m, self._d)
         return self._to_world(self._d.qfrc_bias.copy())
 
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        m, d, out = self._m, self._d, np.empty_like(position)
+        self.reset(start)
+        for k in range(len(position)):  # recursive Newton-Euler alone: mj_inverse would add limits
+            self._qpos[:], self._qvel[:], d.qacc[:] = position[k], velocity[k], acceleration[k]
+            mujoco.mj_kinematics(m, d)
+            mujoco.mj_comPos(m, d)
+            mujoco.mj_comVel(m, d)
+            mujoco.mj_rne(m, d, 1, out[k])
+        return out
+
     def close(self) -> None:
         self._end_silence()
 

@@ -187,6 +187,17 @@ class PybulletSimulation(Simulation):
         bias: Array = -self.mass_matrix() @ acceleration
         return bias
 
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        body, client = self._body, self._client
+        turn = rotation_from_quaternion(start.base_quaternion) @ self._principal
+        gravity = (turn.T @ self.physics.gravity).tolist()  # in the base's axes, which Bullet takes for the world's
+        self.reset(start)
+        pybullet.setGravity(*gravity, physicsClientId=client)
+        rows = zip(position.tolist(), velocity.tolist(), acceleration.tolist(), strict=True)
+        out = [pybullet.calculateInverseDynamics(body, q, v, a, physicsClientId=client) for q, v, a in rows]
+        pybullet.setGravity(*self.physics.gravity, physicsClientId=client)
+        return np.array(out).reshape(position.shape)
+
     def _speeds(self) -> Array:
         return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])
 
