@@ -9,6 +9,7 @@ from typing import Any
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import diagnosed, write_diagnosis
+from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.files.whole import check_writable
 from realitygap.scenario.file import Source, load_scenario
@@ -29,7 +30,7 @@ class Finding:
         units: of the parameters.
         held_out: the gap before and after, on runs that were not fitted.
         engines: the same in every engine where it was confirmed.
-        cannot_tell_from: effects that would explain the recordings as well, with the reason.
+        cannot_tell_from: sentences on effects that would explain the recordings as well, with the reason.
     """
 
     effect: str
@@ -39,17 +40,17 @@ class Finding:
     units: dict[str, str]
     held_out: Pair
     engines: dict[str, Pair]
-    cannot_tell_from: tuple[EffectSpec, ...]
+    cannot_tell_from: tuple[str, ...]
 
     def __repr__(self) -> str:
-        target = self.target if isinstance(self.target, str) else ", ".join(self.target)
         values = ", ".join(f"{n} {v:.4g} {self.units[n]}".rstrip() for n, v in self.parameters.items())
-        return f"<Finding {self.effect} at {target}: {values}>"
+        return f"<Finding {self.effect} at {_shown(self.target)}: {values}>"
 
     @property
     def spec(self) -> EffectSpec:
         """The finding as an effect of a scenario, for `simulate(..., effects=[finding.spec])`."""
-        return _spec(self.effect, self.target, self.parameters)
+        target = self.target if isinstance(self.target, str) else list(self.target)
+        return EffectSpec.model_validate({"effect": self.effect, "target": target, **self.parameters})
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,9 +68,12 @@ class Revised:
         Without a finding it is the scenario as it was, with its paths leading from there.
 
         Raises:
-            InputError: for a folder that cannot be written.
+            InputError: for a folder that cannot be written, or the scenario's own, whose files it would replace.
         """
         place = Path(folder).absolute()
+        own = self.diagnosis.problem.file.path.absolute()
+        if place.resolve() == own.parent.resolve():
+            raise InputError(f"save: {folder} is the folder of {own.name}, which would be replaced; expected another")
         check_writable(place, "save")
         return write_revised(self.diagnosis.problem, self.diagnosis.found.fit.changes, place)
 
@@ -87,7 +91,7 @@ class Diagnosed:
     content: dict[str, Any]
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{f.effect} at {f.target}" for f in self.findings) or "nothing named"
+        found = ", ".join(f"{f.effect} at {_shown(f.target)}" for f in self.findings) or "nothing named"
         return f"<Diagnosed {self.content['scenario']}: {self.verdict}; {found}>"
 
     @property
@@ -148,21 +152,20 @@ def diagnose(
 
 def _finding(told: dict[str, Any]) -> Finding:
     parameters = told["parameters"]
-    target = told["target"]
     return Finding(
         effect=told["effect"],
-        target=target if isinstance(target, str) else tuple(target),
+        target=told["target"] if isinstance(told["target"], str) else tuple(told["target"]),
         parameters={n: p["value"] for n, p in parameters.items()},
         intervals={n: (p["low"], p["high"]) for n, p in parameters.items()},
         units={n: p["unit"] for n, p in parameters.items()},
         held_out=_pair(told["held_out"]),
         engines={name: _pair(gap) for name, gap in told["engines"].items()},
-        cannot_tell_from=tuple(_spec(r["effect"], r["target"], {}) for r in told["cannot_tell_from"]),
+        cannot_tell_from=tuple(f"{r['effect']} at {_shown(r['target'])}: {r['why']}" for r in told["cannot_tell_from"]),
     )
 
 
-def _spec(effect: str, target: str | Sequence[str], parameters: dict[str, float]) -> EffectSpec:
-    return EffectSpec(effect=effect, target=target if isinstance(target, str) else list(target), **parameters)  # type: ignore[arg-type]
+def _shown(target: str | Sequence[str]) -> str:
+    return target if isinstance(target, str) else ", ".join(target)
 
 
 def _pair(gap: dict[str, float]) -> Pair:

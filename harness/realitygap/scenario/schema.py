@@ -271,6 +271,8 @@ class Scenario(Section):
     def __repr__(self) -> str:
         return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
 
+    __str__ = __repr__
+
     @property
     def ground_spec(self) -> GroundSpec | None:
         """The ground by its numbers; None for no ground."""

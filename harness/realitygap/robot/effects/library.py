@@ -1,6 +1,7 @@
 """The effects as functions: `effects.coulomb_friction("elbow", torque=0.6)` is what a scenario says in its file."""
 
 import inspect
+import textwrap
 from collections.abc import Callable, Sequence
 
 from realitygap.files.errors import did_you_mean
@@ -60,7 +61,7 @@ def _signature(effect: Effect) -> inspect.Signature:
 
 
 def _told(effect: Effect) -> str:
-    lines = [effect.page.physics, "", f"    {effect.page.equation}", "", "Args:"]
+    lines = [textwrap.fill(effect.page.physics, 88), "", f"    {effect.page.equation}", "", "Args:"]
     lines.append(f"    target: the {effect.sits_at}" + (", or patterns" if effect.sits_at in ("joint", "link") else ""))
     lines += [f"    {_line(p)}" for p in effect.parameters]
     return "\n".join([*lines, "", "Raises:", "    InputError: for a parameter that it does not have, or a value."])
