@@ -324,6 +324,11 @@ class Scenario(Section):
         "patterns over joint and link names",
     )
 
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
+
+    __str__ = __repr__
+
     @property
     def follows(self) -> bool:
         """Whether the joints follow the measured motion."""
