@@ -7,7 +7,9 @@ from lerobot_sets import data_set, motion
 from realitygap.files.errors import InputError
 from realitygap.init.draft import init, parse_packages
 from realitygap.recording import read_recording
+from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import load_scenario
+from realitygap_engines.errors import ModelError
 
 STATE = "sensor_msgs/msg/JointState"
 EPOCH = 1.7e9
@@ -271,3 +273,16 @@ def test_real_recordings(urdf, pattern, base, data_dir, tmp_path):
     scenario = load_scenario(path).scenario
     assert scenario.robot.base == base
     assert (scenario.motion is None) == (base == "free")
+
+
+def test_missing_meshes_are_no_error_where_nothing_touches_the_ground(tmp_path, write_bag):
+    urdf = arm(tmp_path / "arm.urdf")
+    mesh = '<collision><geometry><mesh filename="package://nowhere/link.stl"/></geometry></collision>'
+    urdf.write_text(urdf.read_text().replace('<link name="elbow_link">', f'<link name="elbow_link">{mesh}'))
+    path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out").path
+    plant = build_plant(load_scenario(path))
+    assert plant.ground is None
+    assert not any("ground" in note for note in plant.model.notes)
+    path.write_text(path.read_text().replace("ground: none", "ground: flat"))
+    with pytest.raises(ModelError, match=r"mesh package://nowhere/link.stl of link elbow_link was not found"):
+        build_plant(load_scenario(path))

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from realitygap_engines.errors import ModelError
+from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Model
-from realitygap_engines.model.urdf import read_urdf
 
 from realitygap.files.errors import InputError
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
-from realitygap.init.robot_guess import base_of, servos_of
+from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.table_sections import table_sections
 from realitygap.recording import read_recording, reader_of
@@ -92,10 +92,10 @@ def parse_packages(stated: list[str]) -> dict[str, Path]:
 def _model(urdf: Path, packages: Mapping[str, Path]) -> tuple[Model, str | None]:
     """The robot, and why its base must be fixed (None: it need not be). No mesh is needed for a first guess."""
     try:
-        return read_urdf(urdf, floating=True, packages=packages, contact_links=[]), None
+        return read_model(urdf, floating=True, packages=packages, contact_links=[]), None
     except ModelError as floating:
         try:
-            return read_urdf(urdf, floating=False, packages=packages, contact_links=[]), "the root link has no mass"
+            return read_model(urdf, floating=False, packages=packages, contact_links=[]), "the root link has no mass"
         except ModelError:
             raise InputError(str(floating)) from None
 
@@ -131,9 +131,7 @@ def _text(
     if model.joints:
         lines += [
             "",
-            "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
-            "servos:",
-            *servos_of(model.joints, sections.meaning, sections.robot),
+            *servo_lines(model, sections.meaning, sections.robot),
             "",
             *sections.motion,
         ]

@@ -1,5 +1,6 @@
 """Guesses on a robot that no file states: whether its base is fixed, and what its servos are."""
 
+import json
 import re
 from collections.abc import Sequence
 
@@ -7,6 +8,7 @@ import numpy as np
 from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.init.sections import quoted
+from realitygap.robot.servos import written_together
 
 FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
 LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
@@ -42,8 +44,27 @@ def base_of(model: Model, fixed: str | None, moving: str | None) -> tuple[str, s
     return "fixed", f"the tree has {len(ends)} {'end' if len(ends) == 1 else 'ends'}, no legs and no wheels"
 
 
-def servos_of(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
-    """The lines of `servos`: those of a robot that is known by name, or one servo per limits of the URDF."""
+def servo_lines(model: Model, meaning: str, robot: str) -> list[str]:
+    """The lines of `servos`: the actuators of the robot's file, else a guess.
+
+    Args:
+        model: the robot.
+        meaning: what a recorded command is: position, duty or effort.
+        robot: what the recordings call it.
+    """
+    if model.actuators:
+        lines = ["# The actuators of the robot's file, as far as servos say them.", "servos:"]
+        lines += [f"  - {json.dumps(servo, ensure_ascii=False)}" for servo in written_together(model.actuators)]
+        return [*lines, *(f"  # {note}" for note in model.notes if note.startswith("actuator "))]
+    return [
+        "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
+        "servos:",
+        *_guessed(model.joints, meaning, robot),
+    ]
+
+
+def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
+    """The servo of a robot that is known by name, or one servo per limits of the URDF."""
     if STS3215.search(robot) and meaning == "position":
         return _sts3215(robot)
     groups: dict[tuple[float, float], list[str]] = {}

@@ -30,7 +30,7 @@ class Section(BaseModel):
 class Robot(Section):
     """The robot and how it stands at the start."""
 
-    urdf: str = Field(description="the URDF file")
+    urdf: str = Field(description="the robot's file: URDF or MJCF")
     packages: dict[str, str] = Field(default={}, description="where `package://NAME/` lies, by NAME")
     base: Literal["floating", "fixed", "free"] = Field(
         default="floating", description="floating, fixed to the world, or a free body without joints"
@@ -63,7 +63,9 @@ class Servo(Section):
 
     name: str | None = Field(default=None, description="addresses this servo in `with: {servos.NAME.gain: 2.5}`")
     joints: Patterns = Field(description="patterns over joint names; the first servo that matches wins")
-    armature: NotNegative = Field(default=0.0, description="rotor inertia at the output shaft [kg·m² or kg]")
+    armature: NotNegative = Field(
+        default=0.0, description="rotor inertia at the output shaft [kg·m² or kg] (default: what the robot's file says)"
+    )
     friction: Friction | None = Field(default=None, description="replaces the URDF's `<dynamics>`")
 
 
@@ -286,7 +288,9 @@ class Scenario(Section):
     name: str = Field(description="name of the scenario")
     robot: Robot = Field(description="the robot and how it starts")
     revisions: dict[str, str] = Field(default={}, description="named URDF files for the matrix axis `revision`")
-    servos: list[AnyServo] = Field(default=[], description="what turns a command into torque")
+    servos: list[AnyServo] = Field(
+        default=[], description="what turns a command into torque (default: the actuators of a MJCF file)"
+    )
     motion: Motion | None = Field(default=None, description="what the servos are told")
     ground: Literal["none", "flat", "grass"] | GroundSpec | None = Field(
         default=None, description="what it stands on (default: flat, or none where the base is fixed)"
@@ -310,6 +314,11 @@ class Scenario(Section):
         description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
         "patterns over joint and link names",
     )
+
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
+
+    __str__ = __repr__
 
     @property
     def ground_spec(self) -> GroundSpec | None:

@@ -16,7 +16,7 @@ from realitygap.recording import Recording, read_recording
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import RunCase, ScenarioFile
-from realitygap.scenario.schema import DcServo, RecordedSupply, Scenario
+from realitygap.scenario.schema import DcServo, EffectSpec, RecordedSupply, Scenario
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.motion import first_goals, play, read_animation
@@ -80,13 +80,20 @@ class Experiment:
         return _start(self)
 
 
-def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequence[str] = ("*",)) -> list[Experiment]:
+def experiments(
+    file: ScenarioFile,
+    *,
+    read: Read = read_recording,
+    only: Sequence[str] = ("*",),
+    effects: Sequence[EffectSpec] = (),
+) -> list[Experiment]:
     """Every motion of a scenario: one per recording, or the one animation where nothing was recorded.
 
     Args:
         file: the scenario.
         read: what reads a recording; one that remembers saves time where many variants of a scenario are prepared.
         only: patterns over the recordings' names; the others are not read.
+        effects: beside those of the scenario.
 
     Raises:
         InputError: for whatever is wrong with the scenario's files.
@@ -95,9 +102,9 @@ def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequen
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
-        return [_prepare(file, file.scenario, file.scenario.name, None, read)]
+        return [_prepare(file, file.scenario, file.scenario.name, None, read, effects)]
     chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
-    return [_prepare(file, case.scenario, case.name, case, read) for case in chosen]
+    return [_prepare(file, case.scenario, case.name, case, read, effects) for case in chosen]
 
 
 def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
@@ -117,11 +124,18 @@ def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> Non
                 )
 
 
-def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | None, read: Read) -> Experiment:
+def _prepare(
+    file: ScenarioFile,
+    scenario: Scenario,
+    name: str,
+    case: RunCase | None,
+    read: Read,
+    effects: Sequence[EffectSpec],
+) -> Experiment:
     run = case.run if case else None
     plant = build_plant(file, scenario)
     try:
-        plant = place(plant, scenario.effects)
+        plant = place(plant, [*scenario.effects, *effects])
     except InputError as error:
         raise InputError(f"{file.path}: {error}") from None
     recording, notes = None, list[str]()
