@@ -68,4 +68,3 @@ def groups(robot: Robot | None = None) -> dict[str, tuple[Check, ...]]:
     if robot is not None:
         found["robot"] = checks_of(robot.model, "robot", robot.timestep, way_tolerance=1e-2)
     return found
-
