@@ -20,8 +20,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.law.quaternion import Vector, cross, product, rotate
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 from realitygap_engines.model.urdf import rpy_from_rotation, write_urdf
 
@@ -117,9 +119,9 @@ class PybulletSimulation(Simulation):
         if self.model.floating:
             com, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
             linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
-            turn = _product((w, x, y, z), self._from_principal)
-            arm = _rotate(turn, self._com)
-            swept = _cross(angular, arm)
+            turn = product((w, x, y, z), self._from_principal)
+            arm = rotate(turn, self._com)
+            swept = cross(angular, arm)
             self._base[:] = (
                 *(com[0] - arm[0], com[1] - arm[1], com[2] - arm[2]),
                 *turn,
@@ -186,38 +188,23 @@ class PybulletSimulation(Simulation):
         bias: Array = -self.mass_matrix() @ acceleration
         return bias
 
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        body, client = self._body, self._client
+        turn = rotation_from_quaternion(start.base_quaternion) @ self._principal
+        gravity = (turn.T @ self.physics.gravity).tolist()  # in the base's axes, which Bullet takes for the world's
+        self.reset(start)
+        pybullet.setGravity(*gravity, physicsClientId=client)
+        rows = zip(position.tolist(), velocity.tolist(), acceleration.tolist(), strict=True)
+        out = [pybullet.calculateInverseDynamics(body, q, v, a, physicsClientId=client) for q, v, a in rows]
+        pybullet.setGravity(*self.physics.gravity, physicsClientId=client)
+        return np.array(out).reshape(position.shape)
+
     def _speeds(self) -> Array:
         return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])
 
     def close(self) -> None:
         if pybullet.isConnected(self._client):
             pybullet.disconnect(self._client)
-
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-
-
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """Of quaternions w x y z; plain floats, because four elements are too few for numpy."""
-    return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
-        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
-    )
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _rotate(q: Quaternion, v: Vector) -> Vector:
-    """v turned by the unit quaternion q."""
-    axis = (q[1], q[2], q[3])
-    t = _cross(axis, v)
-    u = _cross(axis, t)
-    return v[0] + 2 * (q[0] * t[0] + u[0]), v[1] + 2 * (q[0] * t[1] + u[1]), v[2] + 2 * (q[0] * t[2] + u[2])
 
 
 def _limited(lower: float, upper: float) -> bool:
