@@ -1,11 +1,11 @@
-"""Rotations as quaternions w x y z in plain floats: four numbers are too few for numpy, inside a time loop."""
+"""Quaternions w x y z and vectors as plain floats, for loops in which numpy is slow on so few elements."""
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 
 def product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """One turn after another: that of b, then that of a."""
+    """Of quaternions w x y z; plain floats, because four elements are too few for numpy."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -15,7 +15,7 @@ def product(a: Quaternion, b: Quaternion) -> Quaternion:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """The cross product."""
+    """Of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
