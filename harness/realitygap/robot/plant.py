@@ -112,7 +112,8 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file"),
         floating=robot.base != "fixed",
         packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
-        contact_links=robot.contact_links,
+        # what stands on nothing needs no shapes, and no meshes
+        contact_links=[] if robot.base == "fixed" and scenario.ground_spec is None else robot.contact_links,
     )
     n = len(model.joints)
     if robot.base == "free" and n:
