@@ -12,7 +12,7 @@ from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, load_scenario, resolve_path
-from realitygap.scenario.schema import Patterns, Positive, Section
+from realitygap.scenario.section import Patterns, Positive, Section
 
 NAMED_AXES = {  # axis -> scenario key; `revision` names an entry of the scenario's `revisions`
     "revision": "robot.urdf",
