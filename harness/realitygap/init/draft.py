@@ -12,11 +12,13 @@ from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.whole import write_whole
 from realitygap.init.probe import COLUMN_NAMES, Contents, probe
 from realitygap.init.roles import Roles, roles_of
 from realitygap.recording import read_recording
 from realitygap.robot.servos import written_together
 from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema_file import COMMENT, SCHEMA
 
 FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
 LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
@@ -27,7 +29,7 @@ DAMPING_TIME = 0.005  # s: kd = kp times this, little enough for light links at 
 
 
 def init(urdf: Path, bags: list[Path], out: Path) -> Path:
-    """Write `scenario.yaml` into a folder and return its path.
+    """Write `scenario.yaml` into a folder, with the JSON Schema by which editors check it, and return its path.
 
     Args:
         urdf: the robot.
@@ -54,6 +56,7 @@ def init(urdf: Path, bags: list[Path], out: Path) -> Path:
         loaded = load_scenario(draft)
         for case in loaded.cases():
             read_recording(case.path, case.scenario, model.joint_names, file=target)
+        write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
         draft.rename(target)
     finally:
         draft.unlink(missing_ok=True)
@@ -97,6 +100,7 @@ def _text(
 ) -> str:
     base, reason = _base(model, fixed, contents)
     lines = [
+        COMMENT,
         "# Written by `realitygap init`. What says GUESS was not in the files: check it, then compare.",
         f"name: {_quoted(urdf.stem)}",
         "robot:",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: `true` and "5" are no numbers
 Positive = Annotated[Finite, Field(gt=0)]
@@ -18,7 +18,8 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
+ONE_OR_MORE = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
+Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1), WithJsonSchema(ONE_OR_MORE)]
 
 
 class Section(BaseModel):
