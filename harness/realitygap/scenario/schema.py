@@ -106,10 +106,15 @@ AnyServo = Annotated[DcServo | PidServo | CascadeServo, Field(discriminator="kin
 
 
 class Motion(Section):
-    """What the servos are told: a recorded stream of commands, or keyframes."""
+    """What the servos are told (a recorded stream of commands, or keyframes), or a measured motion that is followed."""
 
     recorded: str | None = Field(default=None, description="topic or column of the recorded commands")
     keyframes: str | None = Field(default=None, description="animation file with goals in degrees, duration and pause")
+    followed: bool = Field(
+        default=False,
+        description="the joints follow the measured motion, and the effort that this takes is compared with the "
+        "measured one: no servos, no commands",
+    )
     meaning: Literal["position", "duty", "effort"] = Field(
         default="position", alias="as", description="what a recorded command is"
     )
@@ -121,8 +126,8 @@ class Motion(Section):
 
     @model_validator(mode="after")
     def _one_source(self) -> Motion:
-        if (self.recorded is None) == (self.keyframes is None):
-            raise ValueError("expected either recorded or keyframes")
+        if (self.recorded is not None) + (self.keyframes is not None) + self.followed != 1:
+            raise ValueError("expected one of recorded, keyframes and followed")
         return self
 
 
@@ -176,7 +181,11 @@ class EffortStream(Section):
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
-    factor: Finite = Field(default=1.0, description="effort per recorded unit [N·m or N]")
+    factor: Finite | dict[str, Finite] = Field(
+        default=1.0,
+        description="effort per recorded unit [N·m or N], for all joints or by patterns over joint names (the first "
+        "that matches); of a motor's current this is its drive gain",
+    )
 
 
 class Columns(Section):
@@ -320,6 +329,17 @@ class Scenario(Section):
         return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
 
     __str__ = __repr__
+
+    @property
+    def follows(self) -> bool:
+        """Whether the joints follow the measured motion."""
+        return self.motion is not None and self.motion.followed
+
+    @property
+    def effort_measures(self) -> str:
+        """What the measured effort is of: `none`, `motor` or `joint`."""
+        effort = self.recordings.effort if self.recordings is not None else "none"
+        return effort if isinstance(effort, str) else effort.measures
 
     @property
     def ground_spec(self) -> GroundSpec | None:
