@@ -10,10 +10,8 @@ from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
-from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
 from realitygap.trace.trace import Array, Trace
-
-COMMAND_SIGNAL = {"position": "position", "duty": "effort", "effort": "effort"}
 
 
 def assemble(path: Path, streams: Streams, request: Request) -> Recording:
@@ -39,6 +37,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
         command_time, command, found = _command(streams.command, kind, clock.time)
+        if request.command_factor is not None:
+            command = command * request.command_factor
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
     supply_time, supply = np.empty(0), np.empty(0)
@@ -48,7 +48,18 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
     notes += told(outliers).values()
     return Recording(
-        path, trace, command_time, command, kind, supply_time, supply, clock.receive, tuple(notes), outliers
+        path,
+        trace,
+        command_time,
+        command,
+        kind,
+        supply_time,
+        supply,
+        clock.receive,
+        tuple(notes),
+        outliers,
+        streams.episode,
+        streams.files,
     )
 
 
@@ -59,14 +70,14 @@ def _from(zero: float, streams: Streams) -> Streams:
         receive = None if samples.receive is None else samples.receive - zero
         return replace(samples, time=samples.time - zero, receive=receive)
 
-    return Streams(
-        moved(streams.state),
-        moved(streams.command),
-        moved(streams.effort),
-        moved(streams.pose),
-        moved(streams.imu),
-        moved(streams.supply),
-        streams.notes,
+    return replace(
+        streams,
+        state=moved(streams.state),
+        command=moved(streams.command),
+        effort=moved(streams.effort),
+        pose=moved(streams.pose),
+        imu=moved(streams.imu),
+        supply=moved(streams.supply),
     )
 
 

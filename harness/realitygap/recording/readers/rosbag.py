@@ -62,7 +62,7 @@ def read(path: Path, request: Request) -> Streams:
     if empty:
         raise InputError(f"{path}: {empty[0].name}: {empty[0].collector.nothing}")
     clock = choose_clock({t.name: (np.array(t.stamps), np.array(t.received)) for t in topics})
-    roles: dict[str, Samples] = {}
+    roles: dict[str, Any] = {}
     notes = [clock.note]
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)
@@ -133,10 +133,11 @@ def short(kind: str) -> str:
 
 
 class Bag:
-    """An open bag: its topics with their types and counts, and its messages."""
+    """An open bag: its topics with their types and counts, when it begins [ns], and its messages."""
 
     def __init__(self, path: Path, reader: AnyReader) -> None:
         self.path = path
+        self.begin = int(reader.start_time)
         self._reader = reader
         self.types = {c.topic: c.msgtype for c in reader.connections}
         self.counts: dict[str, int] = {}

@@ -22,6 +22,7 @@ from realitygap.robot.effects.motor import (
     TORQUE_SPEED_LIMIT,
     VOLTAGE_SAG,
 )
+from realitygap.robot.effects.payload import PAYLOAD
 from realitygap.robot.effects.power_stage import CURRENT_LAG, EFFORT_LIMIT, MOTOR_BRAKING
 from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
 from realitygap.robot.effects.springs import CABLE_SPRING, JOINT_STOP
@@ -56,6 +57,7 @@ EFFECTS: dict[str, Effect] = {
         GROUND_FRICTION,
         SOFT_GROUND,
         VELOCITY_FILTER,
+        PAYLOAD,
         DEAD_BAND,
         JOINT_STOP,
         COMMAND_PROFILE,

@@ -64,6 +64,7 @@ class Effect:
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
+        unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
         absurd: (values) -> a reason in words why these values are not this effect, or None.
         contradiction: (values) -> what in them cannot be, and what was expected, or None.
         read: (keys of a scenario) -> checked values, of an effect whose parameters are tables instead of numbers.
@@ -83,6 +84,7 @@ class Effect:
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
     absurd: Callable[[Values], str | None] | None = None
+    unseen_when_followed: str = ""
     contradiction: Callable[[Values], str | None] | None = None
     read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
     example: Mapping[str, Any] = field(default_factory=dict)

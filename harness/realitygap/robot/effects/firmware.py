@@ -42,6 +42,7 @@ DEAD_BAND = Effect(
         source="Dynamixel e-manual, AX-12: compliance margin; Feetech STS memory table: clockwise and "
         "counter-clockwise insensitive zone.",
     ),
+    unseen_when_followed="no servo answers a command",
 )
 
 
@@ -80,6 +81,7 @@ COMMAND_PROFILE = Effect(
         source="Dynamixel e-manual, X series: profile velocity and profile acceleration (trapezoidal profile); "
         "Feetech STS memory table: running speed and acceleration.",
     ),
+    unseen_when_followed="no command is followed",
 )
 
 GAIN_LAW = Effect(
@@ -103,6 +105,7 @@ GAIN_LAW = Effect(
         source="kscalelabs/sysid: measured gain of a Feetech STS3215 against its position error; Shinskey: Process "
         "Control Systems, 1996, nonlinear controllers.",
     ),
+    unseen_when_followed="no servo answers a command",
 )
 
 SERVO_RATE = Effect(
@@ -126,4 +129,5 @@ SERVO_RATE = Effect(
         source="Franklin, Powell, Workman: Digital Control of Dynamic Systems, 1998, sample and hold; XYZrobot A1-16 "
         "data sheet: a position loop with a period of 10 ms.",
     ),
+    unseen_when_followed="no servo answers a command",
 )

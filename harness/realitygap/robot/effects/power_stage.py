@@ -39,6 +39,7 @@ EFFORT_LIMIT = Effect(
         source="Dynamixel e-manual, current limit; Feetech STS memory table: maximum and protective torque; "
         "kscalelabs/sysid: measured gain of an STS3215 against its position error.",
     ),
+    unseen_when_followed="the effort is what the motion takes, not what a servo can give",
 )
 
 MOTOR_BRAKING = Effect(
@@ -63,6 +64,7 @@ MOTOR_BRAKING = Effect(
         source="Hughes, Drury: Electric Motors and Drives, chapter 3, dynamic braking; data sheets of H-bridges such "
         "as TI DRV8871, coast and brake.",
     ),
+    unseen_when_followed="no servo drives the motion, or lets go of it",
 )
 
 CURRENT_LAG = Effect(
@@ -87,4 +89,5 @@ CURRENT_LAG = Effect(
         "jumps), rotor_inertia (slow, but the effort is not late).",
         source="Hughes, Drury: Electric Motors and Drives, chapter 3, electrical time constant.",
     ),
+    unseen_when_followed="the effort is what the motion takes, not what a servo asks for",
 )

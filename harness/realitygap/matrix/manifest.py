@@ -36,7 +36,7 @@ def write_manifest(
         motions: what was simulated.
         settings: of every cell that ran.
         failures: what became of the cells that did not, by their slug.
-        traces: names of the trace files below the folder.
+        traces: names of the MCAP files below the folder; the Parquet files lie beside them.
     """
     sources: set[Path] = set()
     notes: dict[str, list[str]] = {}
@@ -50,7 +50,7 @@ def write_manifest(
                 sources.add(file.resolve(e.scenario.motion.keyframes, "motion.keyframes"))
             notes.setdefault("model", list(e.plant.model.notes))
             if e.recording is not None:
-                sources.add(e.recording.path)
+                sources |= set(e.recording.files or (e.recording.path,))
                 notes[f"recording {e.name}"] = [*e.recording.notes, *e.notes]
     used = {cell.engine: cell.engine_version for cell, _ in settings}
     manifest = {
