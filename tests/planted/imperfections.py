@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 from chain import GRAVITY
-from drivetrain import ONE_WAY
 from foreign import Foreign
 from robots import Robot, _rounded
+from servo import ONE_WAY
 
 STANDARD_GRAVITY = 9.80665
 CLOCK = 1e-3
