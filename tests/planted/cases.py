@@ -22,7 +22,7 @@ import planted
 import yaml
 from catalogue import COUNTS, Case, catalogue
 from foreign import Foreign, Motion
-from imperfections import clock_error, imperfect
+from imperfections import besides, clock_error, imperfect
 from plants import Hidden, Run, Truth, command, limits, measure, moved, perform, sane, sized, visibility
 from recorder import Recording, Sensing, clock, disturbance, record, write_bag, write_csv
 from robots import BUILDERS, Robot
@@ -89,25 +89,32 @@ def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     def seen(alone: Hidden) -> float:
         return round(visibility(robot, *moved(robot, runs[0], alone, sensing), clean[0], sensing), 2)
 
+    uneven = [] if nearly is None else imperfect(robot.plant(), robot, nearly)
     truth = {
         "case": case.name,
         "kind": case.kind,
         "robot": case.robot,
         "truth": [
             {**asdict(x), "size": t.size, "visibility": seen(Hidden((t,))), "twins": planted.twins(x, robot)}
+            | ({} if nearly is None else {"twins": planted.twins(x, robot) + _as_it_is(x, robot)})
             for x, t in zip(told, truths, strict=True)
         ],
         "outside": other,
         "tolerated": [["velocity_filter", j] for j in [*robot.joints, "*"]] if sensing.velocity == "difference" else [],
-        "laws": "exact"
-        if nearly is None
-        else {"visibility": seen(Hidden(nearly=nearly)), "joints": imperfect(robot.plant(), robot, nearly)},
+        "laws": "exact" if nearly is None else {"visibility": seen(Hidden(nearly=nearly)), "joints": uneven},
+        "besides": [] if nearly is None else besides(uneven),
         "sensing": asdict(sensing),
         "joints": robot.joints,
     }
     (out / "truth").mkdir(exist_ok=True)
     (out / "truth" / f"{case.name}.json").write_text(json.dumps(truth, indent=1, ensure_ascii=False) + "\n")
     return truth
+
+
+def _as_it_is(truth: planted.Planted, robot: Robot) -> list[list[str]]:
+    """Dry friction of a machine whose friction differs by direction is named no worse in the richer form."""
+    joints = robot.joints if truth.target == "*" else [truth.target]
+    return [["direction_friction", j] for j in joints] if truth.effect == "coulomb_friction" else []
 
 
 def _truths(

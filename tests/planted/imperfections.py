@@ -39,6 +39,18 @@ def imperfect(plant: Foreign, robot: Robot, seed: int) -> list[dict[str, Any]]:
     ]
 
 
+def besides(told: list[dict[str, Any]]) -> list[list[str]]:
+    """Effects of the list that are, more or less, what keeps the laws nearly right: [effect, target].
+
+    Named, they are true of the machine; but nobody asked, and they are counted as wrong.
+    """
+    out = []
+    for at in told:
+        names = ["direction_friction", "friction_ripple", "cable_spring", "torque_constant", "motor_heating"]
+        out += [[name, at["joint"]] for name in names]
+    return out
+
+
 def _sign(rng: np.random.Generator) -> float:
     return 1.0 if rng.random() < 0.5 else -1.0
 

@@ -15,8 +15,10 @@ sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 import cases
 import friction
 import judge
+import matching
 import planted
 import robots
+import run
 import summary
 from chain import GRAVITY, Chain
 from drivetrain import drives
@@ -425,10 +427,100 @@ def test_the_judge(truth: dict, findings: list[dict], first: bool | None, exact:
     assert (score.first_right, score.exact, score.wrong, score.missed) == (first, exact, wrong, missed)
 
 
+LEANS = {
+    **TRUTH,
+    "truth": [
+        {
+            "effect": "direction_friction",
+            "target": "elbow",
+            "parameters": {"forward": 0.1, "backward": 0.3},
+            "twins": [],
+        }
+    ],
+}
+LEANS_IN_TWO = {
+    **TRUTH,
+    "truth": [
+        {"effect": "coulomb_friction", "target": "elbow", "parameters": {"torque": 0.2}, "twins": []},
+        {"effect": "constant_effort", "target": "elbow", "parameters": {"effort": 0.1}, "twins": []},
+    ],
+}
+
+
+def test_friction_that_leans_is_one_law_in_two_wordings() -> None:
+    two = [found("coulomb_friction", "elbow", torque=0.2), found("constant_effort", "elbow", effort=0.1)]
+    one = found("direction_friction", "elbow", forward=0.1, backward=0.3)
+    for truth, findings in ((LEANS, two), (LEANS_IN_TWO, [one])):
+        score = judge.judge(truth, diagnosis(*findings))
+        assert score.exact
+        assert score.parameter_error == pytest.approx(0.0, abs=1e-9)
+    assert not judge.judge(LEANS, diagnosis(two[0])).exact
+
+
+def spread_truth(shared: bool) -> dict:
+    one = {"effect": "coulomb_friction", "parameters": {"torque": 0.2}, "twins": []}
+    places = ["*"] if shared else TRUTH["joints"]
+    return {**TRUTH, "kind": "several", "truth": [{**one, "target": t} for t in places]}
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_several_effects_are_counted_at_each_joint(shared: bool) -> None:
+    truth = spread_truth(shared)
+    whole = judge.judge(truth, diagnosis(found("coulomb_friction", "*", torque=0.2)))
+    apart = judge.judge(truth, diagnosis(*(found("coulomb_friction", j, torque=0.2) for j in truth["joints"])))
+    assert (whole.exact, apart.exact) == (True, True)
+    part = judge.judge(truth, diagnosis(FRICTION, found("backlash", "elbow")))
+    assert (part.truths, part.names, part.names_right, part.wrong, part.missed) == (2, 2, 1, 1, 1)
+    told = found("stribeck_friction", "*", ("coulomb_friction", "*"))
+    assert judge.judge(truth, diagnosis(told)).names_right == 2
+
+
+def test_the_judge_counts_intervals_that_hold_the_truth() -> None:
+    wide, narrow = found("coulomb_friction", "elbow", torque=0.21), found("coulomb_friction", "elbow", torque=0.21)
+    wide["parameters"]["torque"] |= {"low": 0.19, "high": 0.23}
+    narrow["parameters"]["torque"] |= {"low": 0.205, "high": 0.215}
+    scores = [judge.judge(TRUTH, diagnosis(f)) for f in (wide, narrow)]
+    assert [(s.fitted, s.covered) for s in scores] == [(1, 1), (1, 0)]
+
+
+def test_a_phase_is_the_same_one_turn_on() -> None:
+    planted_ripple = {"amplitude": 0.1, "periods": 8.0, "phase": -3.1}
+    truth = {"effect": "torque_ripple", "target": "elbow", "parameters": planted_ripple, "twins": []}
+    ripple = found("torque_ripple", "elbow", **planted_ripple)
+    ripple["parameters"]["phase"] |= {"low": 3.1, "high": 3.3}
+    assert judge.coverage(ripple, truth) == (2, 2)  # periods are held
+
+
+def test_an_unnamed_effort_is_right_outside_the_list_alone() -> None:
+    shape = found("effort_map", "elbow") | {"variables": ["angle"]}
+    outside = {**NOTHING, "kind": "outside", "outside": {"what": "an effort", "variables": ["position"]}}
+    score = judge.judge(outside, diagnosis(shape))
+    assert (score.silent, score.variables_right) == (True, True)
+    speed = judge.judge(outside, diagnosis({**shape, "variables": ["speed"]}))
+    assert (speed.silent, speed.variables_right) == (True, False)
+    assert not judge.judge(NOTHING, diagnosis(shape)).silent
+
+
+def test_what_keeps_laws_nearly_right_is_a_wrong_name_and_known_as_such() -> None:
+    truth = {**NOTHING, "kind": "nearly_nothing", "besides": [["friction_ripple", "elbow"]]}
+    score = judge.judge(truth, diagnosis(found("friction_ripple", "elbow"), FRICTION))
+    assert (score.exact, score.wrong, score.besides) == (False, 2, 1)
+
+
+def test_of_sealed_seeds_only_totals_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    score = judge.judge({**TRUTH, "case": "6/single_000"}, diagnosis(FRICTION))
+    run.report([score], {}, tmp_path, "blind_sealed", run.sealed(6))
+    assert [p.name for p in tmp_path.iterdir()] == ["blind_sealed_kinds.csv"]
+    told = capsys.readouterr().out + (tmp_path / "blind_sealed_kinds.csv").read_text()
+    assert "100 % (1/1)" in told
+    assert "single_000" not in told
+    assert not run.sealed(1)
+
+
 def test_a_truth_is_used_once_and_plain_names_go_first() -> None:
     truths = [dict(TRUTH["truth"][0]), {**TRUTH["truth"][0], "effect": "stribeck_friction"}]
     both = [found("stribeck_friction", "elbow", ("coulomb_friction", "elbow")), FRICTION]
-    assert judge.match(both, truths, TRUTH["joints"]) == [1, 0]
+    assert matching.match(both, truths, TRUTH["joints"]) == [1, 0]
 
 
 def test_the_judge_measures_parameters_and_gap() -> None:
@@ -455,6 +547,6 @@ def test_the_tables_count_what_was_judged(tmp_path: Path) -> None:
     assert rows["single effects: first name right"] == "50 % (1/2)"
     assert rows["nothing missing: nothing named"] == "100 % (1/1)"
     summary.write_scores(scores, tmp_path / "blind.csv")
-    summary.write_confusion(scores, tmp_path)
+    summary.write_confusion(scores, tmp_path, "blind")
     assert len((tmp_path / "blind.csv").read_text().splitlines()) == 4
     assert (tmp_path / "blind_confusion.png").stat().st_size > 0
