@@ -170,10 +170,11 @@ class EffortStream(Section):
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
-    factor: Finite | dict[str, Finite] = Field(
+    factor: Finite | Literal["fit"] | dict[str, Finite | Literal["fit"]] = Field(
         default=1.0,
         description="effort per recorded unit [N·m or N], for all joints or by patterns over joint names (the first "
-        "that matches); of a motor's current this is its drive gain",
+        "that matches); of a motor's current this is its drive gain, and `fit` leaves it to the followed motions: a "
+        "payload that only some of them carry fixes it, or else the robot's own weight",
     )
 
 
@@ -329,6 +330,13 @@ class Scenario(Section):
         """What the measured effort is of: `none`, `motor` or `joint`."""
         effort = self.recordings.effort if self.recordings is not None else "none"
         return effort if isinstance(effort, str) else effort.measures
+
+    @property
+    def effort_is_fitted(self) -> bool:
+        """Whether a factor of the measured effort is left to be fitted."""
+        effort = self.recordings.effort if self.recordings is not None else None
+        factor = effort.factor if isinstance(effort, EffortStream) else 1.0
+        return "fit" in (factor.values() if isinstance(factor, dict) else [factor])
 
     @property
     def ground_spec(self) -> GroundSpec | None:
