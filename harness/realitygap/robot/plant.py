@@ -19,7 +19,8 @@ from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_dr
 from realitygap.robot.servos import servos_of
 from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import AnyServo, DcServo, EffortStream, GroundSpec, PidServo, RecordedSupply, Scenario
+from realitygap.scenario.schema import AnyServo, DcServo, EffortStream, PidServo, RecordedSupply, Scenario
+from realitygap.scenario.world import GroundSpec
 
 PAST = 0.01
 """A position further than this [rad or m] beyond a limit has passed it."""

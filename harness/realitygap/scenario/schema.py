@@ -5,26 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: `true` and "5" are no numbers
-Positive = Annotated[Finite, Field(gt=0)]
-NotNegative = Annotated[Finite, Field(ge=0)]
-Fraction = Annotated[Finite, Field(gt=0, le=1)]
-Count = Annotated[int, Field(strict=True, gt=0)]
-
-
-def _listed(value: object) -> object:
-    return [value] if isinstance(value, str) else value
-
-
-Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
-
-
-class Section(BaseModel):
-    """A part of a scenario: unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+from realitygap.scenario.section import Finite, Fraction, NotNegative, Patterns, Positive, Section
+from realitygap.scenario.world import GROUNDS, GroundSpec, PhysicsSpec
 
 
 class Robot(Section):
@@ -131,28 +115,6 @@ class Motion(Section):
         if (self.recorded is not None) + (self.keyframes is not None) + self.followed != 1:
             raise ValueError("expected one of recorded, keyframes and followed")
         return self
-
-
-class GroundSpec(Section):
-    """A ground by its numbers."""
-
-    friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
-    stiffness: Positive | None = Field(default=None, description="per contact point [N/m]; rigid where absent")
-    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m]")
-
-
-GROUNDS = {
-    "none": None,
-    "flat": GroundSpec(friction=0.8),
-    "grass": GroundSpec(friction=0.8, stiffness=3000.0, damping=100.0),
-}
-
-
-class PhysicsSpec(Section):
-    """How to simulate."""
-
-    step_rate: Positive = Field(default=1000.0, description="steps per second [Hz]")
-    solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")
 
 
 class EffectSpec(BaseModel):

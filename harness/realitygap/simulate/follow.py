@@ -101,7 +101,9 @@ def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_jo
     settings |= {
         "motion": "followed: inverse dynamics at the measured stamps, no integration over time",
         "smoother": "quintic smoothing spline, likeliest bandwidth",
-        "bandwidth [Hz]": dict(zip(plant.model.joint_names, motion.bandwidth.round(3).tolist(), strict=True)),
+        "bandwidth [Hz]": ", ".join(
+            f"{j} {b:.2f}" for j, b in zip(plant.model.joint_names, motion.bandwidth, strict=True)
+        ),
     }
     return Rollout(trace, len(motion.time), clock.perf_counter() - began, settings)
 
