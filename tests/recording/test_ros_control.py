@@ -109,9 +109,7 @@ def test_the_same_command_in_every_message(kind, tmp_path, write_bag):
 
 def test_an_array_needs_names_and_as_many_values(tmp_path, write_bag):
     bag = write_bag(tmp_path / "run", "mcap", [*states(), *messages(ARRAY, "/told")])
-    with pytest.raises(
-        InputError, match=r"motion.joints: is missing; /told .*is a std_msgs/Float64MultiArray"
-    ):
+    with pytest.raises(InputError, match=r"motion.joints: is missing; /told .*is a std_msgs/Float64MultiArray"):
         read(bag, scenario(command="/told"))
     with pytest.raises(InputError, match=r"/told: message 1: holds 2 values, but 3 joints are named: b, a, c"):
         read(bag, scenario(command="/told", joints=["b", "a", "c"]))
