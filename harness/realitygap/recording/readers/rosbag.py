@@ -151,7 +151,6 @@ def _joint_collector(bag: "Bag", path: Path, role: str, topic: str, request: Req
     """What takes the messages of a topic of joint values; None for a type that has none."""
     kind = bag.types[topic]
     asked = {"state": request.recordings.state, "command": request.motion, "effort": request.recordings.effort}[role]
-    efforts = role == "effort" or (role == "command" and request.motion and request.motion.meaning != "position")
     try:
         return collector_of(
             kind,
@@ -160,7 +159,7 @@ def _joint_collector(bag: "Bag", path: Path, role: str, topic: str, request: Req
             role=role,
             stream=asked if isinstance(asked, scenario.Stream) else None,
             given=tuple(getattr(asked, "joints", None) or ()),
-            signal="effort" if efforts else "position",
+            signal={"state": "position", "command": request.command_signal, "effort": "effort"}[role],
         )
     except NoNames:
         raise InputError(
