@@ -41,7 +41,7 @@ def mended(scenario, changes, out):
     """The problem, its changes, and the problem of the mended scenario."""
     problem = build_problem(load_scenario(scenario), "mujoco")
     wanted = [change(problem, effect, target, **values) for effect, target, values in changes]
-    return problem, wanted, load_scenario(write_revised(problem, wanted, out))
+    return problem, wanted, load_scenario(write_revised(problem, wanted, out / "revised"))
 
 
 def assert_same(problem, changes, revised):

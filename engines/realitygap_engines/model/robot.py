@@ -84,6 +84,12 @@ class Model:
     notes: tuple[str, ...] = field(default=())
     actuators: tuple[Actuator, ...] = ()
 
+    def __repr__(self) -> str:
+        base = "floating" if self.floating else "fixed"
+        return (
+            f"<Model {self.name}: {len(self.links)} links, {len(self.joints)} joints, {base} base, {self.mass:.4g} kg>"
+        )
+
     @property
     def joint_names(self) -> list[str]:
         """Joint names in the model's order."""

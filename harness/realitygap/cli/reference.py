@@ -14,7 +14,8 @@ from realitygap.bench.quantity import Written
 from realitygap.bench.servo_file import ServoBench
 from realitygap.bench.supply_file import SupplyBench
 from realitygap.matrix.matrix_file import Matrix
-from realitygap.scenario.schema import GROUNDS, GroundSpec, Scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.scenario.world import GROUNDS, GroundSpec
 
 BEGIN = "<!-- made by realitygap.cli.reference: change the schema, then `make reference` -->"
 WORDS = {str: "text", float: "number", int: "whole number", bool: "true or false", Any: "anything"}

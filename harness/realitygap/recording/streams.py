@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
+from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario
 from realitygap.trace.trace import Array
 
@@ -68,12 +69,16 @@ class Request:
         return effort.topic if isinstance(effort, EffortStream) else None
 
     @property
-    def effort_factor(self) -> float | None:
-        """N·m (or N) per recorded unit; None where no effort was measured."""
+    def effort_factor(self) -> Array | None:
+        """N·m (or N) per recorded unit of every joint, shape (n,); None where no effort was measured.
+
+        Raises:
+            InputError: for a pattern that matches no joint, or a joint that none matches.
+        """
         effort = self.recordings.effort
         if isinstance(effort, EffortStream):
-            return effort.factor
-        return None if effort == "none" else 1.0
+            return effort_factors(effort, self.joints, self.file)
+        return None if effort == "none" else np.ones(len(self.joints))
 
 
 def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Request:

@@ -25,15 +25,15 @@ MAPPINGS = ("robot.packages.", "revisions.")
 RUN = "recordings.runs.with."
 
 
-def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Path:
-    """Write `revised/scenario.yaml` and its URDFs below a result folder. Returns the scenario.
+def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> Path:
+    """Write `scenario.yaml` and its URDFs into a folder. Returns the scenario.
 
     What a URDF can say is put there, into every URDF that a run uses; the other findings stand as effects, in place of
     those that the scenario had there. Where runs differ in what a finding changes (another gain, another load), each
     run says its own value.
     """
-    revision = _Revision(problem, changes, out / "revised")
-    file, raw = problem.file, _rebased(problem.file, out / "revised")
+    revision = _Revision(problem, changes, folder)
+    file, raw = problem.file, _rebased(problem.file, folder)
     urdf, effects = revision.of(file)
     raw["robot"]["urdf"] = urdf
     _set_effects(raw, effects)
@@ -49,7 +49,7 @@ def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Pat
             run["with"] = overrides
     if revision.packages:
         raw["robot"]["packages"] = {**(raw["robot"].get("packages") or {}), **revision.packages}
-    path = out / "revised" / "scenario.yaml"
+    path = folder / "scenario.yaml"
     text = yaml.dump(raw, Dumper=_Plain, sort_keys=False, allow_unicode=True, width=110)
     write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
     return path

@@ -19,6 +19,7 @@ from realitygap.robot.effects.motor import (
     TORQUE_SPEED_LIMIT,
     VOLTAGE_SAG,
 )
+from realitygap.robot.effects.payload import PAYLOAD
 from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
 from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
@@ -47,6 +48,7 @@ EFFECTS: dict[str, Effect] = {
         LINK_MASS,
         CENTER_OF_MASS,
         LINK_INERTIA,
+        PAYLOAD,
         BASE_TILT,
         GROUND_FRICTION,
         SOFT_GROUND,

@@ -34,6 +34,7 @@ COMMAND_DELAY = Effect(
         "rotor_inertia (lag only where it accelerates), clocks that are not aligned.",
         source="Dynamixel e-manual, return delay time and communication; Flemming 2019, chapter 4.",
     ),
+    unseen_when_followed="no command is followed",
 )
 
 
@@ -76,4 +77,5 @@ CONTROLLER_GAIN = Effect(
         "load_dependent_friction.",
         source="Dynamixel e-manual, position control: duty = P/128·error/885 per encoder unit.",
     ),
+    unseen_when_followed="no servo answers a command",
 )
