@@ -10,6 +10,8 @@ from pathlib import Path
 from defusedxml.ElementTree import DefusedXMLParser
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
+from realitygap_engines.model.mjcf_revised import revised_mjcf
+from realitygap_engines.model.read import format_of
 from realitygap_engines.model.robot import Link
 
 ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
@@ -17,10 +19,12 @@ PACKAGE = "package://"
 
 
 def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link]) -> str:
-    """The text of a URDF for another folder, with the inertials of these links.
+    """The text of a URDF, or MJCF, for another folder, with the inertials of these links.
 
     What is fixed to a link is part of it, so the inertials of the links merged into it are taken out.
     """
+    if format_of(urdf) == "mjcf":
+        return revised_mjcf(urdf, folder, links)
     root = _read(urdf)
     elements = {e.get("name"): e for e in root.iter("link")}
     for link in links:
