@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from realitygap_engines import RealityGapError as RealityGapError
     from realitygap_engines import Unsupported as Unsupported
     from realitygap_engines import available as available
+    from realitygap_engines.model.read import read_model as read_model
     from realitygap_engines.model.robot import Model as Model
-    from realitygap_engines.model.urdf import read_urdf as read_urdf
 
     from realitygap.compare.library import Compared as Compared
     from realitygap.compare.library import compare as compare
@@ -61,8 +61,8 @@ _PLACES = {  # name -> the module that holds it
     "diagnose": "realitygap.diagnose.library",
     "effects": "realitygap.robot.effects.library",
     "load_scenario": "realitygap.scenario.file",
+    "read_model": "realitygap_engines.model.read",
     "read_run": "realitygap.simulate.library",
-    "read_urdf": "realitygap_engines.model.urdf",
     "simulate": "realitygap.simulate.library",
 }
 __all__ = list(_PLACES)

@@ -1,10 +1,14 @@
 """A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
+from jsonschema import Draft202012Validator
 from lerobot_sets import data_set, motion
 from realitygap.files.errors import InputError
+from realitygap.files.yaml_file import load_yaml
 from realitygap.init.draft import init, parse_packages
 from realitygap.recording import read_recording
 from realitygap.robot.plant import build_plant
@@ -64,6 +68,9 @@ def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
     assert path == tmp_path / "scenarios" / "arm" / "scenario.yaml"
     text = path.read_text()
     assert str(tmp_path) not in text  # paths are relative to the file
+    assert text.startswith("# yaml-language-server: $schema=scenario.schema.json\n")
+    schema = json.loads((path.parent / "scenario.schema.json").read_text(encoding="utf-8"))
+    assert Draft202012Validator(schema).is_valid(load_yaml(path)), "an editor would mark it"
     scenario, recordings = read_all(path, ["shoulder", "elbow"])
     assert scenario.recordings.state == "/joint_states"
     assert scenario.motion.recorded == "/joint_commands"

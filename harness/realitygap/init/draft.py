@@ -9,6 +9,7 @@ from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.whole import write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.robot_guess import base_of, servo_lines
@@ -16,6 +17,7 @@ from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.table_sections import table_sections
 from realitygap.recording import read_recording, reader_of
 from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema_file import COMMENT, SCHEMA
 
 GUESS = "# GUESS: "
 HINT = "add use: train or use: held_out; without them a diagnosis keeps every third motion to judge on"
@@ -40,7 +42,7 @@ class Draft:
 
 
 def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] | None = None) -> Draft:
-    """Write `scenario.yaml` into a folder.
+    """Write `scenario.yaml` into a folder, and the JSON Schema by which editors check it.
 
     Args:
         urdf: the robot.
@@ -68,6 +70,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
         loaded = load_scenario(draft)
         for case in loaded.cases():
             read_recording(case.path, case.scenario, model.joint_names, file=target)
+        write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
         draft.rename(target)
     finally:
         draft.unlink(missing_ok=True)
@@ -119,6 +122,7 @@ def _text(
 ) -> str:
     base, reason = base_of(model, fixed, sections.moving_base)
     lines = [
+        COMMENT,
         "# Written by `realitygap init`. What says GUESS was not in the files: check it, then compare.",
         f"name: {quoted(urdf.stem)}",
         "robot:",

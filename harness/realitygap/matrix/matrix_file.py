@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
@@ -28,7 +28,9 @@ def _listed(value: object) -> object:
     return value if isinstance(value, list) else [value]
 
 
-Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1)]
+ANY_BUT_NONE = {"not": {"type": "array", "maxItems": 0}}
+"""One value, or a list that is not empty."""
+Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1), WithJsonSchema(ANY_BUT_NONE)]
 
 
 class Matrix(Section):

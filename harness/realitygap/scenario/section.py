@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: `true` and "5" are no numbers
 Positive = Annotated[Finite, Field(gt=0)]
@@ -15,7 +15,9 @@ def _listed(value: object) -> object:
     return [value] if isinstance(value, str) else value
 
 
-Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
+ONE_OR_MORE = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}, "minItems": 1}]}
+"""What editors are told: one pattern, or a list of them."""
+Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1), WithJsonSchema(ONE_OR_MORE)]
 
 
 class Section(BaseModel):

@@ -17,7 +17,7 @@ from realitygap.robot.effects.place import place, targets
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile, resolve_path
 
-BODY = ("link_mass", "center_of_mass", "link_inertia")
+BODY = ("link_mass", "center_of_mass", "link_inertia", "payload")
 """Effects that a URDF says."""
 PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path", "recordings.dataset.calibration")
 MAPPINGS = ("robot.packages.", "revisions.")
@@ -83,7 +83,7 @@ class _Revision:
         known = {k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()}
         for package, where in found_packages(urdf, known).items():
             self.packages[package] = moved_path(where, self.folder)
-        mended = changed(plant, self.changes, self.problem.plant).model
+        mended = changed(plant, self.changes, self.problem.plant).loaded()
         text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
         if text not in self.names:
             taken = self.names.values()

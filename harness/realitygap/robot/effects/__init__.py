@@ -48,11 +48,11 @@ EFFECTS: dict[str, Effect] = {
         LINK_MASS,
         CENTER_OF_MASS,
         LINK_INERTIA,
-        PAYLOAD,
         BASE_TILT,
         GROUND_FRICTION,
         SOFT_GROUND,
         VELOCITY_FILTER,
+        PAYLOAD,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""
