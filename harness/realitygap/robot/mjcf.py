@@ -82,7 +82,7 @@ def write_mjcf(plant: Plant, physics: Physics) -> tuple[str, list[str]]:
     names = plant.model.joint_names
     roll, pitch = plant.base_tilt
     text = mjcf_text(
-        replace(plant.model, joints=tuple(joints)),
+        replace(plant.machine(), joints=tuple(joints)),
         physics,
         base=rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0),
         offset=d["offset"],
