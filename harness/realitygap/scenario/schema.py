@@ -129,6 +129,9 @@ class Motion(Section):
         description="what a recorded command is; a measured effort can be the command, too: `{recorded: /joint_states, "
         "as: effort}`, with the `factor` of `recordings.effort`",
     )
+    joints: list[str] | None = Field(
+        default=None, description="the joints of a command's values, in order, where messages name none (MultiArray)"
+    )
     held: bool = Field(
         default=True,
         description="recorded commands hold until the next one, as on a bus; false: they are samples of a trajectory, "
@@ -160,6 +163,7 @@ class Stream(Section):
 
     topic: str = Field(description="the topic")
     names: str | None = Field(default=None, description="field with the joint names")
+    joints: list[str] | None = Field(default=None, description="or the names themselves, where messages have none")
     position: str | None = Field(default=None, description="field with the positions")
     velocity: str | None = Field(default=None, description="field with the velocities")
     effort: str | None = Field(default=None, description="field with the efforts")
@@ -169,6 +173,7 @@ class EffortStream(Section):
     """A measured effort and its unit."""
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
+    joints: list[str] | None = Field(default=None, description="the joints of its values, where messages name none")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
     factor: Finite | Literal["fit"] | dict[str, Finite | Literal["fit"]] = Field(
         default=1.0,
