@@ -14,7 +14,7 @@ from realitygap.scenario.schema import AnyServo, Scenario
 
 def servos_of(scenario: Scenario, model: Model) -> tuple[list[AnyServo], list[str]]:
     """The servos, and a sentence where they come from the robot's file."""
-    if scenario.servos or not model.actuators:
+    if scenario.servos or scenario.follows or not model.actuators:
         return scenario.servos, []
     servos = [TypeAdapter(AnyServo).validate_python(written(actuator)) for actuator in model.actuators]
     return servos, [f"no servos in the scenario: those of {len(servos)} actuators in the robot's file are used"]
