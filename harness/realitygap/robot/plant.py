@@ -151,7 +151,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
             factor = np.abs(effort_factors(effort, model.joint_names, file.path))
             drive["current_factor"] = drive["torque_constant"] = factor
     taken: set[int] = set()
-    servos, notes = servos_of(scenario, model) if not scenario.follows else ([], [])
+    servos, notes = servos_of(scenario, model)
     for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
         if not matched:
