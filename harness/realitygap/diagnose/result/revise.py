@@ -84,10 +84,12 @@ class _Revision:
         for package, where in found_packages(urdf, known).items():
             self.packages[package] = moved_path(where, self.folder)
         mended = changed(plant, self.changes, self.problem.plant).loaded()
-        text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
+        text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)], known)
         if text not in self.names:
             taken = self.names.values()
-            wanted = ["robot.urdf"] if not taken else [urdf.name, *(f"{urdf.stem}_{k}.urdf" for k in range(2, 1000))]
+            stem, suffix = urdf.stem, ".urdf" if urdf.suffix == ".xacro" else urdf.suffix  # which is expanded then
+            others = [f"{stem}{suffix}", *(f"{stem}_{k}{suffix}" for k in range(2, 1000))]
+            wanted = [f"robot{suffix}"] if not taken else others
             self.names[text] = next(name for name in wanted if name not in taken)
             write_whole(self.folder / self.names[text], text)
         return self.names[text]
