@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.scenario.effort import effort_factors
-from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario
+from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario, Stream
 from realitygap.trace.trace import Array
+
+COMMAND_SIGNAL = {"position": "position", "velocity": "velocity", "duty": "effort", "effort": "effort"}
+"""The signal that holds a command, by what the command is."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,21 @@ class Request:
         """Topic or column of an effort that is not part of the state."""
         effort = self.recordings.effort
         return effort.topic if isinstance(effort, EffortStream) else None
+
+    @property
+    def command_signal(self) -> str:
+        """The signal that holds the command."""
+        return COMMAND_SIGNAL[self.motion.meaning if self.motion is not None else "position"]
+
+    @property
+    def command_factor(self) -> Array | None:
+        """N·m (or N) per unit of a command that is the measured effort itself, shape (n,); None for other commands."""
+        if self.motion is None or self.motion.meaning != "effort":
+            return None
+        state, columns = self.recordings.state, self.recordings.columns.effort
+        source = self.effort_topic or (state.topic if isinstance(state, Stream) else state)
+        named = {source, columns} if isinstance(columns, str) and self.effort_topic is None else {source}
+        return self.effort_factor if self.motion.recorded in named else None
 
     @property
     def effort_factor(self) -> Array | None:

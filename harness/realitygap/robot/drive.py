@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NONE, DC, PID, CASCADE = 0, 1, 2, 3
-POSITION, DUTY, EFFORT = 0, 1, 2
-MEANINGS = {"position": POSITION, "duty": DUTY, "effort": EFFORT}
+NONE, DC, PID, CASCADE, TORQUE, SPEED = 0, 1, 2, 3, 4, 5
+POSITION, DUTY, EFFORT, VELOCITY = 0, 1, 2, 3
+MEANINGS = {"position": POSITION, "duty": DUTY, "effort": EFFORT, "velocity": VELOCITY}
 
 DRIVE = np.dtype(
     [

@@ -10,16 +10,27 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import Ground
+from realitygap_engines.model.hold import hold
 from realitygap_engines.model.inertia import together
 from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
-from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
-from realitygap.robot.servos import servos_of
+from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, SPEED, TORQUE, Array, neutral_drive
+from realitygap.robot.held import held_joints
+from realitygap.robot.servos import check_command, servos_of
 from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import AnyServo, DcServo, EffortStream, PidServo, RecordedSupply, Scenario
+from realitygap.scenario.schema import (
+    AnyServo,
+    DcServo,
+    EffortServo,
+    EffortStream,
+    PidServo,
+    RecordedSupply,
+    Scenario,
+    VelocityServo,
+)
 from realitygap.scenario.world import GroundSpec
 
 PAST = 0.01
@@ -116,6 +127,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         # what stands on nothing needs no shapes, and no meshes
         contact_links=[] if robot.base == "fixed" and scenario.ground_spec is None else robot.contact_links,
     )
+    model = hold(model, held_joints(file, model, robot.hold))
     n = len(model.joints)
     if robot.base == "free" and n:
         raise InputError(
@@ -144,6 +156,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
                 f"{file.path}: servos[{i}].joints: {', '.join(servo.joints)} matches no joint; "
                 f"the robot has {', '.join(model.joint_names)}"
             )
+        check_command(file, f"servos[{i}]", servo, scenario)
         for j in sorted(set(matched) - taken):
             _fit_servo(drive, j, servo)
         taken |= set(matched)
@@ -210,6 +223,8 @@ def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
     elif isinstance(servo, PidServo):
         d["kind"] = PID
         d["kp"], d["ki"], d["kd"] = servo.kp, servo.ki, servo.kd
+    elif isinstance(servo, EffortServo | VelocityServo):
+        d["kind"], d["gain"] = (TORQUE if isinstance(servo, EffortServo) else SPEED), servo.gain
     else:
         d["kind"] = CASCADE
         d["gain"], d["kv"], d["kp"] = servo.gain, servo.kv, servo.kp

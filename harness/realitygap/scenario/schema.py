@@ -24,6 +24,11 @@ class Robot(Section):
         description="joint angles at the start: measured, the first keyframe's, zero, or by joint [rad]",
     )
     stand_on: str | None = Field(default=None, description="this link is level on the ground at the start")
+    hold: dict[str, Finite] = Field(
+        default={},
+        description="joints that do not move, as a gripper that was not recorded: welded at this position [rad or m], "
+        "by patterns over joint names (the first that matches)",
+    )
     contact_links: list[str] | None = Field(
         default=None, description="links that touch the ground (default: the base and the last links of the tree)"
     )
@@ -84,8 +89,28 @@ class CascadeServo(Servo):
     kp: NotNegative = Field(description="gain of the position loop [1/s]")
 
 
-SERVOS: dict[str, type[Servo]] = {"dc": DcServo, "pid": PidServo, "cascade": CascadeServo}
-AnyServo = Annotated[DcServo | PidServo | CascadeServo, Field(discriminator="kind")]
+class EffortServo(Servo):
+    """effort = gain·command, within the URDF's effort limit; the commands are efforts (`motion: {as: effort}`)."""
+
+    kind: Literal["effort"] = Field(description="this kind of servo")
+    gain: Positive = Field(default=1.0, description="effort per commanded effort")
+
+
+class VelocityServo(Servo):
+    """effort = gain·(command − q̇), within the URDF's effort limit; the commands are velocities (`as: velocity`)."""
+
+    kind: Literal["velocity"] = Field(description="this kind of servo")
+    gain: NotNegative = Field(description="effort per error of the velocity [N·m·s/rad or N·s/m]")
+
+
+SERVOS: dict[str, type[Servo]] = {
+    "dc": DcServo,
+    "pid": PidServo,
+    "cascade": CascadeServo,
+    "effort": EffortServo,
+    "velocity": VelocityServo,
+}
+AnyServo = Annotated[DcServo | PidServo | CascadeServo | EffortServo | VelocityServo, Field(discriminator="kind")]
 
 
 class Motion(Section):
@@ -98,8 +123,11 @@ class Motion(Section):
         description="the joints follow the measured motion, and the effort that this takes is compared with the "
         "measured one: no servos, no commands",
     )
-    meaning: Literal["position", "duty", "effort"] = Field(
-        default="position", alias="as", description="what a recorded command is"
+    meaning: Literal["position", "velocity", "duty", "effort"] = Field(
+        default="position",
+        alias="as",
+        description="what a recorded command is; a measured effort can be the command, too: `{recorded: /joint_states, "
+        "as: effort}`, with the `factor` of `recordings.effort`",
     )
     held: bool = Field(
         default=True,

@@ -80,7 +80,11 @@ class Experiment:
         return launch(self.plant.loaded(), self.recording.trace)
 
     def start(self) -> State:
-        """The state at which the simulation starts."""
+        """The state at which the simulation starts; found once."""
+        return replace(self._begun)
+
+    @cached_property
+    def _begun(self) -> State:
         return _start(self)
 
 

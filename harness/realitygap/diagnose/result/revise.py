@@ -87,7 +87,8 @@ class _Revision:
         text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
         if text not in self.names:
             taken = self.names.values()
-            wanted = ["robot.urdf"] if not taken else [urdf.name, *(f"{urdf.stem}_{k}.urdf" for k in range(2, 1000))]
+            first, others = f"robot{urdf.suffix}", (f"{urdf.stem}_{k}{urdf.suffix}" for k in range(2, 1000))
+            wanted = [first] if not taken else [urdf.name, *others]
             self.names[text] = next(name for name in wanted if name not in taken)
             write_whole(self.folder / self.names[text], text)
         return self.names[text]

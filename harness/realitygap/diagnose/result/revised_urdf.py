@@ -8,20 +8,26 @@ from pathlib import Path
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
+from realitygap_engines.model.hold import own_body
 from realitygap_engines.model.inertia import Body
 from realitygap_engines.model.inertial_editor import urdf_text, with_inertials
+from realitygap_engines.model.mjcf_revised import revised_mjcf
+from realitygap_engines.model.read import format_of
 from realitygap_engines.model.robot import Link
 
 PACKAGE = "package://"
 
 
 def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link]) -> str:
-    """The text of a URDF for another folder, with the inertials of these links.
+    """The text of a URDF, or MJCF, for another folder, with the inertials of these links.
 
-    What is fixed to a link is part of it, so the inertials of the links merged into it are taken out.
+    What is fixed to a link is part of it, so the inertials of the links merged into it are taken out. What a scenario
+    holds fixed to it keeps its own.
     """
+    if format_of(urdf) == "mjcf":
+        return revised_mjcf(urdf, folder, links)
     bodies: dict[str, Body | None] = {name: None for link in links for name in link.merged[1:]}
-    bodies |= {link.name: (link.mass, link.com, link.inertia) for link in links}
+    bodies |= {link.name: own_body(link) for link in links}
     text = with_inertials(urdf_text(urdf.read_text(encoding="utf-8")), bodies)
     root = text.root
     for mesh in root.iter("mesh"):

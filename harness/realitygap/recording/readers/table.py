@@ -112,8 +112,7 @@ class Table:
             command = self._joints("command", stem=recorded, required=False)
             if command is None:
                 command = self._joints("command", required=True)
-            assert motion is not None
-            kind = "position" if motion.meaning == "position" else "effort"
+            kind = self.request.command_signal
         if command is None:
             return {}
         enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
