@@ -13,6 +13,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
+from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.clock import choose_clock
 from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
@@ -222,17 +223,18 @@ def opened(path: Path) -> Iterator[Bag]:
     Raises:
         InputError: for a bag that is empty or cannot be read.
     """
-    source = _storage(path)
     store = get_typestore(Stores.LATEST)
-    reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
-    _reading(path, reader.open)
-    try:
-        bag = Bag(path, reader)
-        if not sum(bag.counts.values()):
-            raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
-        yield bag
-    finally:
-        reader.close()
+    with unpacked(path) as plain:
+        source = _storage(plain)
+        reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
+        _reading(path, reader.open)
+        try:
+            bag = Bag(path, reader)
+            if not sum(bag.counts.values()):
+                raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
+            yield bag
+        finally:
+            reader.close()
 
 
 def _storage(path: Path) -> Path:
