@@ -13,8 +13,7 @@ from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
-from realitygap.robot.effects import EFFECTS
-from realitygap.robot.effects.place import place
+from realitygap.robot.effects.place import known, place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
@@ -262,7 +261,7 @@ def _followed(
     if not scenario.follows or recording is None:
         return None
     for spec in effects:
-        reason = EFFECTS[spec.effect].unseen_when_followed
+        reason = known(spec.effect).unseen_when_followed
         if reason:
             raise InputError(f"{file.path}: effects: {spec.effect} where the motion is followed: {reason}; take it out")
     assert recording.trace.position is not None

@@ -13,7 +13,7 @@ from realitygap.diagnose.data.problem import Change, Problem, changed
 from realitygap.diagnose.result.revised_urdf import found_packages, moved_path, revised_urdf
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS
-from realitygap.robot.effects.place import place, targets
+from realitygap.robot.effects.place import known, place, targets
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile, resolve_path
 
@@ -97,7 +97,7 @@ class _Revision:
     def _kept(self, file: ScenarioFile, plant: Plant) -> Iterator[dict[str, Any]]:
         """The effects of a scenario that no finding and no URDF replaces."""
         for spec, raw in zip(file.scenario.effects, file.raw.get("effects") or [], strict=True):
-            effect = EFFECTS[spec.effect]
+            effect = known(spec.effect)
             indices = targets(plant, effect, spec.target)
             gone = set(self.touched) if spec.effect in BODY else set()
             for change in self.changes:
