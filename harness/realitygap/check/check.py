@@ -1,0 +1,117 @@
+"""All checks of one scenario, and what the other commands ask of them."""
+
+from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from realitygap.check.clocks import clock_offset, no_overlap, time_unit
+from realitygap.check.driven import drives_nothing, servo_patterns, undriven
+from realitygap.check.effort import effort_mistakes
+from realitygap.check.limits import angle_mistakes, limit_mistakes
+from realitygap.check.links import link_mistakes, load_mistakes
+from realitygap.check.mistake import KINDS, Mistake, merged
+from realitygap.check.motion import motion_mistakes, moving
+from realitygap.check.observed import Mask, Observed, Read, observe
+from realitygap.check.start import constant_command, start_mistakes
+from realitygap.check.velocity import velocity_mistakes
+from realitygap.files.errors import InputError, did_you_mean
+from realitygap.recording import read_recording
+from realitygap.robot.plant import Plant, build_plant
+from realitygap.robot.suspicion import check_suspicion
+from realitygap.scenario.file import ScenarioFile
+
+
+def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
+    """Every mistake in a scenario, its robot and its recordings, certain ones first, also those that it accepts.
+
+    No physics is simulated and none is blamed: what a servo, a load or friction can do is no mistake.
+
+    Raises:
+        InputError: for what cannot be read at all, or a key of the scenario that names what does not exist.
+    """
+    observed = observe(file, read)
+    plants = list({id(o.plant): o.plant for o in observed}.values()) or [build_plant(file)]
+    _check_accepted(file, plants)
+    check_suspicion(file, plants[0].model)
+    found = servo_patterns(file, plants)
+    whole = drives_nothing(file, plants, observed)
+    found += [m for plant in plants for m in (*limit_mistakes(plant), *link_mistakes(plant))]
+    for o in observed:
+        found += _of_recording(o, observed, bool(whole))
+    if not found and not whole:
+        found += load_mistakes(observed)
+    return merged([*whole, *found])
+
+
+def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
+    """The likely mistakes in a scenario, as warnings; those that it accepts are left out.
+
+    Raises:
+        InputError: for a certain mistake, in one sentence; and as `check`.
+    """
+    found = [m for m in check(file, read) if not accepted(file, m)]
+    sure = [m for m in found if m.certainty == "certain"]
+    if sure:
+        more = "" if len(sure) == 1 else f" ({len(sure) - 1} more: `realitygap check {file.path}`)"
+        raise InputError(f"{file.path}: {sure[0].text}{more}")
+    return found
+
+
+def accepted(file: ScenarioFile, mistake: Mistake) -> bool:
+    """Whether the scenario's `accept` says that this is none: its kind, at all of its joints."""
+    where = [w or "*" for k, _, w in (entry.partition("@") for entry in file.scenario.accept) if k == mistake.kind]
+    names = mistake.joints or ("",)
+    return bool(where) and all(any(fnmatchcase(name, w) for w in where) for name in names)
+
+
+def blamed_joints(warnings: Iterable[Mistake]) -> set[str]:
+    """The joints at which a mistake is likely, so that no physics is named there."""
+    return {joint for warning in warnings for joint in warning.joints}
+
+
+def _of_recording(o: Observed, observed: Sequence[Observed], quiet: bool) -> list[Mistake]:
+    """What is wrong with one recording. What follows from another mistake is not told again."""
+    clock = time_unit(o)
+    if clock:
+        return clock
+    if quiet:
+        return velocity_mistakes(o, _all(o))
+    apart = no_overlap(o)
+    if apart:
+        return apart
+    late = clock_offset(o, moving(o))
+    found = [*undriven(o), *late]
+    if not late:
+        found += motion_mistakes(o, observed)
+        found += constant_command(o)
+    told = {joint for m in found for joint in m.joints}
+    found += [m for m in angle_mistakes(o) if not told & set(m.joints)]
+    angles = {joint for m in found for joint in m.joints if m.kind != "clock_offset"}
+    found += velocity_mistakes(o, _without(o, angles))
+    told = {joint for m in found for joint in m.joints}
+    found += effort_mistakes(o, _without(o, told))
+    return [*found, *(m for m in start_mistakes(o) if not told & set(m.joints))]
+
+
+def _all(o: Observed) -> Mask:
+    return np.ones(len(o.joints), dtype=bool)
+
+
+def _without(o: Observed, names: set[str]) -> Mask:
+    return np.array([joint not in names for joint in o.joints])
+
+
+def _check_accepted(file: ScenarioFile, plants: Sequence[Plant]) -> None:
+    names = [name for plant in plants for name in plant.model.joint_names]
+    for i, entry in enumerate(file.scenario.accept):
+        kind, _, where = entry.partition("@")
+        if kind not in KINDS:
+            known = ", ".join(KINDS)
+            raise InputError(
+                f"{file.path}: accept[{i}]: found {entry}; expected one of {known}{did_you_mean(kind, KINDS)}"
+            )
+        if where and not any(fnmatchcase(name, where) for name in names):
+            raise InputError(
+                f"{file.path}: accept[{i}]: {where} matches no joint; the robot has {', '.join(dict.fromkeys(names))}"
+            )
