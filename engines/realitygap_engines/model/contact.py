@@ -4,7 +4,6 @@ Against a plane a convex body touches with its vertices only, so small spheres t
 engine then sees nothing but sphere-plane contacts, which they all treat alike.
 """
 
-import logging
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,14 +12,14 @@ import trimesh
 import yourdfpy
 from scipy.spatial import ConvexHull, QhullError
 
-from realitygap_engines.model.robot import Array, ModelError, Sphere
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.quiet import quiet
+from realitygap_engines.model.robot import Array, Sphere
 
 RADIUS = 1e-3
 """Radius of a corner sphere [m]; its centre is moved inwards, so that the surface stays where it was."""
 MANY = 8
 """More corners than this on one link are thinned to those nearest the corners of its oriented bounding box."""
-
-logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # what it complains about is said here
 
 
 def contact_spheres(
@@ -69,7 +68,8 @@ def _inset_cylinder(radius: float, half: float) -> Array:
 def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[str, Path]) -> Array:
     file = find_mesh(path, link, mesh.filename, packages)
     try:
-        loaded = trimesh.load(file, force="mesh")
+        with quiet("trimesh"):  # what it complains about is said here
+            loaded = trimesh.load(file, force="mesh")
         vertices = np.asarray(loaded.vertices, dtype=float)
     except Exception as error:
         raise ModelError(f"{path}: mesh {file} of link {link} cannot be read ({error})") from None
@@ -106,7 +106,8 @@ def _hull(points: Array) -> Array:
     except (QhullError, ValueError):
         points = np.unique(points, axis=0)  # flat or degenerate: every point may touch
     if len(points) > MANY:
-        to_box, extents = trimesh.bounds.oriented_bounds(points)
+        with quiet("trimesh"):
+            to_box, extents = trimesh.bounds.oriented_bounds(points)
         local = (points @ to_box[:3, :3].T + to_box[:3, 3]) / extents
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
         points = points[np.unique((signs @ local.T).argmax(axis=1))]

@@ -13,10 +13,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class ModelError(ValueError):
-    """A robot description that cannot be simulated; the message says what was found and what was expected."""
-
-
 @dataclass(frozen=True)
 class Sphere:
     """A contact sphere: `center` (3,) [m] in the link frame and `radius` [m]."""

@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from realitygap_engines.model.robot import Model, ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Model
 from realitygap_engines.model.urdf import read_urdf
 
 from realitygap.audit.certificate import Row, Verdict

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from realitygap_engines.model.robot import Joint, Model, ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Joint, Model
 from realitygap_engines.model.urdf import read_urdf
 
 from realitygap.files.errors import InputError
