@@ -9,7 +9,8 @@ from realitygap.check.clocks import clock_offset, no_overlap, time_unit
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
 from realitygap.check.limits import angle_mistakes, limit_mistakes
-from realitygap.check.links import link_mistakes, load_mistakes
+from realitygap.check.links import link_mistakes
+from realitygap.check.load import load_mistakes
 from realitygap.check.mistake import KINDS, Mistake, merged
 from realitygap.check.motion import motion_mistakes, moving
 from realitygap.check.observed import Mask, Observed, Read, observe
@@ -37,8 +38,7 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     found = servo_patterns(file, plants)
     whole = drives_nothing(file, plants, observed)
     found += [m for plant in plants for m in (*limit_mistakes(plant), *link_mistakes(plant))]
-    for o in observed:
-        found += _of_recording(o, observed, bool(whole))
+    found += _of_recordings(observed, bool(whole))
     if not found and not whole:
         found += load_mistakes(observed)
     return merged([*whole, *found])
@@ -67,35 +67,48 @@ def accepted(file: ScenarioFile, mistake: Mistake) -> bool:
 
 def blamed_joints(warnings: Iterable[Mistake]) -> set[str]:
     """The joints at which a mistake is likely, so that no physics is named there."""
-    return {joint for warning in warnings for joint in warning.joints}
+    return _joints(warnings)
 
 
-def _of_recording(o: Observed, observed: Sequence[Observed], quiet: bool) -> list[Mistake]:
-    """What is wrong with one recording. What follows from another mistake is not told again."""
-    clock = time_unit(o)
-    if clock:
-        return clock
-    if quiet:
-        return velocity_mistakes(o, _all(o))
-    apart = no_overlap(o)
-    if apart:
-        return apart
-    late = clock_offset(o, moving(o))
-    found = [*undriven(o), *late]
-    if not late:
-        found += motion_mistakes(o, observed)
-        found += constant_command(o)
-    told = {joint for m in found for joint in m.joints}
-    found += [m for m in angle_mistakes(o) if not told & set(m.joints)]
-    angles = {joint for m in found for joint in m.joints if m.kind != "clock_offset"}
-    found += velocity_mistakes(o, _without(o, angles))
-    told = {joint for m in found for joint in m.joints}
-    found += effort_mistakes(o, _without(o, told))
-    return [*found, *(m for m in start_mistakes(o) if not told & set(m.joints))]
+def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[Mistake]:
+    """What is wrong with the recordings. What follows from another mistake, in any of them, is not told again."""
+    clocks = {id(o): time_unit(o) or no_overlap(o) for o in observed}
+    found = [m for o in observed for m in clocks[id(o)]]
+    rest = [o for o in observed if not clocks[id(o)]]
+    late: list[Mistake] = []
+    if not undriven_robot:
+        late = [m for o in rest for m in clock_offset(o, moving(o))]
+        found += [*late, *(m for o in rest for m in undriven(o))]
+    shifted = {run for m in late for run in m.runs}
+    angles: list[Mistake] = []
+    for o in rest:
+        if not undriven_robot and o.name not in shifted:
+            angles += [m for m in motion_mistakes(o, rest) if not late or m.kind != "another_motion"]
+        angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
+    found += angles
+    for o in rest:
+        found += velocity_mistakes(o, _without(o, _joints(angles)))
+    if undriven_robot or late:
+        return found
+    held = [m for o in rest for m in constant_command(o)]
+    found += [m for m in held if not _joints(found) & set(m.joints)]
+    told = _joints(found)
+    found += [m for o in rest for m in start_mistakes(o) if not told & set(m.joints)]
+    return found + _plainest([m for o in rest for m in effort_mistakes(o, _without(o, told))])
 
 
-def _all(o: Observed) -> Mask:
-    return np.ones(len(o.joints), dtype=bool)
+def _plainest(mistakes: Sequence[Mistake]) -> list[Mistake]:
+    """Of several things that recordings show of one joint's effort, the one that explains the others."""
+    order = ("swapped_joints", "milliamperes", "flipped_sign", "effort_size", "effort_direction")
+    out: list[Mistake] = []
+    for kind in order:
+        told = _joints(out)
+        out += [m for m in mistakes if m.kind == kind and not told & set(m.joints)]
+    return out
+
+
+def _joints(mistakes: Iterable[Mistake]) -> set[str]:
+    return {joint for m in mistakes for joint in m.joints}
 
 
 def _without(o: Observed, names: set[str]) -> Mask:

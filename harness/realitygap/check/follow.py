@@ -80,7 +80,9 @@ def following(
             share, slope, intercept = _fits(filtered[index], known, q)
             _keep(either, share, slope, intercept, float(delay) + lag)
             backwards = slope < 0
-            _keep(along, np.where(backwards, 0.0, share), np.where(backwards, 0.0, slope), intercept, float(delay) + lag)
+            _keep(
+                along, np.where(backwards, 0.0, share), np.where(backwards, 0.0, slope), intercept, float(delay) + lag
+            )
     for best in (either, along):
         best.share[np.isinf(best.share)] = np.nan
         best.intercept[:] += position.mean(axis=0)

@@ -5,10 +5,10 @@ from realitygap_engines.model.robot import Joint
 
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Observed
+from realitygap.check.servo import supply
 from realitygap.check.words import FACTORS, wide
 from realitygap.robot.drive import DC
 from realitygap.robot.plant import Plant
-from realitygap.check.servo import supply
 
 DEGREES = FACTORS["degrees"]
 TURN = 2.0 * np.pi
@@ -60,9 +60,7 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
                 )
                 out.append(Mistake("degrees", "likely", (joint.name,), sentence, "robot.urdf", (o.name,)))
             continue
-        sentence = (
-            f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
-        )
+        sentence = f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
         key = "recordings.columns.position" if o.recording.receive_time is None else "recordings.state"
         out.append(Mistake("degrees", "certain", (joint.name,), sentence, key, (o.name,)))
     return out

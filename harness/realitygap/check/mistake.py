@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
+Certainty = Literal["certain", "likely"]
+
 KINDS: dict[str, str] = {
     "degrees": "an angle in degrees where radians are expected, or the other way round: a factor of 57.3",
     "thousandths": "a length in mm (an angle in mrad) where m (rad) is expected, or the other way round",
@@ -42,7 +44,7 @@ class Mistake:
     """
 
     kind: str
-    certainty: Literal["certain", "likely"]
+    certainty: Certainty
     joints: tuple[str, ...]
     sentence: str
     key: str

@@ -1,9 +1,9 @@
-"""What the scenario's servos give for the measured errors, and what they give at most."""
+"""What the scenario's servos give for an error, what they give at most, and how slow they are."""
 
 import numpy as np
 
 from realitygap.check.observed import Observed
-from realitygap.robot.drive import CASCADE, DC, EFFORT, PID, POSITION
+from realitygap.robot.drive import DC, PID
 from realitygap.trace.trace import Array
 
 UNKNOWN_SUPPLY = 12.0
@@ -41,24 +41,13 @@ def slowness(o: Observed) -> Array:
     return np.asarray(np.where(np.isfinite(lag), lag, np.nan))
 
 
-def servo_effort(o: Observed, delay: float = 0.0) -> Array:
-    """The effort of every servo for the measured error and speed, and a command that comes late by `delay` [s].
-
-    Without what its integral has gathered. NaN where no command is in force. Shape (k, n).
+def working_error(o: Observed, delay: float = 0.0) -> Array:
+    """The error that every servo works on, for a command that comes late by `delay` [s]: no larger than what brings it
+    to its limit. NaN where no command is in force. Shape (k, n).
     """
     d = o.plant.drive
     index = np.maximum(np.arange(len(o.clock)) - round(delay / o.step), 0)
-    command, speed = o.command[index], np.gradient(o.position, o.step, axis=0)
-    error = command - o.position
-    volts, kt, resistance = supply(o), d["torque_constant"], d["resistance"]
-    duty = np.where(d["meaning"] == POSITION, d["gain"] * error, command)
-    duty = np.clip(duty, -d["duty_limit"], d["duty_limit"])
-    laws = {
-        DC: kt / resistance * (duty * volts - kt * speed),
-        PID: np.clip(d["kp"] * error - d["kd"] * speed, -d["effort_limit"], d["effort_limit"]),
-        CASCADE: np.clip(d["gain"] * (d["kv"] * (d["kp"] * error - speed)), -d["effort_limit"], d["effort_limit"]),
-    }
-    out = np.full(error.shape, np.nan)
-    for kind, law in laws.items():
-        out = np.where(d["kind"] == kind, law, out)
-    return np.asarray(np.where(d["meaning"] == EFFORT, command, out))
+    error = o.command[index] - o.position
+    with np.errstate(divide="ignore", invalid="ignore"):
+        most = np.where(d["kind"] == DC, d["duty_limit"] / d["gain"], limit(o) / stiffness(o))
+    return np.asarray(np.clip(error, -np.nan_to_num(most, nan=np.inf), np.nan_to_num(most, nan=np.inf)))
