@@ -5,6 +5,7 @@ Contact geometry is a set of spheres per link that touches the ground plane exac
 Units are SI; poses are 4x4 homogeneous matrices.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,7 +26,8 @@ class Sphere:
 class Link:
     """A rigid body: `mass` [kg], `com` (3,) [m] and `inertia` (3, 3) [kg·m²] about the centre of mass, link axes.
 
-    `merged` names the URDF links that were lumped into this one (itself first).
+    `merged` names the URDF links that were lumped into this one (itself first); `held` are mass, com and inertia of
+    those that joints would move if they were not held, which are part of it too.
     """
 
     name: str
@@ -34,6 +36,7 @@ class Link:
     inertia: Array
     spheres: tuple[Sphere, ...] = ()
     merged: tuple[str, ...] = ()
+    held: tuple[tuple[float, Array, Array], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,10 +63,20 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Actuator:
+    """What drives a joint, where the robot's file says it: `kind` and `values` are those of a servo in a scenario."""
+
+    joint: str
+    kind: str
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Model:
     """A robot. `links[0]` is the base and `links[i + 1]` the child of `joints[i]`; parents come before children.
 
     `floating` says whether the base moves freely. `notes` are sentences on what was simplified or left out.
+    `actuators` drive the joints where a scenario names no servos.
     """
 
     name: str
@@ -71,6 +84,13 @@ class Model:
     joints: tuple[Joint, ...]
     floating: bool
     notes: tuple[str, ...] = field(default=())
+    actuators: tuple[Actuator, ...] = ()
+
+    def __repr__(self) -> str:
+        base = "floating" if self.floating else "fixed"
+        return (
+            f"<Model {self.name}: {len(self.links)} links, {len(self.joints)} joints, {base} base, {self.mass:.4g} kg>"
+        )
 
     @property
     def joint_names(self) -> list[str]:

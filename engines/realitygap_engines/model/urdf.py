@@ -19,6 +19,7 @@ from realitygap_engines.model.robot import (
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from realitygap_engines.model.touching import touching
 from realitygap_engines.model.urdf_check import parse_urdf
 
 Fixed = tuple[yourdfpy.Link, Array]
@@ -69,11 +70,11 @@ def read_urdf(
     if not floating and not joints:
         raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
 
-    touching = _touching(path, bodies, joints, contact_links)
+    touch = touching(path, bodies, joints, contact_links)
     notes += [
         f"link {body.name} does not touch the ground"
         for body, found in zip(bodies, shapes, strict=True)
-        if found and body.name not in touching
+        if found and touch and body.name not in touch  # where nothing may touch, nothing is said
     ]
     notes += [
         f"joint {joint.name} has {limit} limit 0 in the URDF, which is taken as no limit"
@@ -82,9 +83,7 @@ def read_urdf(
         if joint.type != "fixed" and joint.limit is not None and getattr(joint.limit, limit) == 0
     ]
     final = [
-        replace(body, spheres=contact_spheres(path, body.name, found, packages or {}))
-        if body.name in touching
-        else body
+        replace(body, spheres=contact_spheres(path, body.name, found, packages or {})) if body.name in touch else body
         for body, found in zip(bodies, shapes, strict=True)
     ]
     return Model(robot.name, tuple(final), tuple(joints), floating, tuple(notes))
@@ -108,18 +107,6 @@ def _carried(
         else:
             branches.append((joint, origin))
     return parts, branches
-
-
-def _touching(path: Path, bodies: list[Link], joints: list[Joint], wanted: list[str] | None) -> set[str]:
-    """The names of the bodies that touch the ground: those asked for, or the base and the leaves."""
-    if wanted is None:
-        parents = {joint.parent for joint in joints}
-        return {body.name for i, body in enumerate(bodies) if i == 0 or i not in parents}
-    known = {name: body.name for body in bodies for name in body.merged}
-    for name in wanted:
-        if name not in known:
-            raise ModelError(f"{path}: has no link {name} that could touch the ground; it has {', '.join(known)}")
-    return {known[name] for name in wanted}
 
 
 def _part(part: yourdfpy.Link, pose: Array) -> Part:

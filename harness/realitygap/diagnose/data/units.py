@@ -1,7 +1,7 @@
 """The unit of a parameter at its target."""
 
 from realitygap.diagnose.data.problem import Problem, Suspect
-from realitygap.robot.drive import CASCADE, PID
+from realitygap.robot.drive import CASCADE, PID, SPEED, TORQUE
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.effect import Parameter
 
@@ -26,5 +26,6 @@ def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     j = suspect.indices[0]
     if " or " in unit:
         kind = int(problem.plant.drive["kind"][j])
-        unit = "N·m" if kind == CASCADE else unit.split(" or ")[kind == PID]
+        other = {CASCADE: "N·m", TORQUE: "", SPEED: "N·m·s/rad"}
+        unit = other[kind] if kind in other else unit.split(" or ")[kind == PID]
     return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit

@@ -16,7 +16,7 @@ from realitygap.diagnose.search.found import name
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.scenario.engine_names import engine_names
-from realitygap.scenario.file import load_scenario
+from realitygap.scenario.file import ScenarioFile, load_scenario
 
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
@@ -37,20 +37,24 @@ def run_diagnosis(
     Raises:
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
-    file = load_scenario(path)
+    result = diagnosed(load_scenario(path), names, progress, workers)
+    write_diagnosis(result, out)
+    return result
+
+
+def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, workers: int | None = None) -> Diagnosis:
+    """The same without writing anything."""
     chosen = engine_names(names)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
     with Pool(problem, workers) as pool:
-        result = diagnose(pool, chosen, progress.say)
-    write_diagnosis(result, out)
-    return result
+        return diagnose(pool, chosen, progress.say)
 
 
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
     """Write `revised/`, the page with its figures and, last, `diagnosis.json`."""
     if result.found.fit.changes:
-        write_revised(result.problem, result.found.fit.changes, out)
+        write_revised(result.problem, result.found.fit.changes, out / "revised")
     write_story(result, out)
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
