@@ -1,4 +1,4 @@
-"""What teams bring: a robot of one, two or six joints, a scenario and recordings of it, simulated with noise and quanta.
+"""What teams bring: a robot of one, two or six joints, a scenario, and recordings of it with noise and quanta.
 
 Lengths in m, angles in rad. The two-joint robot is the bundled demo with its own recordings; the others are generated.
 """
@@ -21,6 +21,7 @@ from realitygap.simulate.rollout import rollout
 from realitygap.simulate.start import start_integral, start_state
 from realitygap.trace.trace import Trace
 from realitygap_engines import Physics
+from scipy.ndimage import uniform_filter1d
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "planted"))  # plain modules, not a package
 from motions import MOTIONS
@@ -139,7 +140,8 @@ def urdf(
             f'    <origin xyz="0 0 {origin:.6g}"/><axis xyz="{" ".join(f"{a:.6g}" for a in axes[i])}"/>',
             f'    <limit lower="-3.1" upper="3.1" effort="{limits[i][0]:.6g}" velocity="{limits[i][1]:.6g}"/></joint>',
             f'  <link name="link_{joint}"><inertial><origin xyz="0 0 {-length / 2:.6g}"/><mass value="{m:.6g}"/>',
-            f'    <inertia ixx="{across:.6g}" iyy="{across:.6g}" izz="{along:.6g}" ixy="0" ixz="0" iyz="0"/></inertial>',
+            f'    <inertia ixx="{across:.6g}" iyy="{across:.6g}" izz="{along:.6g}" '
+            'ixy="0" ixz="0" iyz="0"/></inertial>',
             f'    <collision><origin xyz="0 0 {-length:.6g}"/><geometry><sphere radius="0.03"/></geometry></collision>',
             "  </link>",
         ]
@@ -157,7 +159,7 @@ BODY = (
 def generated(
     seed: int, n: int, kind: str = "dc", *, floating: bool = False, effort: bool = True, runs: int = 3
 ) -> Team:
-    """A robot of n joints with its scenario, and nothing recorded yet. Kinds: dc, pid, cascade (a slide of one joint)."""
+    """A robot of n joints with its scenario, and nothing recorded yet. Kinds: dc, pid, cascade (one slide)."""
     rng = np.random.default_rng([seed, n, len(kind)])
     joints = [f"slide{i}" for i in range(n)] if kind == "cascade" else list(NAMES[:n] if n > 1 else NAMES[1:2])
     lengths = rng.uniform(0.1, 0.2, n)
@@ -246,7 +248,8 @@ def _motion(plant: Plant, course: str, rng: np.random.Generator, off: bool) -> t
     integral = start_integral(plant, Trace(time[:1], tuple(plant.model.joint_names), value[:1]), commands, 0.0)
     with engines.load("mujoco").open(plant.machine(), Physics(1e-3, ground=plant.ground)) as simulation:
         trace = rollout(simulation, plant, commands, start, LENGTH, integral=integral).trace
-    return trace.at(time), value
+    mean = uniform_filter1d(trace.effort, round(1000 / RATE), axis=0)  # a current is measured over a period
+    return replace(trace, effort=mean).at(time), value
 
 
 def _sampled(trace: Trace, command: np.ndarray, rng: np.random.Generator, n: int) -> Table:

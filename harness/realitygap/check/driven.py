@@ -11,7 +11,6 @@ from realitygap.check.words import joined
 from realitygap.robot.drive import NONE
 from realitygap.robot.plant import Plant, match_joints
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import Scenario
 
 
 def servo_patterns(file: ScenarioFile, plants: Sequence[Plant]) -> list[Mistake]:
@@ -41,7 +40,7 @@ def _matched(plant: Plant, patterns: Sequence[str]) -> set[str]:
 def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequence[Observed]) -> list[Mistake]:
     """A robot with joints that no servo or no motion drives."""
     with_joints = [p for p in plants if p.model.joints]
-    if not with_joints or _followed(file.scenario):
+    if not with_joints or file.scenario.follows:
         return []
     names = tuple(sorted({name for p in with_joints for name in p.model.joint_names}))
     if all((p.drive["kind"] == NONE).all() and not p.efforts for p in with_joints):
@@ -58,11 +57,6 @@ def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequen
             sentence = f"{o.name} holds no command of any joint, so that nothing drives the robot; expected some"
             out.append(Mistake("drives_nothing", "certain", o.joints, sentence, "motion.recorded", (o.name,)))
     return out
-
-
-def _followed(scenario: Scenario) -> bool:
-    motion = scenario.motion
-    return motion is not None and motion.recorded is None and motion.keyframes is None
 
 
 def undriven(o: Observed) -> list[Mistake]:

@@ -3,7 +3,7 @@
 By the servo: effort = a·error + b·speed + c·rate of the command (+ d·gathered error), by least squares. Whatever the
 back-EMF, the derivative gain and friction are, `a` is the servo's stiffness, and above zero. A law with its own numbers
 would not do: while a joint moves freely, stiffness and damping nearly cancel, and a gain that is a little off turns the
-sign of what is left. By the load, on a fixed base: effort = a·(what the rigid bodies take) + friction, and `a` is near 1.
+sign of what is left. By the load, on a fixed base: effort = a·(what rigid bodies take) + friction, and `a` is near 1.
 All signals are smoothed alike, so that the law between them stays.
 """
 
@@ -14,7 +14,7 @@ from scipy.ndimage import uniform_filter1d
 
 from realitygap.check.follow import WEAK
 from realitygap.check.load import needed_effort
-from realitygap.check.mistake import Mistake
+from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Mask, Observed
 from realitygap.check.servo import limit, stiffness, working_error
 from realitygap.check.words import FAR_BETTER, joined
@@ -160,7 +160,7 @@ def _size(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
             f"the effort of {joint} is {said}, and its servo gives at most {most:.3g} {unit}; expected {unit} of this "
             "servo; check recordings.effort.factor and the servo"
         )
-        certainty = "certain" if large > IMPOSSIBLE * most else "likely"
+        certainty: Certainty = "certain" if large > IMPOSSIBLE * most else "likely"
         return Mistake("effort_size", certainty, (joint,), sentence, "recordings.effort", (o.name,))
     return None
 
@@ -174,7 +174,7 @@ def _sign(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
     best = max(fits, key=lambda f: f.share)
     against = best.clear and all(f.ratio < 0 for f in fits if f.share > CLEAR)
     along = best.clear and best.ratio > 0
-    if load.clear and load.ratio < 0 and not along:
+    if load.clear and load.part > CLEAR and load.ratio < 0 and not along:
         against, told = True, f"{load.ratio:.2f} times what moving its links takes (explains {load.share:.0%})"
     elif against and (o.plant.model.floating or not load.clear or load.ratio < 0):
         told = f"{best.ratio:.2f} times what its servo makes of its error at any delay (explains {best.share:.0%})"

@@ -1,14 +1,17 @@
 """Measured angles and the URDF's limits: which of them is in degrees."""
 
+from dataclasses import replace
+
 import numpy as np
 from realitygap_engines.model.robot import Joint
 
-from realitygap.check.mistake import Mistake
+from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import supply
 from realitygap.check.words import FACTORS, wide
 from realitygap.robot.drive import DC
 from realitygap.robot.plant import Plant
+from realitygap.trace.trace import Array
 
 DEGREES = FACTORS["degrees"]
 TURN = 2.0 * np.pi
@@ -30,7 +33,7 @@ def limit_mistakes(plant: Plant) -> list[Mistake]:
                 f"the limits of {joint.name} are {low:.4g} and {high:.4g}, more than two turns in radians: degrees, as "
                 "it seems; expected radians in the URDF"
             )
-            certainty = "certain" if ordinary and high - low > 4 * TURN else "likely"
+            certainty: Certainty = "certain" if ordinary and high - low > 4 * TURN else "likely"
             out.append(Mistake("degrees", certainty, (joint.name,), sentence, "robot.urdf"))
     return out
 
@@ -53,10 +56,11 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
         elif fits and free < fast / TOO_FAST and fast / DEGREES < free and seen[j] > TURN / 2:
             told = f"moves at {fast:.4g} rad/s, and its servo at {free:.3g} rad/s at most"
         else:
-            if seen[j] > 5.0 * (joint.upper - joint.lower) and _beyond(_turned(joint), q) <= LEEWAY and seen[j] < TURN:
+            apart = joint.upper - joint.lower
+            if seen[j] > 5.0 * apart and _beyond(_turned(joint), q) <= LEEWAY and seen[j] < TURN:
                 sentence = (
-                    f"{joint.name} was measured over {seen[j]:.3g} rad and its limits are {joint.upper - joint.lower:.3g} rad "
-                    "apart: limits that were divided by 57.3 once too often, as it seems; expected radians in the URDF"
+                    f"{joint.name} was measured over {seen[j]:.3g} rad and its limits are {apart:.3g} rad apart: "
+                    "limits divided by 57.3 once too often, as it seems; expected radians in the URDF"
                 )
                 out.append(Mistake("degrees", "likely", (joint.name,), sentence, "robot.urdf", (o.name,)))
             continue
@@ -67,12 +71,10 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
 
 
 def _turned(joint: Joint) -> Joint:
-    from dataclasses import replace
-
     return replace(joint, lower=joint.lower * DEGREES, upper=joint.upper * DEGREES)
 
 
-def _beyond(joint: Joint, q: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+def _beyond(joint: Joint, q: Array) -> float:
     """How far positions pass the limits [rad]; 0 within."""
     return float(max(np.nanmax(q) - joint.upper, joint.lower - np.nanmin(q), 0.0))
 

@@ -3,7 +3,7 @@
 import numpy as np
 from realitygap_engines.model.robot import Model
 
-from realitygap.check.mistake import Mistake
+from realitygap.check.mistake import Certainty, Mistake
 from realitygap.robot.plant import Plant
 
 WIDE, ABSURD = 5.0, 30.0
@@ -25,11 +25,11 @@ def link_mistakes(plant: Plant) -> list[Mistake]:
         gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / link.mass))
         if gyration > WIDE * reach:
             sentence = (
-                f"the inertia of link {link.name} puts its mass of {link.mass:.3g} kg {gyration:.3g} m from its centre, "
+                f"the inertia of link {link.name} puts its {link.mass:.3g} kg {gyration:.3g} m from its centre, "
                 f"and the whole robot reaches {reach:.3g} m: an inertia in another unit than kg·m², or a mass in "
                 "another than kg; expected both to fit the link's size"
             )
-            certainty = "certain" if gyration > ABSURD * reach else "likely"
+            certainty: Certainty = "certain" if gyration > ABSURD * reach else "likely"
             out.append(Mistake("impossible_link", certainty, _joint_of(model, i), sentence, "robot.urdf"))
     masses = np.array([link.mass for link in model.links[first:]])
     if len(masses) > 2:
@@ -64,10 +64,8 @@ def _turns(model: Model, link: int) -> bool:
 def _reach(model: Model) -> float:
     """How far the robot reaches from its base, stretched out [m]: offsets of joints, centres of mass and contact."""
     far = np.zeros(len(model.links))
-    for i, link in enumerate(model.links):
-        if i:
-            joint = model.joints[i - 1]
-            far[i] = far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
+    for i, joint in enumerate(model.joints):
+        far[i + 1] = far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
     own = [
         max([float(np.linalg.norm(x.com)), *(float(np.linalg.norm(s.center)) + s.radius for s in x.spheres)])
         for x in model.links

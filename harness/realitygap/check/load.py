@@ -54,28 +54,23 @@ def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
 def _mistake(o: Observed, j: int, needed: float, given: float, certainty: Certainty, how: str) -> Mistake:
     unit = "N" if o.prismatic(j) else "N·m"
     sentence = (
-        f"moving {o.joints[j]} as measured takes {needed:.3g} {unit} (rms), and its servo gave about {given:.2g} {unit}: "
-        f"masses or inertias a thousand times too {how}, as it seems; expected kg and kg·m²"
+        f"moving {o.joints[j]} as measured takes {needed:.3g} {unit} (rms), and its servo gave about {given:.2g} "
+        f"{unit}: masses or inertias a thousand times too {how}, as it seems; expected kg and kg·m²"
     )
-    return Mistake("grams", certainty, _suspects(o, j), sentence, "robot.urdf", (o.name,))
+    return Mistake("grams", certainty, _suspects(o), sentence, "robot.urdf", (o.name,))
 
 
 def needed_effort(o: Observed) -> Array:
     """The joint efforts that a measured motion takes without friction [N·m or N], of a fixed base. Shape (k, n).
 
-    Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds has it (Savitzky, Golay 1964).
+    Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
     """
     width = min(max(5, 2 * round(0.5 * SMOOTHED / o.step) + 1), len(o.clock) // 2 * 2 - 1)
     q, w, a = (savgol_filter(o.position, width, 3, deriv=k, delta=o.step, axis=0) for k in range(3))
     dynamics, base = Dynamics(o.plant.model), np.zeros(13)
     base[3:7] = _base_quaternion(o.plant)
     gravity = np.array([0.0, 0.0, -GRAVITY])
-    out = np.empty_like(q)
-    armature = np.diag(o.plant.drive["armature"])
-    for k in range(len(q)):
-        dynamics.update(q[k], w[k], base, gravity)
-        out[k] = (dynamics.inertia + armature) @ a[k] + dynamics.bias
-    return out
+    return np.asarray(dynamics.inverse(q, w, a, base, gravity) + o.plant.drive["armature"] * a)
 
 
 def _base_quaternion(plant: Plant) -> Array:
@@ -102,8 +97,8 @@ def _by_law(o: Observed) -> Array:
     return np.asarray(np.where(np.isfinite(law), law, np.nan))
 
 
-def _suspects(o: Observed, j: int) -> tuple[str, ...]:
-    """The joints that carry the link that is out of proportion, or else every joint that moves links from there on."""
+def _suspects(o: Observed) -> tuple[str, ...]:
+    """The joints that carry the link that is out of proportion, or else all joints."""
     masses = np.array([link.mass for link in o.plant.model.links[1:]])
     heaviest = int(np.argmax(masses))
     if len(masses) > 1 and masses[heaviest] > HEAVY * np.median(np.delete(masses, heaviest)):

@@ -22,8 +22,8 @@ from realitygap.trace.trace import Array
 Read = Callable[..., Recording]
 Mask = NDArray[np.bool_]
 SAMPLES, STEP = 2000, 0.01
-"""Samples of the even clock at most, and its least spacing [s]: a mistake shows in the whole motion and within a servo's
-bandwidth of some Hz, and the checks are to take a moment."""
+"""Samples of the even clock at most, and its least spacing [s]: a mistake shows in the whole motion and within the
+bandwidth of a servo, some Hz, and the checks are to take a moment."""
 FOLLOWERS = (DC, PID, CASCADE)
 """Servos that bring the position to the command."""
 
@@ -109,8 +109,7 @@ class Observed:
     @property
     def is_followed(self) -> bool:
         """Whether the joints follow the measured motion, so that nothing is commanded."""
-        motion = self.scenario.motion
-        return motion is not None and motion.recorded is None and motion.keyframes is None
+        return self.scenario.follows
 
     def prismatic(self, joint: int) -> bool:
         """Whether a joint slides."""

@@ -53,9 +53,9 @@ def constant_command(o: Observed) -> list[Mistake]:
     """Joints that are moved to and fro while their command never changes."""
     told, seen = wide(o.command), wide(o.position)
     names = []
-    for j in np.flatnonzero(o.follows & np.isfinite(o.command).all(axis=0)):
+    for j in map(int, np.flatnonzero(o.follows & np.isfinite(o.command).all(axis=0))):
         least = SLIDES if o.prismatic(j) else MOVES
-        if told[j] <= 1e-3 * seen[j] and seen[j] > max(least, QUANTA * o.quantum[j]) and swings(o, int(j)) >= SWINGS:
+        if told[j] <= 1e-3 * seen[j] and seen[j] > max(least, QUANTA * o.quantum[j]) and swings(o, j) >= SWINGS:
             names.append(o.joints[j])
     if not names:
         return []
