@@ -16,7 +16,8 @@ from realitygap.robot.plant import Plant, match_joints
 
 def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
-    every = [suspect for effect in KNOWN.values() for suspect in _anywhere(problem, effect)]
+    tried = [effect for effect in KNOWN.values() if effect.name not in UNTRIED]
+    every = [suspect for effect in tried for suspect in _anywhere(problem, effect)]
     return [s for s in every if all(KNOWN[s.effect].possible(problem.plant, i) is None for i in s.indices)]
 
 
@@ -51,6 +52,11 @@ def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
     return out
 
 
+UNTRIED = (
+    *("dead_band", "joint_stop", "command_profile", "effort_limit", "direction_friction", "friction_ripple"),
+    *("cable_spring", "motor_braking", "current_lag", "gain_law", "servo_rate"),
+)
+"""Effects that a scenario can have and that this search does not know how to begin with."""
 OWN = ("joint_offset", "torque_ripple", "constant_effort")
 """Effects whose value is each joint's own: all joints of a type do not share it."""
 FEW_JOINTS = 6

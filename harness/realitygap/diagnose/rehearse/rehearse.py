@@ -14,7 +14,7 @@ import numpy as np
 from realitygap_engines import Diverged, Unsupported
 
 from realitygap.check import certain
-from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.suspects import UNTRIED, suspects
 from realitygap.diagnose.data.pool import Pool
 from realitygap.diagnose.data.problem import Change, Problem, Suspect, build_problem
 from realitygap.diagnose.judge.rivals import rivals
@@ -212,7 +212,7 @@ def _chosen(problem: Problem, budget: float, cost: float, workers: int) -> tuple
 
 def _impossible(problem: Problem) -> dict[str, str]:
     """Effects that can act nowhere in this scenario, with the reason at the first place."""
-    there = {s.effect for s in suspects(problem)}
+    there = {*UNTRIED, *(s.effect for s in suspects(problem))}
     return {e.name: e.possible(problem.plant, 0) or "no place" for e in EFFECTS.values() if e.name not in there}
 
 
