@@ -47,6 +47,8 @@ def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequen
         sentence = "found no servo, so that nothing drives the robot's joints; expected what turns commands into torque"
         return [Mistake("drives_nothing", "certain", names, sentence, "servos")]
     if file.scenario.motion is None:
+        if not observed:  # no motion and no recording: there is nothing to do at all, which is said elsewhere
+            return []
         sentence = "found no motion, so that nothing drives the robot; expected recorded: TOPIC or keyframes: FILE"
         return [Mistake("drives_nothing", "certain", names, sentence, "motion")]
     if file.scenario.motion.keyframes is not None:
