@@ -140,7 +140,7 @@ def _size(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
     cause = "what its servo makes of its error"
     if not best.clear and not o.follows[j]:
         best, cause = load, "what moving its links takes"
-    shown = best.clear
+    shown = best.clear and (o.follows[j] or best.part > CLEAR)
     unit = "N" if o.prismatic(j) else "N·m"
     told = f"{abs(best.ratio):.3g} times {cause} (explains {best.share:.0%})"
     for factor, word in ((THOUSAND, "larger"), (1.0 / THOUSAND, "smaller")):
@@ -153,7 +153,7 @@ def _size(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
                 f"expected {unit}; give recordings.effort.factor in {unit} per recorded unit"
             )
             return Mistake("milliamperes", "certain", (joint,), sentence, "recordings.effort", (o.name,))
-    by_slope = shown and abs(best.ratio) > IMPOSSIBLE
+    by_slope = shown and abs(best.ratio) > IMPOSSIBLE and bool(o.follows[j])  # a rotor may be 30 times its link
     if large > BRAKING * most or by_slope:
         said = told if by_slope else f"{large:.4g} {unit} or more for a twentieth of the time"
         sentence = (
