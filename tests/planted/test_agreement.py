@@ -27,7 +27,7 @@ LEFT = 0.12
 """A share of the effect that integrators and contact laws of two simulators may disagree about: the foreign plant's
 springs are damped a little, and its bristles give."""
 SUDDEN = {"stribeck_friction": 0.2, "backlash": 0.2}
-"""More where a joint breaks away or lands: bristles creep before they slip, and ends of a gap that are springs rebound."""
+"""More where a joint breaks away or lands: bristles creep before they slip, ends of a gap that are springs rebound."""
 MOTION = {"motor_braking": "lift_and_drop", "effort_limit": "steps", "torque_speed_limit": "steps"}
 """What shows an effect that slow motions do not."""
 TWO_LINKS = ("link_mass", "center_of_mass", "payload", "link_inertia", "voltage_sag", "base_tilt", "joint_offset")
