@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.diagnose.data.decoys import DECOYS, KNOWN
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
-from realitygap.robot.effects import Effect, Parameter
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.robot.effects import EFFECTS, Effect, Parameter
 from realitygap.robot.effects.joint import speed_scale
 from realitygap.robot.plant import Plant, match_joints
 
 
 def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
-    every = [suspect for effect in KNOWN.values() for suspect in _anywhere(problem, effect)]
-    return [s for s in every if all(KNOWN[s.effect].possible(problem.plant, i) is None for i in s.indices)]
+    every = [suspect for effect in EFFECTS.values() for suspect in _anywhere(problem, effect)]
+    return [s for s in every if all(s.kind.possible(problem.plant, i) is None for i in s.indices)]
 
 
 def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
@@ -31,8 +31,6 @@ def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
     names = model.joint_names
     judged = [j for j in range(len(names)) if problem.judged[j]]
     single = [Suspect(effect.name, names[j], (j,)) for j in judged]
-    if effect.name in DECOYS:
-        return single if len(judged) <= FEW_JOINTS else []
     if len(judged) < 2 or effect.name in OWN:
         return single
     groups = [(servo, group) for servo, group in _servo_groups(problem) if 1 < len(group) < len(judged)]
@@ -53,8 +51,6 @@ def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
 
 OWN = ("joint_offset", "torque_ripple", "constant_effort")
 """Effects whose value is each joint's own: all joints of a type do not share it."""
-FEW_JOINTS = 6
-"""Decoys are tried on robots with no more joints than this."""
 ALWAYS_FREE = {
     "torque_ripple": ("amplitude", "periods", "phase"),
     "stribeck_friction": ("static", "coulomb", "velocity"),
@@ -93,7 +89,7 @@ def richer(plant: Plant, change: Change) -> Change | None:
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """The values that change nothing: the plant's own, also of an effect that the scenario has already."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     own = effect.own(plant, suspect.indices[0])
     out = {}
     for p in effect.parameters:
@@ -106,7 +102,7 @@ def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
 
 def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """A sensible first change of each parameter at this target, above zero."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     first = effect.first_size(plant, suspect.indices[0])
     zero = neutral(plant, suspect)
     common = max(
@@ -128,6 +124,6 @@ def whole(effect: Effect) -> bool:
 
 def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds of the named parameters."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     chosen = [effect.parameter(n) for n in names]
     return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])

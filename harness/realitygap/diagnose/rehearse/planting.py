@@ -9,7 +9,8 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import neutral, whole
 from realitygap.diagnose.data.case import Case
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import start
 from realitygap.diagnose.likelihood.disturbance import Push, coloured
 from realitygap.recording.quantum import quantum
