@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from realitygap_engines.engine import (
     GRAVITY,
     Capability,
-    Diverged,
     Engine,
     Ground,
     Physics,
     Simulation,
     State,
-    Unsupported,
 )
+from realitygap_engines.errors import Diverged, ModelError, RealityGapError, Unsupported
 
 __all__ = [
     "ENGINES",
@@ -24,7 +23,9 @@ __all__ = [
     "Diverged",
     "Engine",
     "Ground",
+    "ModelError",
     "Physics",
+    "RealityGapError",
     "Simulation",
     "State",
     "Unsupported",

@@ -18,7 +18,8 @@ from math import cos, hypot, isfinite, sin, sqrt
 import dartpy
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
@@ -146,6 +147,19 @@ class DartSimulation(Simulation):
     def bias(self) -> Array:
         _, ballast = self._law.ballast(self._position, self._velocity, self._base)
         return np.asarray(self._skeleton.getCoriolisAndGravityForces()).ravel()[self._world_order()] - ballast
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        skeleton, out = self._skeleton, np.empty_like(position)
+        self.reset(start)
+        row = np.empty((3, position.shape[1]))
+        for k in range(len(position)):
+            row[0, self._joints], row[1, self._joints], row[2, self._joints] = position[k], velocity[k], acceleration[k]
+            skeleton.setPositions(row[0])
+            skeleton.setVelocities(row[1])
+            skeleton.setAccelerations(row[2])
+            skeleton.computeInverseDynamics(False, False, False)
+            out[k] = skeleton.getForces()[self._joints]
+        return out
 
     def _world_order(self) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
         """DART's free joint counts rotation first, both parts in world axes already."""

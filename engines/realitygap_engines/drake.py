@@ -12,9 +12,6 @@ not parsed. It has no dry joint friction, which comes from `law.joints`, and it 
 there is no iteration count.
 """
 
-import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cached_property
 from importlib.metadata import version
 from math import sqrt
@@ -33,6 +30,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
+    MultibodyForces,
     PrismaticJoint,
     QuaternionFloatingJoint,
     RevoluteJoint,
@@ -42,8 +40,10 @@ from pydrake.multibody.tree import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
 RIGID = 1e8
@@ -60,7 +60,7 @@ class DrakeSimulation(Simulation):
         self.model = model
         self.physics = physics
         n = len(model.joints)
-        with _silent():
+        with quiet("drake"):  # of its warning that half spaces do not touch deformable bodies: there are none
             self._plant, self._diagram, self._pedestal = _build(model, physics)
             self._context = self._diagram.CreateDefaultContext()
         plant = self._plant
@@ -169,6 +169,18 @@ class DrakeSimulation(Simulation):
         bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
         return np.asarray(bias)[self._world_order]
 
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        plant, context = self._plant, self._plant_context
+        self.reset(start)
+        order, forces = self._world_order, MultibodyForces(plant)
+        state, rate, out = self._state, np.zeros(plant.num_velocities()), np.empty_like(position)
+        for k in range(len(position)):
+            state[self._q], state[self._v], rate[order] = position[k], velocity[k], acceleration[k]
+            plant.SetPositionsAndVelocities(context, state)
+            plant.CalcForceElementsContribution(context, forces)  # gravity
+            out[k] = plant.CalcInverseDynamics(context, rate, forces)[order]
+        return out
+
 
 def _run(indices: list[int]) -> slice | Array:
     """The indices as a slice where they are consecutive, which is faster."""
@@ -237,18 +249,6 @@ def _build(model: Model, physics: Physics) -> tuple[MultibodyPlant, Diagram, Fix
         _add_contact(model, physics, plant, scene, bodies)
     plant.Finalize()
     return plant, builder.Build(), pedestal
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Without Drake's warning that half spaces do not touch deformable bodies: there are none."""
-    log = logging.getLogger("drake")
-    level = log.level
-    log.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        log.setLevel(level)
 
 
 def _add_contact(

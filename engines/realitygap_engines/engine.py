@@ -18,28 +18,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap_engines.errors import Unsupported
 from realitygap_engines.model.robot import Model
 
 Array = NDArray[np.float64]
 GRAVITY = 9.81
 """[m/s²]"""
-
-
-class Unsupported(Exception):
-    """An engine was asked for physics that it cannot express; the message says what, why and what can be done."""
-
-
-class Diverged(Exception):
-    """The simulation blew up: a state that is not finite or not physical, or an engine's silent reset.
-
-    `time` [s] is the end of the step that failed and `joint` the first joint (or "base") seen to be wrong.
-    """
-
-    def __init__(self, time: float, joint: str, what: str) -> None:
-        super().__init__(f"diverged at {time:.4f} s at {joint}: {what}")
-        self.time = time
-        self.joint = joint
-        self.what = what
 
 
 @dataclass(frozen=True)
@@ -141,6 +125,38 @@ class Simulation(ABC):
 
         Shape (nv,). Here the base acceleration is the time derivative of the base velocity in world axes.
         """
+
+    def inverse_dynamics(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        """The joint efforts M·a + c that a motion takes on a fixed base, without friction, limits and contact.
+
+        An engine that has this natively overrides `_inverse`; by default it is made of `mass_matrix` and `bias`.
+
+        Args:
+            start: tells where the base stands.
+            position: of the joints [rad or m]. Shape (t, n).
+            velocity: their rates. Shape (t, n).
+            acceleration: the rates of those. Shape (t, n).
+
+        Returns:
+            Efforts [N·m or N]. Shape (t, n). Afterwards the simulation's state is not defined: `reset` it.
+
+        Raises:
+            Unsupported: for a floating base, whose motion and contact forces would have to be known, and for a model
+                with armature, which not every engine has.
+        """
+        if self.model.floating or self.model.armature.any():
+            raise Unsupported(
+                "inverse dynamics is of a fixed base without armature: what the ground does to a floating one is not "
+                "known, and armature is the caller's to add"
+            )
+        return self._inverse(start, position, velocity, acceleration)
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        out = np.empty_like(position)
+        for k, (q, v, a) in enumerate(zip(position, velocity, acceleration, strict=True)):
+            self.reset(State(q, v, start.base_position, start.base_quaternion))
+            out[k] = self.mass_matrix() @ a + self.bias()
+        return out
 
     def close(self) -> None:
         """Free what the engine holds."""

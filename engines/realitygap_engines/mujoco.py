@@ -7,6 +7,7 @@ Where it lies by default: the root is welded and fused, small inertias are lifte
 resets the state, contact friction is the larger of the pair. All of that is switched off here.
 """
 
+import weakref
 from functools import cached_property
 from importlib.metadata import version
 from typing import Any
@@ -15,7 +16,8 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Ground, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Ground, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 
 FRICTION_SOLREF = (0.002, 1.0)
@@ -25,8 +27,30 @@ LIMIT_SOLIMP = (0.95, 0.99, 0.001, 0.5, 2.0)
 IMPRATIO = 100.0
 SOFT_IMPRATIO = 1e3
 
-# a blow-up is the caller's to report; MuJoCo would print it and write MUJOCO_LOG.TXT into the working folder
-mujoco.set_mju_user_warning(lambda _: None)
+
+class _Silence:
+    """No messages of MuJoCo while one of our simulations is open; then whoever had them gets them again.
+
+    A blow-up is the caller's to report; MuJoCo would print it and write MUJOCO_LOG.TXT into the working folder.
+    """
+
+    def __init__(self) -> None:
+        self._open = 0
+        self._before: Any = None
+
+    def begin(self) -> None:
+        if self._open == 0:
+            self._before = mujoco.get_mju_user_warning()
+            mujoco.set_mju_user_warning(lambda _: None)
+        self._open += 1
+
+    def end(self) -> None:
+        self._open -= 1
+        if self._open == 0:
+            mujoco.set_mju_user_warning(self._before)
+
+
+SILENCE = _Silence()
 
 
 class MujocoSimulation(Simulation):
@@ -35,6 +59,8 @@ class MujocoSimulation(Simulation):
     def __init__(self, model: Model, physics: Physics) -> None:
         self.model = model
         self.physics = physics
+        SILENCE.begin()
+        self._end_silence = weakref.finalize(self, SILENCE.end)  # once, also where nobody closes it
         spec = _build(model, physics)
         self._m = m = spec.compile()
         self._d = d = mujoco.MjData(m)
@@ -125,6 +151,20 @@ class MujocoSimulation(Simulation):
     def bias(self) -> Array:
         mujoco.mj_forward(self._m, self._d)
         return self._to_world(self._d.qfrc_bias.copy())
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        m, d, out = self._m, self._d, np.empty_like(position)
+        self.reset(start)
+        for k in range(len(position)):  # recursive Newton-Euler alone: mj_inverse would add limits
+            self._qpos[:], self._qvel[:], d.qacc[:] = position[k], velocity[k], acceleration[k]
+            mujoco.mj_kinematics(m, d)
+            mujoco.mj_comPos(m, d)
+            mujoco.mj_comVel(m, d)
+            mujoco.mj_rne(m, d, 1, out[k])
+        return out
+
+    def close(self) -> None:
+        self._end_silence()
 
     def _to_world(self, local: Array) -> Array:
         """From MuJoCo's local angular velocity of the base to world axes."""

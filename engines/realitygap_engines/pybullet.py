@@ -20,7 +20,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 from realitygap_engines.model.urdf import rpy_from_rotation, write_urdf
@@ -185,6 +186,17 @@ class PybulletSimulation(Simulation):
             acceleration[:3] -= np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
         bias: Array = -self.mass_matrix() @ acceleration
         return bias
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        body, client = self._body, self._client
+        turn = rotation_from_quaternion(start.base_quaternion) @ self._principal
+        gravity = (turn.T @ self.physics.gravity).tolist()  # in the base's axes, which Bullet takes for the world's
+        self.reset(start)
+        pybullet.setGravity(*gravity, physicsClientId=client)
+        rows = zip(position.tolist(), velocity.tolist(), acceleration.tolist(), strict=True)
+        out = [pybullet.calculateInverseDynamics(body, q, v, a, physicsClientId=client) for q, v, a in rows]
+        pybullet.setGravity(*self.physics.gravity, physicsClientId=client)
+        return np.array(out).reshape(position.shape)
 
     def _speeds(self) -> Array:
         return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])

@@ -152,7 +152,7 @@ def test_an_engine_can_be_audited_alone() -> None:
 
 
 def test_an_unknown_engine_is_one_sentence() -> None:
-    with pytest.raises(InputError, match=r"--engine: found 'gazebo'; expected one of dart, drake") as error:
+    with pytest.raises(InputError, match=r"--engine: found gazebo; expected one of dart, drake") as error:
         audit(None, ["gazebo"], quiet=True)
     assert "\n" not in str(error.value)
 

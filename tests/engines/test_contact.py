@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import MANY
-from realitygap_engines.model.robot import Model, ModelError, axis_rotation, lowest_point
+from realitygap_engines.model.robot import Model, axis_rotation, lowest_point
 from realitygap_engines.model.urdf import read_urdf
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'

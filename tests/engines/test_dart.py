@@ -4,7 +4,8 @@ import importlib.util
 
 import numpy as np
 import pytest
-from realitygap_engines.engine import Diverged, Ground, Physics, State
+from realitygap_engines.engine import Ground, Physics, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.model.robot import Joint, Link, Model, Sphere
 
 if importlib.util.find_spec("dartpy") is None:

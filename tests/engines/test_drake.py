@@ -5,7 +5,8 @@ import logging
 
 import numpy as np
 import pytest
-from realitygap_engines.engine import Diverged, Ground, Physics, State
+from realitygap_engines.engine import Ground, Physics, State
+from realitygap_engines.errors import Diverged
 from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere
 
 if importlib.util.find_spec("pydrake") is None:

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio
 import pytest
-from realitygap_engines.model.robot import ModelError, link_poses
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import link_poses
 from realitygap_engines.model.urdf import read_urdf, write_urdf
 
 INERTIA = '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="-0.002" iyz="0.003"/>'

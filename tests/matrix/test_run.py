@@ -20,7 +20,8 @@ from realitygap.cli.main import main
 from realitygap.compare.table import COLUMNS, read_gaps
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
-from realitygap.matrix.run import RunResult, engine_names, judge, run, summary
+from realitygap.matrix.run import RunResult, judge, run, summary
+from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.experiment import experiments, simulate
 from rosbags.highlevel import AnyReader

@@ -23,6 +23,7 @@ import planted
 import yaml
 from catalogue import COUNTS, Case, catalogue
 from foreign import Foreign, Motion, simulate
+from imperfections import clock_error, imperfect
 from motions import Command
 from planted import Planted
 from recorder import Recording, Sensing, clock, disturbance, record, reported_velocity, write_bag, write_csv
@@ -78,14 +79,25 @@ def _perform(plant: Foreign, robot: Robot, run: Run, sent: Command, noise: np.nd
     return simulate(plant, sent.time, sent.value, sent.enabled, _still(sent, robot), run.length, noise)
 
 
-def _plant(robot: Robot, run: Run, truths: list[tuple[str, int, float, int]], outside: tuple[str, int, int] | None):
-    """The plant of one run with what is planted, and the truths; draws are the same in every run."""
+def _plant(
+    robot: Robot,
+    run: Run,
+    truths: list[tuple[str, int, float, int]],
+    outside: tuple[str, int, int] | None,
+    nearly: int | None = None,
+):
+    """The plant of one run with what is planted, and the truths; draws are the same in every run.
+
+    `nearly` is the seed of what keeps its laws nearly right; without it they are exact.
+    """
     plant = robot.plant(run.gain, run.load)
     told = [planted.plant(e, plant, robot, j, size, np.random.default_rng(s)) for e, j, size, s in truths]
     other = None
     if outside:
         name, j, s = outside
         other = planted.OUTSIDE[name](plant, robot, j, np.random.default_rng(s))
+    if nearly is not None:
+        imperfect(plant, robot, nearly)
     robot.bristles(plant)
     return plant, told, other
 
@@ -123,15 +135,16 @@ def visibility(robot: Robot, plant: Foreign, motion: Motion, clean: Motion, sens
 def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     """Write one case and its truth; returns the truth."""
     rng = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
+    nearly = zlib.crc32(f"{seed} {case.name}".encode()) if case.laws == "nearly" else None
     while True:
         robot = BUILDERS[case.robot](rng)
-        sensing = replace(case.sensing, quantum=robot.quantum)
+        sensing = replace(case.sensing, quantum=robot.quantum, clock=0.0 if nearly is None else clock_error(nearly))
         runs = plan(robot, [e for e, _ in case.effects], rng)
         clean = _measure(robot, runs, sensing)
         truths = _sized(case, robot, runs, clean, sensing, rng)
         j = int(rng.integers(len(robot.joints)))
         outside = (case.outside, j, int(rng.integers(2**31))) if case.outside else None
-        plants = [_plant(robot, run, truths, outside) for run in runs]
+        plants = [_plant(robot, run, truths, outside, nearly) for run in runs]
         if truths is not None and _sane(robot, runs, plants, sensing):
             break
     folder = out / "cases" / case.name
@@ -159,6 +172,7 @@ def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
         ],
         "outside": plants[0][2],
         "tolerated": [["velocity_filter", j] for j in [*robot.joints, "*"]] if sensing.velocity == "difference" else [],
+        "laws": _laws(robot, runs, nearly, clean, sensing),
         "sensing": asdict(sensing),
         "joints": robot.joints,
     }
@@ -167,13 +181,24 @@ def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     return truth
 
 
+def _laws(robot: Robot, runs: list[Run], nearly: int | None, clean: list[Motion], sensing: Sensing):
+    """What keeps the laws nearly right, and how far it alone moves the recordings."""
+    if nearly is None:
+        return "exact"
+    plant = _plant(robot, runs[0], [], None)[0]
+    told = imperfect(plant, robot, nearly)
+    robot.bristles(plant)
+    motion = _perform(plant, robot, runs[0], _command(robot, runs[0], sensing), None)
+    return {"visibility": round(visibility(robot, plant, motion, clean[0], sensing), 2), "joints": told}
+
+
 def _sized(case: Case, robot: Robot, runs: list[Run], clean: list[Motion], sensing: Sensing, rng: np.random.Generator):
     """Where each effect sits and its size, made larger until the recordings show it."""
     truths = []
     for effect, size in case.effects:
         j = int(rng.integers(len(robot.joints)))
         s = int(rng.integers(2**31))
-        full = size * (2.0 if case.kind == "half" else 1.0)
+        full = size * (2.0 if case.family == "half" else 1.0)
         loud = replace(sensing, effort=True)
         for _ in range(5):
             seen = 0.0
@@ -186,7 +211,7 @@ def _sized(case: Case, robot: Robot, runs: list[Run], clean: list[Motion], sensi
             if seen > VISIBLE:
                 break
             full *= 1.4
-        truths.append((effect, j, full * (0.5 if case.kind == "half" else 1.0), s))
+        truths.append((effect, j, full * (0.5 if case.family == "half" else 1.0), s))
     return truths
 
 

@@ -21,6 +21,10 @@ FAMILIES = (
 )
 """Effects of one family do much the same; several at once are taken from several families."""
 COUNTS = {"single": 78, "half": 44, "pair": 30, "triple": 12, "nothing": 24, "outside": 20}
+COUNTS |= {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
+COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12}
+NEARLY = "nearly_"
+"""Kinds of this prefix plant the same as without it, on machines whose laws are only nearly right."""
 
 
 @dataclass(frozen=True)
@@ -43,34 +47,44 @@ class Case:
     outside: str = ""
     sensing: Sensing = field(default_factory=Sensing)
 
+    @property
+    def family(self) -> str:
+        """The kind without the laws."""
+        return self.kind.removeprefix(NEARLY)
+
+    @property
+    def laws(self) -> str:
+        """Whether the plant's laws are `exact` or `nearly` the list's: see `imperfections`."""
+        return "nearly" if self.kind.startswith(NEARLY) else "exact"
+
 
 def catalogue(kind: str, seed: int = 1) -> list[Case]:
     """The cases of one kind, in an order in which the first ones are already varied."""
     rng = np.random.default_rng([seed, zlib.crc32(kind.encode())])
     kinds = [*ONE_JOINT[:2], *TWO_LINKS, ONE_JOINT[2]]
-    count = COUNTS[kind]
+    count, family = COUNTS[kind], kind.removeprefix(NEARLY)
     cases: list[Case] = []
-    if kind in ("single", "half"):
+    if family in ("single", "half"):
         turn = 0
         while len(cases) < count:
             for i, effect in enumerate(rng.permutation(list(planted.EFFECTS))):
                 robot = kinds[(i + turn) % len(kinds)]
                 while not _sits(effect, robot):
                     robot = kinds[int(rng.integers(len(kinds)))]
-                size = (1.0, 1.5, 0.7)[turn % 3] * (0.5 if kind == "half" else 1.0)
-                sensing = Sensing(rate=100.0, effort=False) if kind == "half" else Sensing()
+                size = (1.0, 1.5, 0.7)[turn % 3] * (0.5 if family == "half" else 1.0)
+                sensing = Sensing(rate=100.0, effort=False) if family == "half" else Sensing()
                 cases.append(_named(len(cases), kind, robot, ((str(effect), size),), sensing))
             turn += 1
-    elif kind in ("pair", "triple"):
+    elif family in ("pair", "triple"):
         for k in range(count):
             robot = kinds[k % 4]
             while True:
-                families = rng.permutation(len(FAMILIES))[: 2 if kind == "pair" else 3]
+                families = rng.permutation(len(FAMILIES))[: 2 if family == "pair" else 3]
                 chosen = [str(rng.choice(FAMILIES[f])) for f in families]
                 if all(_sits(e, robot) for e in chosen):
                     break
             cases.append(_named(k, kind, robot, tuple((e, float(rng.choice([1.0, 1.5]))) for e in chosen), Sensing()))
-    elif kind == "nothing":
+    elif family == "nothing":
         for k in range(count):
             noisy = (0.5, 1.0, 2.0, 4.0)[k % 4]
             sensing = Sensing(

@@ -9,6 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 DC, PID, CASCADE = 0, 1, 2
+OVER_SUPPLY, ONE_WAY = 0, 1
+"""Laws of the supply: power over the nominal voltage, as on the list; power over the bus voltage, each servo behind a
+diode, and a battery that needs `RECOVERY` to give way and to recover."""
+RECOVERY = 0.02
+"""Time constant of a lithium battery's fast double layer, at its quickest [s]."""
 FIRMWARE = 1e-3
 """Period of a servo's own control loop [s]: the time over which it takes the derivative of a command."""
 
@@ -56,6 +61,20 @@ _NUMBERS = {
     "backlash": 0.0,
     "stiffness": 0.0,  # 0: none
     "output_share": 0.2,  # of the friction that sits behind the backlash
+    # what keeps the laws nearly right: see `imperfections`
+    "uneven_direction": 0.0,
+    "uneven_angle": 0.0,
+    "uneven_periods": 0.0,
+    "uneven_phase": 0.0,
+    "thinning": 0.0,  # of viscous friction with speed [s/rad]
+    "saturation": 0.0,  # of the torque, at `saturation_torque`
+    "saturation_torque": 1.0,
+    "fading": 0.0,  # of the torque, long after `fading_time` [s]
+    "fading_time": 1.0,
+    "cable": 0.0,  # largest pull [N·m]
+    "cable_rest": 0.0,
+    "cable_width": 1.0,
+    "stiffening": 0.0,  # of the compliance with the square of its twist [1/rad²]
 }
 DRIVE = np.dtype([("kind", np.int64), *((name, np.float64) for name in _NUMBERS)])
 
@@ -69,8 +88,8 @@ def drives(n: int) -> NDArray[np.void]:
 
 
 @numba.njit(cache=True)
-def _bristle(d, z, v, through, h):
-    """Bristle force at sliding speed v and the new deflection (backward Euler: stiff at high speed)."""
+def _bristle(d, z, v, q, through, h):
+    """Bristle force at sliding speed v and angle q, and the new deflection (backward Euler: stiff at high speed)."""
     speed = abs(v)
     bound = d.coulomb
     if d.static != d.coulomb:
@@ -80,6 +99,9 @@ def _bristle(d, z, v, through, h):
         if d.load_static != 0.0:
             share += d.load_static * np.exp(-((speed / d.load_velocity) ** d.load_exponent))
         bound += share * through
+    if d.uneven_direction != 0.0 or d.uneven_angle != 0.0:
+        side = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
+        bound *= 1.0 + d.uneven_direction * side + d.uneven_angle * np.sin(d.uneven_periods * q + d.uneven_phase)
     if bound <= 0.0 or d.bristle <= 0.0:
         return 0.0, 0.0
     edge = bound / d.bristle
@@ -95,16 +117,34 @@ def _bristle(d, z, v, through, h):
 
 
 @numba.njit(cache=True)
+def _fading(d, t):
+    """What is left of the torque constant at time t, before the current is known."""
+    left = max(0.0, 1.0 - d.heating * max(t, 0.0))
+    if d.fading != 0.0:
+        left *= 1.0 - d.fading * (1.0 - np.exp(-max(t, 0.0) / d.fading_time))
+    return left
+
+
+@numba.njit(cache=True)
+def _saturation(d, torque):
+    """What is left of the torque constant at the current that would give this torque."""
+    return 1.0 - d.saturation * min(1.0, (torque / d.saturation_torque) ** 2)
+
+
+@numba.njit(cache=True)
 def _motor(d, command, reading, w, bus, t, integral, feed):
-    """Motor effort before friction, duty, and position error."""
+    """Motor effort before friction, duty, position error, and the torque constant now."""
     error = command - reading
     if d.dead_band > 0.0:
         error = 0.0 if abs(error) < d.dead_band else error - np.sign(error) * d.dead_band
-    duty = 0.0
+    duty, kt = 0.0, 1.0
     if d.kind == DC:
         duty = min(max(d.gain * error, -d.duty_limit), d.duty_limit)
-        kt = d.torque_constant * max(0.0, 1.0 - d.heating * max(t, 0.0))
+        kt = d.torque_constant * _fading(d, t)
         torque = kt / d.resistance * (duty * bus - kt * w)
+        if d.saturation != 0.0:
+            kt *= _saturation(d, torque)
+            torque = kt / d.resistance * (duty * bus - kt * w)
     elif d.kind == PID:
         torque = d.kp * error + integral + d.kd * (feed - w)
         torque = min(max(torque, -d.effort_limit), d.effort_limit)
@@ -113,16 +153,18 @@ def _motor(d, command, reading, w, bus, t, integral, feed):
     else:
         torque = d.gain * (d.kv * (d.kp * error - w))
         torque = min(max(torque, -d.effort_limit), d.effort_limit)
+    if d.kind != DC and (d.fading != 0.0 or d.saturation != 0.0):  # a drive whose torque loop trusts its constant
+        torque *= _fading(d, t) * _saturation(d, torque)
     if d.stall_torque < np.inf:
         sign = 1.0 if torque > 0.0 else -1.0
         bound = max(0.0, d.stall_torque * (1.0 - w * sign / d.no_load_speed))
         torque = min(max(torque, -bound), bound)
-    return torque, duty, error
+    return torque, duty, error, kt
 
 
 @numba.njit(cache=True)
 def joint_efforts(
-    drive, sag, bus, held, feed, live, noise, t, h,
+    drive, sag, law, bus, held, feed, live, noise, t, h,
     q, w, rotor, rotor_w, z, integral, through, link_torque, motor, applied,
 ):  # fmt: skip
     """The effort that each link gets from its joint over one step of length h at time t; returns the supply.
@@ -131,7 +173,7 @@ def joint_efforts(
     """
     n = drive.size
     if sag > 0.0:  # all servos on one supply: fixed point, from the last step's voltage
-        for _ in range(3):
+        for _ in range(3 if law == OVER_SUPPLY else 1):
             drawn = 0.0
             for j in range(n):
                 d = drive[j]
@@ -139,10 +181,10 @@ def joint_efforts(
                     continue
                 two = d.backlash > 0.0 or d.stiffness > 0.0
                 shown = (rotor[j] if d.stiffness > 0.0 else q[j]) - d.offset
-                torque, duty, _e = _motor(d, held[j], shown, rotor_w[j] if two else w[j], bus, t, 0.0, 0.0)
-                kt = d.torque_constant * max(0.0, 1.0 - d.heating * max(t, 0.0))
-                drawn += max(0.0, duty * bus * (torque / kt) / d.supply)
-            bus = 0.5 * (bus + max(0.0, drive[0].supply - sag * drawn))
+                torque, duty, _e, kt = _motor(d, held[j], shown, rotor_w[j] if two else w[j], bus, t, 0.0, 0.0)
+                drawn += max(0.0, duty * bus * (torque / kt) / (d.supply if law == OVER_SUPPLY else bus))
+            lower = max(0.0, drive[0].supply - sag * drawn)
+            bus = 0.5 * (bus + lower) if law == OVER_SUPPLY else bus + h / RECOVERY * (lower - bus)
     for j in range(n):
         d = drive[j]
         loose, soft = d.backlash > 0.0, d.stiffness > 0.0
@@ -151,7 +193,7 @@ def joint_efforts(
         motor[j] = 0.0
         if live[j]:
             volts = bus if sag > 0.0 else d.supply
-            motor[j], _duty, error = _motor(d, held[j], shaft - d.offset, speed, volts, t, integral[j], feed[j])
+            motor[j], _duty, error, _kt = _motor(d, held[j], shaft - d.offset, speed, volts, t, integral[j], feed[j])
             if d.kind == PID and abs(motor[j]) < d.effort_limit:
                 integral[j] += d.ki * error * h
         else:
@@ -162,8 +204,12 @@ def joint_efforts(
         if shaft > d.stop:
             extra -= d.stop_stiffness * (shaft - d.stop) + 0.002 * d.stop_stiffness * w[j]
         through[j] += h / 2e-4 * (0.5 * abs(motor[j] + link_torque[j]) - through[j])
-        friction, z[j] = _bristle(d, z[j], speed, through[j], h)
+        if d.cable != 0.0:
+            extra -= d.cable * np.tanh((q[j] - d.cable_rest) / d.cable_width)
+        friction, z[j] = _bristle(d, z[j], speed, turn, through[j], h)
         drag = d.viscous * speed
+        if d.thinning != 0.0:
+            drag *= max(0.5, 1.0 - d.thinning * abs(speed))
         if loose:
             gap = rotor[j] - q[j]
             over = gap - min(max(gap, -0.5 * d.backlash), 0.5 * d.backlash)
@@ -180,7 +226,8 @@ def joint_efforts(
             rotor[j] += h * rotor_w[j]
             link_torque[j] = touch
         elif soft:
-            spring = d.stiffness * (rotor[j] - q[j])
+            twist = rotor[j] - q[j]
+            spring = d.stiffness * twist * (1.0 + d.stiffening * twist * twist)
             spring += 0.02 * np.sqrt(d.stiffness * d.armature) * (rotor_w[j] - w[j])
             applied[j] = spring + noise[j]
             rotor_w[j] += h * (motor[j] + ripple + extra - friction - drag - spring) / d.armature

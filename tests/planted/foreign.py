@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numba
 import numpy as np
 from chain import Array, Chain, inverse_dynamics
-from drivetrain import hold_commands, joint_efforts
+from drivetrain import OVER_SUPPLY, hold_commands, joint_efforts
 from numpy.typing import NDArray
 
 STEP = 20e-6
@@ -25,6 +25,7 @@ class Foreign:
         chain: the bodies.
         drive: Shape (n,) of `DRIVE`.
         sag: resistance of the supply that all servos share [Ω].
+        sag_law: `drivetrain.OVER_SUPPLY` or `drivetrain.ONE_WAY`.
         velocity_time, velocity_scale: the reported velocity's low-pass [s] and scale. Shape (n,).
         dropout: joint, start and end [s] of a motor that does not pull; joint -1 is none.
         push: effort [N·m], period [s] and width [s] of a push on each joint. Shape (n, 3).
@@ -33,6 +34,7 @@ class Foreign:
     chain: Chain
     drive: NDArray[np.void]
     sag: float = 0.0
+    sag_law: int = OVER_SUPPLY
     velocity_time: Array = field(default_factory=lambda: np.zeros(0))
     velocity_scale: Array = field(default_factory=lambda: np.zeros(0))
     dropout: tuple[int, float, float] = (-1, 0.0, 0.0)
@@ -103,6 +105,7 @@ def simulate(
         *plant.chain.arrays(),
         drive,
         plant.sag,
+        plant.sag_law,
         times + settle,
         command,
         enabled,
@@ -140,7 +143,7 @@ def _solve(M, b, n):
 @numba.njit(cache=True)
 def _run(
     prismatic, axis, origin, turn, mass, com, inertia, gravity,
-    drive, sag, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
+    drive, sag, sag_law, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
     q, settle, h, steps, out,
 ):  # fmt: skip
     n = mass.size
@@ -174,7 +177,7 @@ def _run(
                 out[1, k, j] = rotor_w[j] if soft else w[j]
                 out[3, k, j] = q[j]
         bus = joint_efforts(
-            drive, sag, bus, held, feed, live, noise, t - settle, h,
+            drive, sag, sag_law, bus, held, feed, live, noise, t - settle, h,
             q, w, rotor, rotor_w, z, integral, through, link_torque, motor, applied,
         )  # fmt: skip
         if step % EVERY == 0:

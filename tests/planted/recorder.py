@@ -24,6 +24,7 @@ class Sensing:
         effort: whether the motor's effort is recorded.
         disturbance: standard deviation of the disturbing torque, as a share of the typical effort.
         jitter: of the sampling instants, as a share of the period; their stamps are off by a hundredth of that.
+        clock: relative error of the clock that stamps commands and readings.
     """
 
     rate: float = 200.0
@@ -35,6 +36,7 @@ class Sensing:
     effort: bool = True
     disturbance: float = 0.008
     jitter: float = 0.03
+    clock: float = 0.0
 
 
 @dataclass
@@ -95,7 +97,7 @@ def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing:
     position = np.round(position / sensing.quantum) * sensing.quantum
     if sensing.velocity == "difference":
         velocity = np.zeros(shape)
-        velocity[1:] = np.diff(position, axis=0) / np.diff(sent.time)[:, None]
+        velocity[1:] = np.diff(position, axis=0) / np.diff(sent.time)[:, None] / (1.0 + sensing.clock)
     else:
         noise = sensing.velocity_noise * robot.speed
         velocity = sampled(reported_velocity(plant, motion)) + noise * rng.standard_normal(shape)
@@ -105,7 +107,7 @@ def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing:
         first = np.minimum(np.searchsorted(motion.time, at + 1e-9), len(motion.time) - 1)
         effort = motion.effort[first] + sensing.effort_noise * robot.torque * rng.standard_normal(shape)
     stamp = sent.time + 0.01 * sensing.jitter / sensing.rate * rng.standard_normal(len(at))
-    stamp -= stamp[0]
+    stamp = (stamp - stamp[0]) * (1.0 + sensing.clock)
     return Recording(np.maximum.accumulate(stamp), sent.value, position, velocity, effort, sent.enabled)
 
 

@@ -19,7 +19,8 @@ from cases import KINDS, Make, makers
 from robots import BUILDERS
 
 ROOT = Path(__file__).parents[2]
-COMMAND = Path(sys.executable).with_name("realitygap")
+COMMAND = (sys.executable, "-m", "realitygap.cli.main")
+"""The command line of the tree that PYTHONPATH names, or of the one that is installed."""
 
 
 def say(text: str) -> None:
@@ -38,7 +39,7 @@ def diagnose(name: str, make: Make, work: Path, engines: list[str], limit: float
         out.mkdir(parents=True, exist_ok=True)
         written.unlink(missing_ok=True)
         options = [x for engine in engines for x in ("--engine", engine)]
-        command = [COMMAND, "diagnose", work / "cases" / name / "scenario.yaml", "--out", out, *options]
+        command = [*COMMAND, "diagnose", work / "cases" / name / "scenario.yaml", "--out", out, *options]
         start = time.monotonic()
         with (out / "log.txt").open("w") as log:
             try:
@@ -72,12 +73,19 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=1800.0, help="seconds for one case")
     parser.add_argument("--again", action="store_true", help="diagnose anew what is done")
     parser.add_argument("--done", action="store_true", help="judge what is done, and run nothing")
+    parser.add_argument(
+        "--generate", action="store_true", help="write the cases and their truths, and diagnose nothing"
+    )
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    if not COMMAND.is_file():
-        parser.error(f"found no {COMMAND}; run this with the project's environment")
     work = args.work.absolute()
     chosen = [c for kind in args.only or KINDS for c in makers(kind, args.seed, args.robot)[: args.first]]
+    if args.generate:
+        for name, make in chosen:
+            if not (work / "truth" / f"{name}.json").is_file():
+                make(work)
+                say(name)
+        return
     if args.done:
         chosen = [c for c in chosen if (work / "diagnoses" / c[0] / "diagnosis.json").is_file()]
 

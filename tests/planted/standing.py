@@ -174,7 +174,7 @@ def simulate(
         out[0, k], out[1, k], out[3, k] = shaft - drive["offset"], np.where(soft, rotor_w, w), q
         height[k] = data.qpos[2]
         bus = drivetrain.joint_efforts(
-            drive, plant.sag, bus, held, feed, live, noise, t - settle, STEP,
+            drive, plant.sag, plant.sag_law, bus, held, feed, live, noise, t - settle, STEP,
             q, w, rotor, rotor_w, z, integral, through, link, motor, applied,
         )  # fmt: skip
         out[2, k] = motor

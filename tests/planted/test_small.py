@@ -20,6 +20,7 @@ import summary
 from chain import GRAVITY, Chain
 from drivetrain import drives
 from foreign import Foreign, simulate
+from imperfections import imperfect
 from recorder import Sensing
 
 INERTIA, MASS, LENGTH, ARMATURE = 0.004, 0.5, 0.2, 0.01
@@ -171,7 +172,7 @@ def test_every_effect_is_planted_as_it_is_told(effect: str) -> None:
     assert changed
 
 
-@pytest.mark.parametrize(("kind", "robot"), [("single", "pendulum"), ("nothing", "skew")])
+@pytest.mark.parametrize(("kind", "robot"), [("single", "pendulum"), ("nothing", "skew"), ("nearly_single", "planar")])
 def test_a_case_is_written_alike_twice_and_reads_as_a_scenario(kind: str, robot: str, tmp_path: Path) -> None:
     case = next(c for c in cases.catalogue(kind) if c.robot == robot)
     truths = [cases.generate(case, tmp_path / name) for name in ("a", "b")]
@@ -183,6 +184,47 @@ def test_a_case_is_written_alike_twice_and_reads_as_a_scenario(kind: str, robot:
     runs = load_scenario(folder / "scenario.yaml").cases()
     assert {r.run.use for r in runs} == {"train", "held_out"}
     assert all(t["visibility"] > 1.0 for t in truths[0]["truth"])
+
+
+@pytest.mark.parametrize("kind", [*robots.ONE_JOINT, *robots.TWO_LINKS])
+def test_nearly_right_laws_are_a_few_per_cent_of_what_acts(kind: str) -> None:
+    """Along one motion, no law's imperfection takes or gives more than its stated share of what the law gives."""
+    robot = robots.BUILDERS[kind](np.random.default_rng(4))
+    n = len(robot.joints)
+    robot.torque = robot.peak = robot.speed = robot.fastest = np.ones(n)
+    plant = robot.plant()
+    imperfect(plant, robot, 7)
+    drive = plant.drive
+    uneven = np.abs(drive["uneven_direction"]) + drive["uneven_angle"]
+    assert np.all((uneven >= 0.0399) & (uneven <= 0.1001))
+    droop = drive["saturation"] + drive["fading"]
+    assert np.all((droop >= 0.0199) & (droop <= 0.0501))
+    assert np.all((drive["cable"] >= 0.005 * robot.torque) & (drive["cable"] <= 0.0151 * robot.torque))
+    assert np.linalg.norm(plant.chain.gravity) == pytest.approx(9.80665)
+    again = robot.plant()
+    imperfect(again, robot, 7)
+    assert np.array_equal(drive, again.drive)
+
+
+def test_friction_that_is_uneven_differs_by_direction() -> None:
+    """Pushed by the same effort either way, a joint gains speed by what friction leaves of it."""
+    push, torque, uneven, time = 0.3, 0.1, 0.08, 0.4
+    reached = {
+        side: free(pendulum(gravity=0.0, coulomb=torque, constant=side * push, uneven_direction=uneven), 0.0, time)
+        for side in (1.0, -1.0)
+    }
+    for side, motion in reached.items():
+        expected = 0.5 * side * (push - torque * (1 + side * uneven)) / (SWING + ARMATURE) * time**2
+        assert motion.link[-1, 0] == pytest.approx(expected, rel=5e-3)
+
+
+def test_a_saturating_motor_holds_less_by_its_share() -> None:
+    """A motor at its duty limit, held at rest: torque = (1 - share)·kt/R·volts at the reference torque."""
+    share = 0.04
+    plant = pendulum(gravity=0.0, gain=1.0, torque_constant=2.0, resistance=4.0, supply=10.0, coulomb=50.0)
+    plant.drive["saturation"], plant.drive["saturation_torque"] = share, 2.0 / 4.0 * 10.0
+    motion = simulate(plant, np.zeros(1), np.full((1, 1), 9.0), np.ones(1), np.zeros(1), 0.1, settle=0.0)
+    assert motion.effort[-1, 0] == pytest.approx(5.0 * (1 - share), rel=1e-3)
 
 
 def test_the_catalogue_is_as_large_as_promised() -> None:

@@ -329,19 +329,27 @@ def test_the_torque_speed_limit_is_a_line_that_braking_lies_beyond(kind: int) ->
 
 
 def test_servos_on_one_supply_sag_together() -> None:
-    """Two stalled servos at full duty: bus·(1 + R_s·2·bus/(R·U)) = U, a quadratic."""
+    """Two stalled servos at full duty are two windings on a lead: bus = U/(1 + 2·R_s/R)."""
     plant = added(wheel(3), "voltage_sag", target=["joint0", "joint1"], resistance=0.5)  # type: ignore[arg-type]
     plant.drive["meaning"] = DUTY
-    a = 0.5 * 2 / (RESISTANCE * SUPPLY)
-    together = (np.sqrt(1 + 4 * a * SUPPLY) - 1) / (2 * a)
+    together, alone = SUPPLY / (1 + 2 * 0.5 / RESISTANCE), SUPPLY / (1 + 0.5 / RESISTANCE)
     motor, bus = one_step(plant, np.ones(3), np.zeros(3))
     assert_allclose(bus, [together, together, SUPPLY])
     assert_allclose(motor, TORQUE_CONSTANT / RESISTANCE * bus)
-    alone = (np.sqrt(1 + 2 * a * SUPPLY) - 1) / a
     _, bus = one_step(plant, np.array([1.0, np.nan, 1.0]), np.zeros(3))
     assert_allclose(bus[0], alone)
-    _, bus = one_step(plant, np.array([1.0, 0.5, 1.0]), np.array([0.0, 6.0, 0.0]))  # the second one brakes
-    assert_allclose(bus[:2], alone, err_msg="a servo that brakes feeds nothing back")
+
+
+@pytest.mark.parametrize("duties", [[1.0, 0.5], [0.3, -0.8], [-0.2, 0.1]])
+def test_the_power_on_a_bus_is_balanced(duties: list[float]) -> None:
+    """bus = supply - R_s·Σ volts·current/bus: what the servos take is what comes through the lead, either way."""
+    plant = added(wheel(2), "voltage_sag", resistance=0.5)
+    plant.drive["meaning"] = DUTY
+    speed = np.array([2.0, 6.0])
+    motor, bus = one_step(plant, np.array(duties), speed)
+    power = np.array(duties) * bus * motor / TORQUE_CONSTANT
+    assert_allclose(bus, SUPPLY - 0.5 * power.sum() / bus)
+    assert (power.sum() < 0) == (bus[0] > SUPPLY), "a servo that brakes feeds back and lifts the bus"
 
 
 def test_heating_lowers_torque_and_induced_voltage_over_time() -> None:

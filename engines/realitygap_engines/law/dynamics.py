@@ -78,6 +78,17 @@ class Dynamics:
             self.height,
         )
 
+    def inverse(self, position: Array, velocity: Array, acceleration: Array, base: Array, gravity: Array) -> Array:
+        """The efforts M·a + c along a motion of the joints on a fixed base. Shapes (t, n); the base row as in `update`.
+
+        Afterwards the state is that of the last sample.
+        """
+        out = np.empty_like(position)
+        for k in range(len(position)):
+            self.update(position[k], velocity[k], base, gravity)
+            out[k] = self.inertia @ acceleration[k] + self.bias
+        return out
+
 
 @njit(cache=True)
 def _update(

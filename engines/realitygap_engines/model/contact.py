@@ -4,7 +4,6 @@ Against a plane a convex body touches with its vertices only, so small spheres t
 engine then sees nothing but sphere-plane contacts, which they all treat alike.
 """
 
-import logging
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,14 +12,14 @@ import trimesh
 import yourdfpy
 from scipy.spatial import ConvexHull, QhullError
 
-from realitygap_engines.model.robot import Array, ModelError, Sphere
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.quiet import quiet
+from realitygap_engines.model.robot import Array, Sphere
 
 RADIUS = 1e-3
 """Radius of a corner sphere [m]; its centre is moved inwards, so that the surface stays where it was."""
 MANY = 8
 """More corners than this on one link are thinned to those nearest the corners of its oriented bounding box."""
-
-logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # what it complains about is said here
 
 
 def contact_spheres(
@@ -39,27 +38,31 @@ def contact_spheres(
             spheres.append(Sphere(pose[:3, 3].copy(), float(geometry.sphere.radius)))
             continue
         if geometry.box is not None:
-            half = np.asarray(geometry.box.size, dtype=float) / 2
-            points = _inset_box(half)
+            points = inset_box(np.asarray(geometry.box.size, dtype=float) / 2)
         elif geometry.cylinder is not None:
-            points = _inset_cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length) / 2)
+            points = inset_cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length) / 2)
         elif geometry.mesh is not None:
             points = _inset_mesh(path, link, geometry.mesh, packages)
         else:
             continue
         corners.append(points @ pose[:3, :3].T + pose[:3, 3])
-    if corners:
-        spheres += [Sphere(point, RADIUS) for point in _hull(np.vstack(corners))]
-    return tuple(spheres)
+    return (*spheres, *corner_spheres(corners))
 
 
-def _inset_box(half: Array) -> Array:
+def corner_spheres(corners: list[Array]) -> tuple[Sphere, ...]:
+    """Spheres on the corners of the convex hull of points (k, 3), given by shape, that were moved inwards already."""
+    return tuple(Sphere(point, RADIUS) for point in _hull(np.vstack(corners))) if corners else ()
+
+
+def inset_box(half: Array) -> Array:
+    """The corners of a box of half sizes (3,), moved inwards by the radius of a corner sphere. Shape (8, 3)."""
     inner = np.maximum(half - RADIUS, 0.0)
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
     return signs * inner
 
 
-def _inset_cylinder(radius: float, half: float) -> Array:
+def inset_cylinder(radius: float, half: float) -> Array:
+    """Eight points on each rim of a cylinder along z of that half length, moved inwards likewise. Shape (16, 3)."""
     angles = np.arange(8) * np.pi / 4
     ring = max(radius - RADIUS, 0.0) * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(8)])
     rise = np.array([0.0, 0.0, max(half - RADIUS, 0.0)])
@@ -69,7 +72,8 @@ def _inset_cylinder(radius: float, half: float) -> Array:
 def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[str, Path]) -> Array:
     file = find_mesh(path, link, mesh.filename, packages)
     try:
-        loaded = trimesh.load(file, force="mesh")
+        with quiet("trimesh"):  # what it complains about is said here
+            loaded = trimesh.load(file, force="mesh")
         vertices = np.asarray(loaded.vertices, dtype=float)
     except Exception as error:
         raise ModelError(f"{path}: mesh {file} of link {link} cannot be read ({error})") from None
@@ -77,6 +81,11 @@ def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[st
     vertices = vertices * np.asarray(scale, dtype=float)
     if len(vertices) < 4 or not np.isfinite(vertices).all():
         raise ModelError(f"{path}: mesh {file} of link {link} has no volume")
+    return inset_points(vertices)
+
+
+def inset_points(vertices: Array) -> Array:
+    """The corners of the convex hull of points (k, 3), moved towards its middle by the radius of a corner sphere."""
     vertices = _hull(vertices)
     inwards = vertices.mean(axis=0) - vertices
     return np.asarray(vertices + RADIUS * inwards / np.linalg.norm(inwards, axis=1, keepdims=True))
@@ -106,7 +115,8 @@ def _hull(points: Array) -> Array:
     except (QhullError, ValueError):
         points = np.unique(points, axis=0)  # flat or degenerate: every point may touch
     if len(points) > MANY:
-        to_box, extents = trimesh.bounds.oriented_bounds(points)
+        with quiet("trimesh"):
+            to_box, extents = trimesh.bounds.oriented_bounds(points)
         local = (points @ to_box[:3, :3].T + to_box[:3, 3]) / extents
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
         points = points[np.unique((signs @ local.T).argmax(axis=1))]

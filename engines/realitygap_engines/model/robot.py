@@ -5,16 +5,13 @@ Contact geometry is a set of spheres per link that touches the ground plane exac
 Units are SI; poses are 4x4 homogeneous matrices.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-
-class ModelError(ValueError):
-    """A robot description that cannot be simulated; the message says what was found and what was expected."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +61,20 @@ class Joint:
 
 
 @dataclass(frozen=True)
+class Actuator:
+    """What drives a joint, where the robot's file says it: `kind` and `values` are those of a servo in a scenario."""
+
+    joint: str
+    kind: str
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Model:
     """A robot. `links[0]` is the base and `links[i + 1]` the child of `joints[i]`; parents come before children.
 
     `floating` says whether the base moves freely. `notes` are sentences on what was simplified or left out.
+    `actuators` drive the joints where a scenario names no servos.
     """
 
     name: str
@@ -75,6 +82,7 @@ class Model:
     joints: tuple[Joint, ...]
     floating: bool
     notes: tuple[str, ...] = field(default=())
+    actuators: tuple[Actuator, ...] = ()
 
     @property
     def joint_names(self) -> list[str]:

@@ -8,19 +8,21 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 import yourdfpy
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import contact_spheres
+from realitygap_engines.model.inertia import Part, lump
 from realitygap_engines.model.robot import (
     Array,
     Joint,
     Link,
     Model,
-    ModelError,
     quaternion_from_rotation,
     rotation_from_quaternion,
 )
+from realitygap_engines.model.touching import touching
 from realitygap_engines.model.urdf_check import parse_urdf
 
-Part = tuple[yourdfpy.Link, Array]
+Fixed = tuple[yourdfpy.Link, Array]
 """A URDF link and its pose (4, 4) in the link that carries it."""
 Branch = tuple[yourdfpy.Joint, Array]
 """A joint and the pose (4, 4) of its frame in the link that carries it."""
@@ -50,11 +52,14 @@ def read_urdf(
     bodies: list[Link] = []
     joints: list[Joint] = []
     shapes: list[list[tuple[yourdfpy.Collision, Array]]] = []
+    notes: list[str] = []
     parts, branches = _carried(root, links, children)
     todo: list[tuple[yourdfpy.Joint, Array, int]] = []  # depth first, in the file's order
     while True:
         index = len(bodies)
-        bodies.append(_lump(path, parts, needs_mass=index > 0 or floating))
+        body, mended = lump(path, [_part(part, pose) for part, pose in parts], moves=index > 0 or floating)
+        bodies.append(body)
+        notes += mended
         shapes.append([(c, pose @ _pose(c.origin)) for part, pose in parts for c in part.collisions])
         todo += [(joint, origin, index) for joint, origin in reversed(branches)]
         if not todo:
@@ -65,11 +70,11 @@ def read_urdf(
     if not floating and not joints:
         raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
 
-    touching = _touching(path, bodies, joints, contact_links)
-    notes = [
+    touch = touching(path, bodies, joints, contact_links)
+    notes += [
         f"link {body.name} does not touch the ground"
         for body, found in zip(bodies, shapes, strict=True)
-        if found and body.name not in touching
+        if found and body.name not in touch
     ]
     notes += [
         f"joint {joint.name} has {limit} limit 0 in the URDF, which is taken as no limit"
@@ -78,9 +83,7 @@ def read_urdf(
         if joint.type != "fixed" and joint.limit is not None and getattr(joint.limit, limit) == 0
     ]
     final = [
-        replace(body, spheres=contact_spheres(path, body.name, found, packages or {}))
-        if body.name in touching
-        else body
+        replace(body, spheres=contact_spheres(path, body.name, found, packages or {})) if body.name in touch else body
         for body, found in zip(bodies, shapes, strict=True)
     ]
     return Model(robot.name, tuple(final), tuple(joints), floating, tuple(notes))
@@ -92,7 +95,7 @@ def _pose(origin: Array | None) -> Array:
 
 def _carried(
     name: str, links: Mapping[str, yourdfpy.Link], children: Mapping[str, list[yourdfpy.Joint]]
-) -> tuple[list[Part], list[Branch]]:
+) -> tuple[list[Fixed], list[Branch]]:
     """Everything that is fixed to a link, itself first, and the joints that move away from it."""
     parts, branches = [(links[name], np.eye(4))], []
     todo = [(joint, _pose(joint.origin)) for joint in reversed(children[name])]
@@ -106,53 +109,15 @@ def _carried(
     return parts, branches
 
 
-def _touching(path: Path, bodies: list[Link], joints: list[Joint], wanted: list[str] | None) -> set[str]:
-    """The names of the bodies that touch the ground: those asked for, or the base and the leaves."""
-    if wanted is None:
-        parents = {joint.parent for joint in joints}
-        return {body.name for i, body in enumerate(bodies) if i == 0 or i not in parents}
-    known = {name: body.name for body in bodies for name in body.merged}
-    for name in wanted:
-        if name not in known:
-            raise ModelError(f"{path}: has no link {name} that could touch the ground; it has {', '.join(known)}")
-    return {known[name] for name in wanted}
-
-
-def _lump(path: Path, parts: list[Part], needs_mass: bool) -> Link:
-    """One rigid body from a link and all that is fixed to it (parallel-axis theorem)."""
-    bodies = []
-    for part, pose in parts:
-        inertial = part.inertial
-        if inertial is None or inertial.mass is None:
-            continue
-        origin = pose @ _pose(inertial.origin)
-        tensor = np.zeros((3, 3)) if inertial.inertia is None else np.asarray(inertial.inertia, dtype=float)
-        _check_inertia(path, part.name, tensor)
-        bodies.append((float(inertial.mass), origin[:3, 3], origin[:3, :3] @ tensor @ origin[:3, :3].T))
-    merged = tuple(part.name for part, _ in parts)
-    name = merged[0]
-    mass = sum(m for m, _, _ in bodies)
-    if mass <= 0:
-        if needs_mass:
-            raise ModelError(f"{path}: link {name} moves but has no mass; expected an <inertial> on it")
-        return Link(name, 1.0, np.zeros(3), np.eye(3) * 1e-3, (), merged)
-    com = sum((m * c for m, c, _ in bodies), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for m, c, tensor in bodies:
-        d = c - com
-        inertia += tensor + m * (d @ d * np.eye(3) - np.outer(d, d))
-    return Link(name, mass, com, inertia, (), merged)
-
-
-def _check_inertia(path: Path, name: str, tensor: Array) -> None:
-    moments = np.linalg.eigvalsh(tensor)
-    small = 1e-6 * max(moments[2], 1e-12)
-    if moments[0] < -small or moments[0] + moments[1] < moments[2] - small:
-        found = ", ".join(f"{m:.3g}" for m in moments)
-        raise ModelError(
-            f"{path}: link {name} has principal moments of inertia {found} kg·m², which no body has; "
-            "expected all to be positive and none larger than the other two together"
-        )
+def _part(part: yourdfpy.Link, pose: Array) -> Part:
+    """A URDF link's inertial in the frame of the link that carries it."""
+    inertial = part.inertial
+    if inertial is None or inertial.mass is None:
+        return Part(part.name, None, np.zeros(3), np.zeros((3, 3)))
+    origin = pose @ _pose(inertial.origin)
+    tensor = np.zeros((3, 3)) if inertial.inertia is None else np.asarray(inertial.inertia, dtype=float)
+    turned = origin[:3, :3] @ tensor @ origin[:3, :3].T
+    return Part(part.name, float(inertial.mass), origin[:3, 3], turned)
 
 
 def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joint:

@@ -1,7 +1,6 @@
 """What a URDF file must be before it is read: well-formed, harmless, with numbers where numbers belong, and a tree."""
 
 import io
-import logging
 import math
 from pathlib import Path
 from xml.etree import ElementTree
@@ -10,7 +9,8 @@ import defusedxml.ElementTree
 import yourdfpy
 from defusedxml.common import DefusedXmlException
 
-from realitygap_engines.model.robot import ModelError
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.quiet import quiet
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 NUMBERS = {  # element -> attribute -> how many numbers
@@ -29,8 +29,6 @@ NEEDED = {"mass", "inertia", "box", "cylinder", "sphere"}
 """Elements whose attributes must all be there."""
 SIZES = {"box", "cylinder", "sphere"}
 
-logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # what it complains about is said here
-
 
 def parse_urdf(path: Path) -> yourdfpy.Robot:
     """The links and joints of a URDF file; visuals, materials, transmissions and extensions are dropped.
@@ -47,13 +45,14 @@ def parse_urdf(path: Path) -> yourdfpy.Robot:
     for part in root:
         _check_part(path, part)
     try:
-        robot = yourdfpy.URDF.load(
-            io.BytesIO(ElementTree.tostring(root)),
-            build_scene_graph=False,
-            load_meshes=False,
-            build_collision_scene_graph=False,
-            load_collision_meshes=False,
-        ).robot
+        with quiet("yourdfpy"):  # what it complains about is said here
+            robot = yourdfpy.URDF.load(
+                io.BytesIO(ElementTree.tostring(root)),
+                build_scene_graph=False,
+                load_meshes=False,
+                build_collision_scene_graph=False,
+                load_collision_meshes=False,
+            ).robot
     except Exception as error:
         raise ModelError(f"{path}: is not a usable URDF ({type(error).__name__}: {error})") from None
     _check_tree(path, robot)

@@ -20,7 +20,9 @@ from math import inf, isfinite
 
 import numpy as np
 
-from realitygap_engines.engine import Capability, Diverged, Engine, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
+from realitygap_engines.errors import Diverged
+from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.model.robot import Array, Model
 from realitygap_engines.ode.contact import ContactPoints
 from realitygap_engines.ode.library import CFM, FMAX, VEL, version_of
@@ -161,6 +163,13 @@ class OdeSimulation(Simulation):
 
     def bias(self) -> Array:
         return self._robot.inertia_and_bias(self._speed(), np.array(self.physics.gravity))[1]
+
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        # ODE has no inverse dynamics: what it holds of the machine is moved by the compiled Newton and Euler
+        self.reset(State(np.zeros(position.shape[1]), np.zeros(position.shape[1])))
+        held = Dynamics(self._robot.held())
+        base = np.concatenate([start.base_position, start.base_quaternion, np.zeros(6)])
+        return held.inverse(position, velocity, acceleration, base, np.array(self.physics.gravity))
 
     def _speed(self) -> Array:
         return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])

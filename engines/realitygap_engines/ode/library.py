@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap_engines.engine import Unsupported
+from realitygap_engines.errors import Unsupported
 from realitygap_engines.model.robot import Array
 
 INSTALL = "apt-get install libode8"

@@ -6,12 +6,13 @@ hinge or slider from parent to child, made at q = 0, with two motors along its a
 
 import ctypes
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, tau
 
 import numpy as np
 
-from realitygap_engines.engine import State, Unsupported
+from realitygap_engines.engine import State
+from realitygap_engines.errors import Unsupported
 from realitygap_engines.model.robot import (
     Array,
     Link,
@@ -157,8 +158,31 @@ class OdeRobot:
             out[i] = sum(a * b for a, b in zip(axis[:3], load[:3], strict=True))
         return out
 
+    def held(self) -> Model:
+        """The machine as ODE holds it now, on a fixed base: every link's frame in its joint, with the body's axes."""
+        found, axes = self._bodies()
+        turns = [link.rotation.reshape(3, 4)[:, :3] for link in self.links]
+        origins = [found[0].com, *(axis.anchor for axis in axes)]
+        links, joints = [], []
+        for k, (link, body, turn) in enumerate(zip(self._model.links, found, turns, strict=True)):
+            com, inertia = turn.T @ (body.com - origins[k]), turn.T @ body.inertia @ turn
+            links.append(replace(link, mass=body.mass, com=com, inertia=inertia))
+        for i, (joint, axis) in enumerate(zip(self._model.joints, axes, strict=True)):
+            up, origin = turns[axis.parent], np.eye(4)
+            origin[:3, :3] = up.T @ turns[i + 1]
+            origin[:3, 3] = up.T @ (origins[i + 1] - origins[axis.parent])
+            joints.append(replace(joint, origin=origin, axis=turns[i + 1].T @ axis.direction))
+        return replace(self._model, links=tuple(links), joints=tuple(joints))
+
     def inertia_and_bias(self, speed: Array, gravity: Array) -> tuple[Array, Array]:
         """M without armature, and c, from the poses, masses and axes that ODE holds. Shapes (nv, nv) and (nv,)."""
+        found, axes = self._bodies()
+        root = self.links[0]
+        origin = root.position - _turned(root.rotation, root.com) if self._model.floating else None
+        return inertia_and_bias(found, axes, origin, speed, gravity)
+
+    def _bodies(self) -> tuple[list[Body], list[Axis]]:
+        """The bodies and axes that ODE holds, in world axes."""
         found, axes = [], []
         for link in self.links:
             mass, turn = Mass(), link.rotation.reshape(3, 4)[:, :3]
@@ -173,9 +197,7 @@ class OdeRobot:
                 ode.dJointGetHingeAxis(made.joint, direction)
                 ode.dJointGetHingeAnchor(made.joint, anchor)
             axes.append(Axis(joint.prismatic, joint.parent, np.array(anchor[:3]), np.array(direction[:3])))
-        root = self.links[0]
-        origin = root.position - _turned(root.rotation, root.com) if self._model.floating else None
-        return inertia_and_bias(found, axes, origin, speed, gravity)
+        return found, axes
 
 
 def _turned(rotation: Array, vector: Array) -> tuple[float, float, float]:

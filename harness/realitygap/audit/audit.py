@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import realitygap_engines as engines
-from realitygap_engines import Engine, Unsupported
+from realitygap_engines import Engine
 
 from realitygap.audit import between, ground, joints, motion
 from realitygap.audit.certificate import Certificate, Row
@@ -12,8 +12,8 @@ from realitygap.audit.dynamics import checks_of
 from realitygap.audit.machines import tree
 from realitygap.audit.oracle import pinocchio
 from realitygap.audit.robot import Robot, load_robot
-from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
+from realitygap.scenario.engine_names import engine_names
 
 
 def audit(path: Path | None, names: list[str], out: Path | None = None, *, quiet: bool = False) -> Certificate:
@@ -30,7 +30,7 @@ def audit(path: Path | None, names: list[str], out: Path | None = None, *, quiet
     """
     pinocchio()
     robot = load_robot(path) if path is not None else None
-    audited = [_engine(name) for name in names or engines.available()]
+    audited = [engines.load(name) for name in engine_names(names)]
     certificate = certify(audited, robot, Progress(quiet=quiet))
     if out is not None:
         certificate.write(out)
@@ -68,12 +68,3 @@ def groups(robot: Robot | None = None) -> dict[str, tuple[Check, ...]]:
     if robot is not None:
         found["robot"] = checks_of(robot.model, "robot", robot.timestep, way_tolerance=1e-2)
     return found
-
-
-def _engine(name: str) -> Engine:
-    try:
-        return engines.load(name)
-    except KeyError:
-        raise InputError(f"--engine: found {name!r}; expected one of {', '.join(engines.ENGINES)}") from None
-    except Unsupported as error:
-        raise InputError(f"--engine: {error}") from None

@@ -1,15 +1,17 @@
-"""A team's own robot, ready to be audited, and what became of it on its way from the URDF."""
+"""A team's own robot, ready to be audited, and what became of it on its way from its file."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from realitygap_engines.model.robot import Model, ModelError
-from realitygap_engines.model.urdf import read_urdf
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.read import read_model
+from realitygap_engines.model.robot import Model
 
 from realitygap.audit.certificate import Row, Verdict
 from realitygap.audit.check import largest
+from realitygap.audit.described import described_inertia
 from realitygap.audit.machines import FAR, random_state
-from realitygap.audit.oracle import Oracle, urdf_inertia
+from realitygap.audit.oracle import Oracle
 from realitygap.files.errors import InputError
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import build_plant
@@ -24,7 +26,7 @@ class Robot:
 
     Attributes:
         urdf: its file.
-        described: the model as the URDF has it.
+        described: the model as the file has it.
         model: the machine that is simulated, with the rotor inertia of its servos and with its effects. Its joint
             limits are out of reach: random states are to show the dynamics, and limits have checks of their own.
         timestep: at which it is simulated [s].
@@ -50,29 +52,29 @@ class Robot:
         }
 
     def rows(self) -> list[Row]:
-        """Our reading of the URDF against Pinocchio's own: mass and joint-space inertia."""
+        """Our reading of the file against somebody else's: mass and joint-space inertia."""
         model = self.described
         position = random_state(model, 0).position
-        total, inertia = urdf_inertia(self.urdf, model, position)
+        total, inertia, judge = described_inertia(self.urdf, model, position)
         held = replace(model, floating=False)
         ours, _ = Oracle(held).inertia_and_bias(replace(random_state(held, 0), position=position))
         mass = model.mass if model.floating else sum(link.mass for link in model.links[1:])
         return [
-            _row("URDF as read: mass", abs(mass - total) / max(1.0, total)),
-            _row("URDF as read: mass matrix", largest(ours, inertia)),
+            _row("file as read: mass", abs(mass - total) / max(1.0, total), judge),
+            _row("file as read: mass matrix", largest(ours, inertia), judge),
         ]
 
 
-def _row(name: str, error: float) -> Row:
+def _row(name: str, error: float, judge: str) -> Row:
     verdict: Verdict = "passed" if error <= TOLERANCE else "failed"
-    return Row(name, "model", float(error), TOLERANCE, "1", verdict, "against Pinocchio's URDF reader")
+    return Row(name, "model", float(error), TOLERANCE, "1", verdict, f"against {judge}")
 
 
 def load_robot(path: Path) -> Robot:
-    """The robot of a scenario, or of a URDF alone: its base then floats, unless it has no mass.
+    """The robot of a scenario, or of a URDF or MJCF alone: its base then floats, unless it has no mass.
 
     Raises:
-        InputError: for a scenario or a URDF that cannot be used (as ModelError).
+        InputError: for a scenario or a robot's file that cannot be used (as ModelError).
     """
     if path.suffix in (".yaml", ".yml"):
         file = load_scenario(path)
@@ -84,9 +86,9 @@ def load_robot(path: Path) -> Robot:
         urdf = file.resolve(file.scenario.robot.urdf, "robot.urdf")
         return Robot(urdf, plant.model, _unlimited(machine), file.scenario.timestep)
     try:
-        model = read_urdf(path, floating=True)
+        model = read_model(path, floating=True)
     except ModelError:
-        model = read_urdf(path, floating=False)
+        model = read_model(path, floating=False)
     return Robot(path, model, _unlimited(model))
 
 

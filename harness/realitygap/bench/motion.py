@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import GRAVITY
-from realitygap_engines.model.robot import ModelError
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.urdf import read_urdf
 from scipy.signal import savgol_filter
 

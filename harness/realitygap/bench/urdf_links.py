@@ -9,8 +9,10 @@ import numpy as np
 import trimesh
 from defusedxml.common import DefusedXmlException
 from defusedxml.ElementTree import DefusedXMLParser
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
-from realitygap_engines.model.robot import ModelError, rotation_from_rpy
+from realitygap_engines.model.quiet import quiet
+from realitygap_engines.model.robot import rotation_from_rpy
 
 from realitygap.bench.estimate import Array
 from realitygap.files.errors import InputError
@@ -145,7 +147,8 @@ def _corners(path: Path, name: str, collision: ET.Element, packages: Mapping[str
     else:
         try:
             file = find_mesh(path, name, shape.get("filename", ""), packages)
-            mesh = trimesh.load(file, force="mesh")
+            with quiet("trimesh"):  # what it complains about is said here
+                mesh = trimesh.load(file, force="mesh")
         except ModelError as error:
             raise InputError(str(error)) from None
         except Exception as error:

@@ -127,18 +127,17 @@ def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
     Raises:
         pytest.UsageError: for an engine or a scenario that cannot be used, in one sentence.
     """
-    from realitygap_engines.model.robot import ModelError
+    from realitygap_engines import RealityGapError
 
     from realitygap.compare.comparison import motions_of
-    from realitygap.files.errors import InputError
-    from realitygap.matrix.run import engine_names
+    from realitygap.scenario.engine_names import engine_names
     from realitygap.scenario.file import load_scenario
 
     try:
         file = load_scenario(path)
         found = motions_of(file)
         return [RealityGap(file, motion, engine) for engine in engine_names(names) for motion in found]
-    except (InputError, ModelError) as error:
+    except RealityGapError as error:
         raise pytest.UsageError(str(error)) from None
 
 

@@ -50,7 +50,7 @@ def write_manifest(
                 sources.add(file.resolve(e.scenario.motion.keyframes, "motion.keyframes"))
             notes.setdefault("model", list(e.plant.model.notes))
             if e.recording is not None:
-                sources.add(e.recording.path)
+                sources |= set(e.recording.files or (e.recording.path,))
                 notes[f"recording {e.name}"] = [*e.recording.notes, *e.notes]
     used = {cell.engine: cell.engine_version for cell, _ in settings}
     manifest = {

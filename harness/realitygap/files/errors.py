@@ -3,8 +3,10 @@
 import difflib
 from collections.abc import Iterable
 
+from realitygap_engines.errors import RealityGapError
 
-class InputError(ValueError):
+
+class InputError(RealityGapError, ValueError):
     """Input that cannot be used.
 
     The message is one sentence that names the file and the key or topic, what was found, what was expected and, where

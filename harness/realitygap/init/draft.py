@@ -7,13 +7,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from realitygap_engines.model.robot import Joint, Model, ModelError
-from realitygap_engines.model.urdf import read_urdf
+from realitygap_engines.errors import ModelError
+from realitygap_engines.model.read import read_model
+from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import COLUMN_NAMES, Contents, probe
 from realitygap.init.roles import Roles, roles_of
 from realitygap.recording import read_recording
+from realitygap.robot.servos import written_together
 from realitygap.scenario.file import load_scenario
 
 FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
@@ -61,10 +63,10 @@ def init(urdf: Path, bags: list[Path], out: Path) -> Path:
 def _model(urdf: Path) -> tuple[Model, str | None]:
     """The robot, and why its base must be fixed (None: it need not be)."""
     try:
-        return read_urdf(urdf, floating=True), None
+        return read_model(urdf, floating=True), None
     except ModelError as floating:
         try:
-            return read_urdf(urdf, floating=False), "the root link has no mass"
+            return read_model(urdf, floating=False), "the root link has no mass"
         except ModelError:
             raise InputError(str(floating)) from None
 
@@ -102,11 +104,7 @@ def _text(
         f"  base: {base}  # GUESS: {reason}",
     ]
     if model.joints:
-        lines += [
-            "",
-            "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
-        ]
-        lines += ["servos:", *_servos(model.joints, roles.meaning)]
+        lines += ["", *_servo_lines(model, roles)]
         lines += ["", *_motion(contents, roles)]
     ground = "none" if base == "fixed" else "flat"
     lines += ["", f"ground: {ground}  # GUESS: flat, grass, or friction, stiffness and damping by numbers"]
@@ -129,6 +127,18 @@ def _base(model: Model, fixed: str | None, contents: Contents) -> tuple[str, str
     if len(ends) >= 4 or any(LEGS.search(name) for link in model.links for name in link.merged):
         return "floating", f"the tree has {len(ends)} ends, or names of legs or wheels"
     return "fixed", f"the tree has {len(ends)} {'end' if len(ends) == 1 else 'ends'}, no legs and no wheels"
+
+
+def _servo_lines(model: Model, roles: Roles) -> list[str]:
+    if model.actuators:
+        lines = ["# The actuators of the robot's file, as far as servos say them.", "servos:"]
+        lines += [f"  - {json.dumps(servo, ensure_ascii=False)}" for servo in written_together(model.actuators)]
+        return [*lines, *(f"  # {note}" for note in model.notes if note.startswith("actuator "))]
+    return [
+        "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
+        "servos:",
+        *_servos(model.joints, roles.meaning),
+    ]
 
 
 def _servos(joints: Sequence[Joint], meaning: str) -> list[str]:

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 import realitygap
 
-NAMES_ONLY = ("path", "notes", "receive_time")
+NAMES_ONLY = ("path", "files", "episode", "notes", "receive_time")
 """Fields that tell where something came from, and change no result."""
 ROOMS = ("files", "trace", "scenario", "recording", "robot", "simulate", "compare")
 """The rooms that compute a cell; `realitygap_engines` counts as a whole."""

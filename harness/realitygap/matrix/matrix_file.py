@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import realitygap_engines as engines
 from pydantic import BeforeValidator, Field
 
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
+from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import resolve_path
 from realitygap.scenario.schema import Patterns, Positive, Section
 
@@ -65,14 +65,7 @@ class MatrixFile:
         Raises:
             InputError: for an engine that does not exist or is not installed.
         """
-        for name in self.matrix.engines or []:
-            if name not in engines.ENGINES:
-                known = ", ".join(sorted(engines.ENGINES))
-                raise InputError(f"{self.path}: engines: found {name}; expected one of {known}")
-            if name not in engines.available():
-                how = engines.ENGINES[name].install
-                raise InputError(f"{self.path}: engines: {name} is not installed; install it with: {how}")
-        return list(dict.fromkeys(self.matrix.engines or engines.available()))
+        return engine_names(self.matrix.engines or [], f"{self.path}: engines")
 
 
 def load_matrix(path: Path) -> MatrixFile:

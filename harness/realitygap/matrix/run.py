@@ -7,18 +7,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
-import realitygap_engines as engines
 
 from realitygap.compare.budget import not_judged, over_budget, stated_budget
 from realitygap.compare.comparison import Comparison, Motion, compare, motions_of
 from realitygap.compare.junit import Case, write_junit
 from realitygap.compare.manifest import write_manifest
 from realitygap.compare.table import means, slug, table, to_csv
-from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.files.result_folder import written_whole
 from realitygap.files.whole import write_whole
 from realitygap.report import write_curves, write_figures, write_page
+from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 from realitygap.trace.mcap import write_mcap
 
@@ -77,20 +76,6 @@ def run(path: Path, names: Sequence[str], out: Path, progress: Progress) -> RunR
         write_figures(folder)
         result.page = out / write_page(folder).name
     return result
-
-
-def engine_names(names: Sequence[str]) -> list[str]:
-    """The engines asked for, or all that are installed.
-
-    Raises:
-        InputError: for an engine that does not exist or is not installed.
-    """
-    for name in names:
-        if name not in engines.ENGINES:
-            raise InputError(f"--engine: found {name}; expected one of {', '.join(sorted(engines.ENGINES))}")
-        if name not in engines.available():
-            raise InputError(f"--engine: {name} is not installed; install it with: {engines.ENGINES[name].install}")
-    return list(dict.fromkeys(names)) or engines.available()
 
 
 def write_traces(out: Path, comparison: Comparison, motion: Motion) -> None:

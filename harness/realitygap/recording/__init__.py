@@ -6,6 +6,7 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.recording.assemble import assemble
+from realitygap.recording.part import part_of
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import Streams, request_of
 from realitygap.scenario.schema import Scenario
@@ -13,12 +14,14 @@ from realitygap.scenario.schema import Scenario
 __all__ = ["READERS", "Recording", "read_recording", "reader_of"]
 
 FOLDER = "folder"
-READERS = {  # file suffix, or a folder -> module with read(path, request) -> Streams
+DATASET = "data set"
+READERS = {  # file suffix, or a kind of folder -> module with read(path, request) -> Streams
     ".bag": "rosbag",
     ".csv": "table",
     ".db3": "rosbag",
     ".mcap": "rosbag",
     ".parquet": "table",
+    DATASET: "lerobot",
     FOLDER: "rosbag",
 }
 
@@ -30,11 +33,16 @@ def reader_of(path: Path) -> str:
         InputError: where nothing is there, or nothing here reads it.
     """
     if not path.exists():
-        raise InputError(f"{path}: does not exist; expected a bag, a bag folder or a table")
-    kind = FOLDER if path.is_dir() else path.suffix.lower()
+        raise InputError(f"{path}: does not exist; expected a bag, a bag folder, a table or a data set")
+    kind = path.suffix.lower()
+    if path.is_dir():
+        kind = DATASET if (path / "meta" / "info.json").exists() else FOLDER
     if kind not in READERS:
-        known = ", ".join(k for k in READERS if k != FOLDER)
-        raise InputError(f"{path}: is not a kind of recording that is known here; expected {known} or a bag folder")
+        known = ", ".join(k for k in READERS if k not in (FOLDER, DATASET))
+        raise InputError(
+            f"{path}: is not a kind of recording that is known here; expected {known}, a bag folder or the folder of a "
+            "LeRobot data set"
+        )
     return READERS[kind]
 
 
@@ -42,7 +50,7 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
     """What was measured in one recording.
 
     Args:
-        path: a rosbag 1 file, a rosbag 2 folder, a bare .mcap or .db3, a .csv or a .parquet.
+        path: a rosbag 1 file, a rosbag 2 folder, a bare .mcap or .db3, a .csv, a .parquet, or a data set's folder.
         scenario: says which topics and columns are what (with the overrides of this run applied).
         joints: the joints to keep, which is the order of all joint columns, whatever the order in the recording.
         file: the scenario file, for messages.
@@ -54,4 +62,4 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
     module = import_module(f"realitygap.recording.readers.{reader_of(path)}")
     request = request_of(scenario, tuple(joints), file)
     streams: Streams = module.read(path, request)
-    return assemble(path, streams, request)
+    return part_of(assemble(path, streams, request), request)

@@ -72,7 +72,7 @@ def group_repetitions(runs: Sequence[Run]) -> list[Repetitions]:
 
 
 def _path(run: Run) -> object:
-    return None if run.recording is None else run.recording.path
+    return None if run.recording is None else run.recording.source
 
 
 def _shift(first: Run, run: Run) -> float | None:

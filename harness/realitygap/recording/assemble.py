@@ -48,7 +48,18 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
     notes += told(outliers).values()
     return Recording(
-        path, trace, command_time, command, kind, supply_time, supply, clock.receive, tuple(notes), outliers
+        path,
+        trace,
+        command_time,
+        command,
+        kind,
+        supply_time,
+        supply,
+        clock.receive,
+        tuple(notes),
+        outliers,
+        streams.episode,
+        streams.files,
     )
 
 
@@ -59,14 +70,14 @@ def _from(zero: float, streams: Streams) -> Streams:
         receive = None if samples.receive is None else samples.receive - zero
         return replace(samples, time=samples.time - zero, receive=receive)
 
-    return Streams(
-        moved(streams.state),
-        moved(streams.command),
-        moved(streams.effort),
-        moved(streams.pose),
-        moved(streams.imu),
-        moved(streams.supply),
-        streams.notes,
+    return replace(
+        streams,
+        state=moved(streams.state),
+        command=moved(streams.command),
+        effort=moved(streams.effort),
+        pose=moved(streams.pose),
+        imu=moved(streams.imu),
+        supply=moved(streams.supply),
     )
 
 

@@ -14,7 +14,7 @@ class Recording:
     Time 0 is the recording's first message of any stream that is used.
 
     Attributes:
-        path: the bag, bag folder or table.
+        path: the bag, bag folder, table or data set.
         trace: the measured signals on the clock of the joint states (of the base pose where there are no joints), with
             the command that was in force. Effort in N·m or N. A signal from another stream is interpolated to this
             clock, and NaN before that stream begins and after it ends.
@@ -26,6 +26,8 @@ class Recording:
         receive_time: Shape (t,) [s], when the recorder got the samples of the trace; None for tables.
         notes: sentences on what was found and decided while reading.
         outliers: readings that no motion explains, and that are not in the trace any more.
+        episode: which one of a data set.
+        files: what was read, where that is not all of the path.
     """
 
     path: Path
@@ -38,6 +40,13 @@ class Recording:
     receive_time: Array | None = None
     notes: tuple[str, ...] = field(default=())
     outliers: tuple[Outlier, ...] = field(default=())
+    episode: int | None = None
+    files: tuple[Path, ...] = field(default=())
+
+    @property
+    def source(self) -> tuple[Path, int | None]:
+        """Where it came from: equal for two uses of the same recording."""
+        return self.path, self.episode
 
     @property
     def name(self) -> str:

@@ -30,7 +30,9 @@ class Samples:
 
 @dataclass(frozen=True)
 class Streams:
-    """The streams of one recording on one origin of time; what was not asked for or not recorded is None."""
+    """The streams of one recording on one origin of time; what was not asked for or not recorded is None. `files` are
+    those that were read of a larger whole, `episode` which one of a data set.
+    """
 
     state: Samples | None = None
     command: Samples | None = None
@@ -39,6 +41,8 @@ class Streams:
     imu: Samples | None = None
     supply: Samples | None = None
     notes: tuple[str, ...] = field(default=())
+    episode: int | None = None
+    files: tuple[Path, ...] = field(default=())
 
     def all(self) -> list[Samples]:
         """The streams that are there."""

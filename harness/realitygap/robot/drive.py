@@ -35,7 +35,16 @@ DRIVE = np.dtype(
         ("sag_group", np.int64),  # servos of one group, with the same supply, share it
         ("heating", np.float64),
         ("offset", np.float64),
-        ("dead_band", np.float64),  # of the position error: half width; no effect on the list, but a servo may have one
+        ("dead_band", np.float64),  # of the position error: half width
+        ("servo_rate", np.float64),  # at which the position error is sampled and held [Hz]; 0: continuously
+        ("gain_exponent", np.float64),  # of the position error; 1: a gain that does not change with it
+        ("protection", np.float64),  # position error beyond which the servo cuts it to a share; 0: none
+        ("protection_share", np.float64),
+        ("profile_speed", np.float64),  # at which a position command is followed at most; 0: at once
+        ("profile_acceleration", np.float64),  # 0: without bound
+        ("real_limit", np.float64),  # of the motor's torque, beside `effort_limit`
+        ("lag", np.float64),  # of the torque behind what the controller and the speed ask for
+        ("braking", np.float64),  # share of a short circuit while the servo is off
         ("armature", np.float64),
         ("coulomb", np.float64),
         ("static", np.float64),
@@ -45,6 +54,10 @@ DRIVE = np.dtype(
         ("load_static", np.float64),
         ("load_velocity", np.float64),
         ("load_exponent", np.float64),
+        ("lean", np.float64),  # half of how much more dry friction there is backward than forward
+        ("friction_ripple", np.float64),  # share by which dry friction changes with the angle
+        ("friction_periods", np.float64),
+        ("friction_phase", np.float64),
         ("viscous", np.float64),
         ("ripple", np.float64),
         ("ripple_periods", np.float64),
@@ -52,15 +65,27 @@ DRIVE = np.dtype(
         ("constant", np.float64),
         ("backlash", np.float64),  # full width; 0: none
         ("stiffness", np.float64),  # of the spring between encoder and link; 0: rigid
+        ("give_damping", np.float64),  # between rotor and link, in that spring or in the backlash
+        ("cable_stiffness", np.float64),
+        ("cable_rest", np.float64),
+        ("stop_lower", np.float64),
+        ("stop_upper", np.float64),
+        ("stop_stiffness", np.float64),
     ]
 )
 """The parameters of one joint's drive."""
 
 STATE = np.dtype(
     [
-        ("begun", np.int64),
+        ("begun", np.int64),  # 1 in the first step, 2 after it
         ("started", np.int64),  # whether the servo was on in the previous step
+        ("error", np.float64),  # of the position, as the controller takes it
+        ("held", np.float64),  # the last sample of the position error
         ("integral", np.float64),
+        ("current", np.float64),  # the motor's torque as a lag has it, at the beginning of the step
+        ("aim", np.float64),  # what it follows is aim - aim_back·speed
+        ("aim_back", np.float64),
+        ("aim_speed", np.float64),
         ("goal", np.float64),  # the previous command
         ("bus", np.float64),  # supply voltage after sag
         ("velocity", np.float64),  # of the link, at the previous step
@@ -94,9 +119,12 @@ LOG = np.dtype(
 def neutral_drive(n: int) -> NDArray[np.void]:
     """Drives without servo and without friction. Shape (n,) of `DRIVE`."""
     drive = np.zeros(n, DRIVE)
-    for name in ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"):
+    drive["stop_lower"] = -np.inf
+    for name in ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "real_limit", "stop_upper"):
         drive[name] = np.inf
-    for name in ("duty_limit", "resistance", "stribeck_velocity", "load_velocity", "ripple_periods"):
+    for name in ("duty_limit", "resistance", "gain_exponent", "protection_share"):
+        drive[name] = 1.0
+    for name in ("stribeck_velocity", "load_velocity", "ripple_periods", "friction_periods"):
         drive[name] = 1.0
     for name in ("stribeck_exponent", "load_exponent"):
         drive[name] = 2.0

@@ -10,11 +10,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import Ground
+from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
-from realitygap_engines.model.urdf import read_urdf
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
+from realitygap.robot.servos import servos_of
 from realitygap.scenario.file import ScenarioFile
 from realitygap.scenario.schema import AnyServo, DcServo, GroundSpec, PidServo, RecordedSupply, Scenario
 
@@ -94,8 +95,8 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """
     scenario = scenario or file.scenario
     robot = scenario.robot
-    model = read_urdf(
-        file.existing(robot.urdf, "robot.urdf", "a URDF file"),
+    model = read_model(
+        file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file"),
         floating=robot.base != "fixed",
         packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
         contact_links=robot.contact_links,
@@ -108,12 +109,14 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     drive = neutral_drive(n)
     drive["coulomb"] = drive["static"] = [j.friction for j in model.joints]
     drive["viscous"] = [j.damping for j in model.joints]
+    drive["armature"] = model.armature
     drive["effort_limit"] = [j.effort for j in model.joints]
     drive["velocity_limit"] = [j.velocity for j in model.joints]
     if scenario.motion is not None:
         drive["meaning"] = MEANINGS[scenario.motion.meaning]
     taken: set[int] = set()
-    for i, servo in enumerate(scenario.servos):
+    servos, notes = servos_of(scenario, model)
+    for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
         if not matched:
             raise InputError(
@@ -125,7 +128,8 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         taken |= set(matched)
     limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
     if limp:
-        model = replace(model, notes=(*model.notes, f"no servo, move freely: {', '.join(limp)}"))
+        notes = [*notes, f"no servo, move freely: {', '.join(limp)}"]
+    model = replace(model, notes=(*model.notes, *notes))
     return Plant(
         model=model,
         drive=drive,
@@ -150,7 +154,8 @@ def match_joints(model: Model, patterns: list[str] | str) -> list[int]:
 
 def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
     d = drive[j]
-    d["armature"] = servo.armature
+    if "armature" in servo.model_fields_set:  # else what the robot's file says
+        d["armature"] = servo.armature
     if servo.friction is not None:
         d["coulomb"] = d["static"] = servo.friction.coulomb
         d["viscous"] = servo.friction.viscous

@@ -68,8 +68,12 @@ class ScenarioFile:
         for i, run in enumerate(recordings.runs if recordings else []):
             scenario = self._scenario_of(run, f"recordings.runs[{i}].with")
             for path in self._paths(run, f"recordings.runs[{i}].path"):
-                case = RunCase(path.stem if path.is_file() else path.name, path, run, scenario, f"recordings.runs[{i}]")
-                same = str(path.resolve()), repr(run.window), repr(sorted(run.overrides.items()))
+                case = RunCase(_name(path, scenario), path, run, scenario, f"recordings.runs[{i}]")
+                same = (
+                    str(path.resolve()),
+                    repr((run.window, run.episode, run.part)),
+                    repr(sorted(run.overrides.items())),
+                )
                 if same in known:
                     raise InputError(
                         f"{self.path}: recordings.runs[{i}]: {path} stands twice with the same window and overrides; "
@@ -80,10 +84,11 @@ class ScenarioFile:
         return _distinct(cases)
 
     def _scenario_of(self, run: Run, key: str) -> Scenario:
-        if not run.overrides:
+        own = {f"recordings.{name}": value for name in ("episode", "part") if (value := getattr(run, name)) is not None}
+        if not run.overrides and not own:
             return self.scenario
         try:
-            return self.override(run.overrides).scenario
+            return self.override(own | run.overrides).scenario
         except InputError as error:
             raise InputError(f"{self.path}: {key}: {str(error).removeprefix(f'{self.path}: ')}") from None
 
@@ -98,6 +103,14 @@ class ScenarioFile:
         if not found:
             raise InputError(f"{self.path}: {key}: nothing matches {path}; expected at least one recording")
         return [self.path.parent / p for p in found]
+
+
+def _name(path: Path, scenario: Scenario) -> str:
+    """What a recording is called: its file or folder without suffix, the task or number of an episode."""
+    episode = scenario.recordings.episode if scenario.recordings else None
+    if path.is_file() or episode is None:
+        return path.stem if path.is_file() else path.name
+    return episode if isinstance(episode, str) else f"{path.name}_{episode}"
 
 
 def _distinct(cases: list[RunCase]) -> list[RunCase]:

@@ -30,7 +30,7 @@ class Section(BaseModel):
 class Robot(Section):
     """The robot and how it stands at the start."""
 
-    urdf: str = Field(description="the URDF file")
+    urdf: str = Field(description="the robot's file: URDF or MJCF")
     packages: dict[str, str] = Field(default={}, description="where `package://NAME/` lies, by NAME")
     base: Literal["floating", "fixed", "free"] = Field(
         default="floating", description="floating, fixed to the world, or a free body without joints"
@@ -63,7 +63,9 @@ class Servo(Section):
 
     name: str | None = Field(default=None, description="addresses this servo in `with: {servos.NAME.gain: 2.5}`")
     joints: Patterns = Field(description="patterns over joint names; the first servo that matches wins")
-    armature: NotNegative = Field(default=0.0, description="rotor inertia at the output shaft [kg·m² or kg]")
+    armature: NotNegative = Field(
+        default=0.0, description="rotor inertia at the output shaft [kg·m² or kg] (default: what the robot's file says)"
+    )
     friction: Friction | None = Field(default=None, description="replaces the URDF's `<dynamics>`")
 
 
@@ -197,19 +199,54 @@ class Columns(Section):
     base_angular_axes: Literal["body", "world"] = Field(default="body", description="axes of the angular velocity")
 
 
+Unit = Literal["degrees", "radians", "normalized", "percent"]
+Episode = Annotated[int, Field(strict=True, ge=0)] | str
+Part = tuple[Finite, Finite]
+
+
+class DataSet(Section):
+    """What a LeRobot data set does not say of its positions. By default `observation.state` is the position, `action`
+    the command and `observation.velocity` the velocity; `columns` and `motion.recorded` name other features.
+    """
+
+    units: Unit | dict[str, Unit] = Field(
+        default="degrees",
+        description="of positions, for all or by joint pattern: degrees, radians, normalized (-100 to 100, and 0 to "
+        "100 for what is called gripper) or percent (0 to 100); velocities per s",
+    )
+    calibration: str | None = Field(
+        default=None, description="LeRobot's calibration file of the arm (JSON): what normalized units are in angles"
+    )
+    range: dict[str, tuple[Finite, Finite]] = Field(
+        default={}, description="or the positions at both ends of normalized units, by joint pattern [rad or m]"
+    )
+    joints: dict[str, str] = Field(default={}, description="the data set's name of a joint, where it is another")
+
+
 class Run(Section):
     """One recording."""
 
-    path: str = Field(description="a bag, a bag folder or a table; `*` and `?` stand for several")
+    path: str = Field(
+        description="a bag, a bag folder, a table or the folder of a LeRobot data set; `*` and `?` stand for several"
+    )
+    episode: Episode | None = Field(default=None, description="of a data set: its number, or the name of its task")
+    part: Part | None = Field(
+        default=None, description="only this much is read and simulated [s from the first message]"
+    )
     use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or kept back to judge on")
     window: tuple[Finite, Finite] | None = Field(default=None, description="what is judged [s from the first message]")
     overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
 
     @model_validator(mode="after")
     def _ordered(self) -> Run:
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise ValueError(f"window {list(self.window)} ends before it starts")
+        _check_ordered("window", self.window)
+        _check_ordered("part", self.part)
         return self
+
+
+def _check_ordered(name: str, span: Part | None) -> None:
+    if span is not None and not span[0] < span[1]:
+        raise ValueError(f"{name} {list(span)} ends before it starts")
 
 
 class Recordings(Section):
@@ -220,6 +257,9 @@ class Recordings(Section):
         default="none", description="whether the state's effort was measured, and what it measures"
     )
     columns: Columns = Field(default=Columns(), description="for tables")
+    dataset: DataSet = Field(default=DataSet(), description="for LeRobot data sets")
+    episode: Episode | None = Field(default=None, description="of a data set, where a run does not say its own")
+    part: Part | None = Field(default=None, description="what is read and simulated, where a run does not say its own")
     pose: str | None = Field(default=None, description="topic of the base pose (PoseStamped, Odometry)")
     imu: str | None = Field(default=None, description="topic of an Imu on the base")
     battery: str | None = Field(default=None, description="topic of the supply (BatteryState)")
@@ -227,6 +267,11 @@ class Recordings(Section):
     ground: str | None = Field(default=None, description="what the real robot stood on, if known")
     virtual: bool = Field(default=False, description="the recordings come from a simulation, not from a robot")
     runs: list[Run] = Field(default=[], description="the recordings")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Recordings:
+        _check_ordered("part", self.part)
+        return self
 
 
 class Budget(Section):
@@ -243,7 +288,9 @@ class Scenario(Section):
     name: str = Field(description="name of the scenario")
     robot: Robot = Field(description="the robot and how it starts")
     revisions: dict[str, str] = Field(default={}, description="named URDF files for the matrix axis `revision`")
-    servos: list[AnyServo] = Field(default=[], description="what turns a command into torque")
+    servos: list[AnyServo] = Field(
+        default=[], description="what turns a command into torque (default: the actuators of a MJCF file)"
+    )
     motion: Motion | None = Field(default=None, description="what the servos are told")
     ground: Literal["none", "flat", "grass"] | GroundSpec | None = Field(
         default=None, description="what it stands on (default: flat, or none where the base is fixed)"
@@ -252,6 +299,21 @@ class Scenario(Section):
     effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
     recordings: Recordings | None = Field(default=None, description="what was measured")
     budget: Budget | None = Field(default=None, description="what `run` and tests accept")
+    accept: list[str] = Field(
+        default=[],
+        description="what `check` finds and that is no mistake here: `KIND` or `KIND@JOINT`, with patterns "
+        "over joint names",
+    )
+    certain: list[str] = Field(
+        default=[],
+        description="quantities that a diagnosis must not suspect, as `servos.*.gain`, `servos.legs.friction`, "
+        "`robot.mass`, `robot.mass@forearm` or `ground`, and effects, as `command_delay` or `joint_offset@elbow`",
+    )
+    suspects: list[str] = Field(
+        default=[],
+        description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
+        "patterns over joint and link names",
+    )
 
     @property
     def ground_spec(self) -> GroundSpec | None:

@@ -12,12 +12,15 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.effects import EFFECTS, Effect, Parameter
 from realitygap.robot.effects.joint import speed_scale
 from realitygap.robot.plant import Plant, match_joints
+from realitygap.robot.suspicion import may_be_suspected
 
 
 def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
     every = [suspect for effect in EFFECTS.values() for suspect in _anywhere(problem, effect)]
-    return [s for s in every if all(s.kind.possible(problem.plant, i) is None for i in s.indices)]
+    scenario, model = problem.file.scenario, problem.plant.model
+    allowed = [s for s in every if may_be_suspected(scenario, model, s.effect, s.target)]
+    return [s for s in allowed if all(s.kind.possible(problem.plant, i) is None for i in s.indices)]
 
 
 def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:

@@ -69,7 +69,7 @@ def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> 
     """No sample may be both fitted and judged on."""
     fitted, judged = ([e for e, use in runs if use == wanted] for wanted in ("train", "held_out"))
     for a, b in product(fitted, judged):
-        same = a.recording is not None and b.recording is not None and a.recording.path == b.recording.path
+        same = a.recording is not None and b.recording is not None and a.recording.source == b.recording.source
         if same and max(a.window[0], b.window[0]) < min(a.window[1], b.window[1]):
             raise InputError(
                 f"{file.path}: recordings.runs: {a.name} is fitted in {_shown(a)} and judged on in {_shown(b)}; "

@@ -26,9 +26,9 @@ from realitygap.diagnose.search.outside import set_aside
 from realitygap.diagnose.search.search import AT_FLOOR, search
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
-from realitygap.matrix.run import engine_names
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
+from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 
 FIRST, SMALLER, LARGER = 2.0, 1.0, 4.0

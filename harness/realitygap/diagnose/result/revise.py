@@ -20,7 +20,7 @@ from realitygap.scenario.file import ScenarioFile, resolve_path
 
 BODY = ("link_mass", "center_of_mass", "link_inertia")
 """Effects that a URDF says."""
-PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path")
+PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path", "recordings.dataset.calibration")
 MAPPINGS = ("robot.packages.", "revisions.")
 """Keys of a scenario that hold a path, and mappings of paths."""
 RUN = "recordings.runs.with."

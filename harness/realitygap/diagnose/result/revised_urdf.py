@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from defusedxml.ElementTree import DefusedXMLParser
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
-from realitygap_engines.model.robot import Link, ModelError
+from realitygap_engines.model.robot import Link
 
 ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 PACKAGE = "package://"

@@ -27,7 +27,8 @@ from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.recording.faults import faults
 from realitygap.robot.drive import Array
-from realitygap.scenario.file import engine_names, load_scenario
+from realitygap.scenario.engine_names import engine_names
+from realitygap.scenario.file import load_scenario
 
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.likelihood.metric import Metric, metric, rest_of
@@ -71,5 +72,32 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
         slope = measure(fit.slope)
         curvature = slope.T @ slope
         evidence -= 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
-        covariance = np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2)
+        covariance = _covariance(channels, slope, whole, np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2))
     return Scored(fit, evidence, measure, scale, covariance)
+
+
+def _covariance(channels: Sequence[Channel], slope: Array, whole: Array, model: Array) -> Array:
+    """The covariance of fitted values, as the likelihood says or as stretches of the recordings scatter, whichever is
+    wider: the sandwich with scores summed over stretches, which are nearly independent (Liang & Zeger 1986).
+    """
+    number = stretches(channels)
+    scores = np.zeros((int(number.max()) + 1, slope.shape[1]))
+    np.add.at(scores, number, slope[: len(number)] * whole[: len(number), None])
+    few = len(scores) / max(len(scores) - slope.shape[1], 1)
+    robust = few * model @ (scores.T @ scores) @ model
+    wider = np.sqrt(np.maximum(np.diag(robust), np.diag(model)) / np.diag(model))
+    return np.asarray(model * np.outer(wider, wider))
+
+
+STRETCH = 1.0
+"""Samples of one motion within this time [s] are one stretch: several times what lasts in a servo's residual."""
+
+
+def stretches(channels: Sequence[Channel]) -> NDArray[np.int64]:
+    """The number of the stretch that each stacked sample belongs to, all channels of a motion together. Shape (m,)."""
+    known: dict[tuple[int, int], int] = {}
+    parts = []
+    for channel in channels:
+        own = ((channel.time - channel.time[0]) / STRETCH).astype(int)
+        parts.append(np.array([known.setdefault((channel.case, int(k)), len(known)) for k in own], dtype=np.int64))
+    return np.concatenate(parts)

@@ -14,11 +14,9 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.evidence import Scored, stretches
 from realitygap.robot.drive import Array
 
-STRETCH = 0.5
-"""Samples within this time [s] count as one fact of a difference: three correlation times of what lasts."""
 LEVEL = 1.64
 """Standard errors of a difference that keep a rival in the confidence set: 95 %, one-sided."""
 ODDS = 3.0
@@ -52,18 +50,9 @@ def compare(channels: Sequence[Channel], best: Scored, other: Scored, suspect: S
 
 def _stretches(channels: Sequence[Channel], scored: Scored) -> Array:
     """Minus half the squared innovations of every stretch of every motion, all channels of it together."""
+    number = stretches(channels)
     white = scored.metric(scored.fit.residual)
-    sums: dict[tuple[int, int], float] = {}
-    at = 0
-    for channel in channels:
-        n = len(channel.time)
-        part = -0.5 * white[at : at + n] ** 2
-        at += n
-        stretch = ((channel.time - channel.time[0]) / STRETCH).astype(int)
-        for k in np.unique(stretch):
-            key = channel.case, int(k)
-            sums[key] = sums.get(key, 0.0) + float(part[stretch == k].sum())
-    return np.array([sums[k] for k in sorted(sums)])
+    return -0.5 * np.bincount(number, white[: len(number)] ** 2)
 
 
 def without(changes: Sequence[Change], number: int) -> tuple[Change, ...]:

@@ -62,7 +62,7 @@ def read(path: Path, request: Request) -> Streams:
     if empty:
         raise InputError(f"{path}: {empty[0].name}: {empty[0].collector.nothing}")
     clock = choose_clock({t.name: (np.array(t.stamps), np.array(t.received)) for t in topics})
-    roles: dict[str, Samples] = {}
+    roles: dict[str, Any] = {}
     notes = [clock.note]
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)

@@ -137,12 +137,13 @@ VOLTAGE_SAG = Effect(
     page=Page(
         physics="Batteries, cables and connectors have a resistance: the more current the servos draw together, the "
         "less voltage is left for each. Servos that one target names share one supply, if they have the same voltage. "
-        "A servo that brakes feeds nothing back. On a recorded supply it is a resistance behind the point of "
-        "measurement.",
-        equation="bus = supply − resistance·Σ max(0, volts·current/supply), volts = duty·bus",
+        "What a servo draws from the bus is its power, and one that brakes feeds back and lifts the voltage. On a "
+        "recorded supply it is a resistance behind the point of measurement.",
+        equation="bus = supply − resistance·Σ volts·current/bus, volts = duty·bus",
         signature="Joints lose speed and torque while others work hard; single joints alone are as before.",
         confused_with="supply_voltage (always), torque_speed_limit (each joint on its own), motor_heating (stays).",
-        source="Dynamixel e-manual, present input voltage; Linden's Handbook of Batteries, internal resistance.",
+        source="Erickson, Maksimović: Fundamentals of Power Electronics, chapter 3 (a chopper is a transformer); "
+        "Linden's Handbook of Batteries, internal resistance.",
     ),
 )
 

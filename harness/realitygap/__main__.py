@@ -1,0 +1,5 @@
+"""`python -m realitygap`: the command line."""
+
+from realitygap.cli.main import main
+
+main()

@@ -1,0 +1,46 @@
+"""Commands that look for what a model lacks."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from realitygap.cli.options import Engines, Jobs, Out, folder_for, say
+
+
+def diagnose(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    jobs: Jobs = None,
+) -> None:
+    """Find what a model lacks, add it, prove that it helps.
+
+    Where simulation and measurement disagree, which effect explains it, and the gap on held-out runs.
+    """
+    from realitygap.diagnose.result.workflow import run_diagnosis, summary
+    from realitygap.files.progress import Progress
+
+    folder = folder_for(out, f"{scenario.resolve().parent.name}_diagnosis")
+    result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs)
+    say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
+
+
+def rehearse(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    budget: Annotated[float, typer.Option("--budget", help="seconds that it may take, about")] = 300.0,
+    jobs: Jobs = None,
+) -> None:
+    """Say which effects recordings could reveal.
+
+    Each effect is planted in the scenario's own motions: from which size on it is seen, and what it is taken for.
+    """
+    from realitygap.diagnose.rehearse.files import summary
+    from realitygap.diagnose.rehearse.rehearse import run_rehearsal
+    from realitygap.files.progress import Progress
+
+    folder = folder_for(out, f"{scenario.resolve().parent.name}_rehearsal")
+    result = run_rehearsal(scenario, engine or [], folder, Progress(), budget, jobs)
+    say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])

@@ -1,0 +1,56 @@
+"""Commands about engines, robots and effects: nothing here needs a motion but `init`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from realitygap.cli.options import Engines, Out, folder_for
+
+
+def engines() -> None:
+    """List the engines and what each can express."""
+    from realitygap.cli.engines_table import engines_table
+
+    typer.echo(engines_table())
+
+
+def init(
+    urdf: Annotated[Path, typer.Argument(help="the robot")],
+    bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders or tables")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="folder for the scenario")] = Path(),
+) -> None:
+    """Write a first scenario from a URDF and recordings.
+
+    With the topics, joints and runs that are found in them; every guess is marked as one.
+    """
+    from realitygap.init.draft import init as write
+
+    typer.echo(f"wrote {write(urdf, bags, folder_for(out))}")
+
+
+def audit(
+    path: Annotated[Path | None, typer.Argument(help="a URDF or a scenario (default: test machines only)")] = None,
+    engine: Engines = None,
+    out: Out = None,
+) -> None:
+    """Certify that all engines run the same machine.
+
+    Exits with 1 where they do not.
+    """
+    from realitygap.audit import audit as certify
+
+    certificate = certify(path, engine or [], None if out is None else folder_for(out))
+    typer.echo(certificate.text())
+    if not certificate.passed:
+        raise typer.Exit(1)
+
+
+def effects(name: Annotated[str | None, typer.Argument(help="one effect")] = None) -> None:
+    """List the effects, or explain one.
+
+    Physics, equation, signature, and what it is confused with.
+    """
+    from realitygap.cli.effects_page import page, table
+
+    typer.echo(page(name) if name else table())

@@ -1,0 +1,84 @@
+"""Commands that simulate and compare: a scenario, a matrix, and the page again."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from realitygap.cli.options import Engines, Junit, MaxGap, Out, folder_for, interruptible, say
+
+
+def run(
+    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    engine: Engines = None,
+    out: Out = None,
+    max_gap: MaxGap = None,
+    junit: Junit = None,
+) -> None:
+    """Run one scenario in the engines.
+
+    Writes traces (MCAP), the gap table, figures and the page. Exits with 1 where a gap exceeds the budget that the
+    scenario states; --max-gap replaces it for a signal.
+    """
+    from realitygap.compare.budget import parse_budget
+    from realitygap.files.progress import Progress
+    from realitygap.files.whole import check_writable
+    from realitygap.matrix.run import judge, summary
+    from realitygap.matrix.run import run as work
+
+    asked = parse_budget(max_gap or [])
+    if junit is not None:
+        check_writable(junit.parent, "--junit")
+    folder = folder_for(out, scenario.resolve().parent.name)
+    with interruptible("nothing was written"):
+        result = work(scenario, engine or [], folder, Progress())
+    excess = judge(result, result.budget | asked, junit)
+    say([*summary(result), *excess, f"report: {result.page}"])
+    if excess:
+        raise typer.Exit(1)
+
+
+def matrix(
+    matrix: Annotated[Path, typer.Argument(help="the matrix file")],
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="processes on this machine")] = 1,
+    scheduler: Annotated[
+        str | None, typer.Option("--scheduler", help="address of a Dask scheduler that computes the cells")
+    ] = None,
+    out: Out = None,
+    cells: Annotated[
+        str | None,
+        typer.Option("--cells", help="where finished cells are kept: a folder or a URL (default: OUT/cells)"),
+    ] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="list the cells and estimate the time")] = False,
+    max_gap: MaxGap = None,
+    junit: Junit = None,
+    retry_crashed: Annotated[
+        bool, typer.Option("--retry-crashed", help="try cells again that crashed or took too long")
+    ] = False,
+) -> None:
+    """Run all cells of a matrix.
+
+    What is there already is not computed again.
+    """
+    from realitygap.compare.budget import parse_budget
+    from realitygap.matrix.command import listed, matrix_command
+    from realitygap.matrix.matrix import Settings
+
+    budget = parse_budget(max_gap or [])
+    folder = folder_for(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
+    settings = Settings(jobs, scheduler, cells, retry_crashed)
+    with interruptible("cells that are done are kept, and the same command goes on from there"):
+        lines, status = (
+            listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
+        )
+    say(lines)
+    if status:
+        raise typer.Exit(status)
+
+
+def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
+    """Make page and figures again from the results."""
+    from realitygap.report import write_figures, write_page
+
+    write_figures(folder)
+    typer.echo(f"report: {write_page(folder)}")

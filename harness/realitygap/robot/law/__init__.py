@@ -1,0 +1,1 @@
+"""The compiled drive law, by purpose: controller, supply, motor, friction, transmission, springs, effort map."""

@@ -1,0 +1,29 @@
+"""Dry friction in a joint and its gears."""
+
+import numpy as np
+from realitygap_engines.law.compiled import compiled
+
+
+@compiled
+def dry_bound(d, speed, motor, transmitted):  # type: ignore[no-untyped-def]
+    """The bound of dry friction; the load on the rotor is what it transmitted in the previous step.
+
+    Where friction differs by direction it is the mean of both, and `lean` is half of their difference.
+    """
+    bound = d.coulomb
+    if d.static != d.coulomb:
+        bound += (d.static - d.coulomb) * np.exp(-((speed / d.stribeck_velocity) ** d.stribeck_exponent))
+    if d.load != 0.0 or d.load_static != 0.0:
+        coefficient = d.load
+        if d.load_static != 0.0:
+            coefficient += d.load_static * np.exp(-((speed / d.load_velocity) ** d.load_exponent))
+        bound += coefficient * 0.5 * abs(motor + transmitted)
+    return bound
+
+
+@compiled
+def unevenness(d, turn):  # type: ignore[no-untyped-def]
+    """By what dry friction is multiplied at a rotor's angle."""
+    if d.friction_ripple == 0.0:
+        return 1.0
+    return 1.0 + d.friction_ripple * np.sin(d.friction_periods * turn + d.friction_phase)

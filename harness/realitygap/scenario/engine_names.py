@@ -1,0 +1,26 @@
+"""The one test that an engine's name is known and that the engine is installed."""
+
+from collections.abc import Sequence
+
+import realitygap_engines as engines
+
+from realitygap.files.errors import InputError, did_you_mean
+
+
+def engine_names(names: Sequence[str], where: str = "--engine") -> list[str]:
+    """The engines asked for, each once, or all that are installed where none is.
+
+    Args:
+        names: as a person wrote them.
+        where: the option, or the file and key, that they were written at.
+
+    Raises:
+        InputError: for an engine that does not exist or is not installed.
+    """
+    for name in names:
+        if name not in engines.ENGINES:
+            known = sorted(engines.ENGINES)
+            raise InputError(f"{where}: found {name}; expected one of {', '.join(known)}{did_you_mean(name, known)}")
+        if name not in engines.available():
+            raise InputError(f"{where}: {name} is not installed; install it with: {engines.ENGINES[name].install}")
+    return list(dict.fromkeys(names)) or engines.available()

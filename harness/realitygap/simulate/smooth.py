@@ -1,0 +1,207 @@
+"""Position, velocity and acceleration of a measured motion: the one smoother for motions that are followed.
+
+A joint's jerk is taken as white noise and its reading as the position plus white noise; the mean of the motion, given
+all readings, is the quintic smoothing spline (Wahba 1990, Spline Models for Observational Data, chapter 1), computed by
+Kalman's filter and the backward pass of Rauch, Tung and Striebel (AIAA J. 3(8), 1965), for any spacing of the samples.
+
+Its one free number per joint, the bandwidth, is the one that makes the readings most likely (Wecker, Ansley 1983, J.
+Am. Stat. Assoc. 78), with a noise that is not below the rounding of the sensor, quantum/√12. The standard error of
+all three, given the readings, comes out beside them.
+"""
+# mypy: allow-untyped-defs
+# (the compiled functions take arrays and numbers only; their callers are typed)
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.optimize import minimize_scalar
+
+from realitygap.recording.quantum import quantum
+from realitygap.trace.trace import Array
+
+TOLERANCE = 0.02
+"""Of the logarithm of the bandwidth: the acceleration's error changes by a twentieth."""
+FEWEST = 4
+"""Readings below which a joint's derivatives are not told."""
+FINEST = 1e-6
+"""The unit of readings without a quantum, as a share of their range."""
+
+
+@dataclass(frozen=True)
+class Smoothed:
+    """A motion with its derivatives.
+
+    Attributes:
+        time: of the readings [s]. Shape (t,).
+        value: position, velocity and acceleration [rad, rad/s, rad/s² or m]. Shape (3, t, n).
+        error: their standard errors. Shape (3, t, n).
+        bandwidth: at which half of a sine's amplitude is left [Hz]; 0 where a joint does not move. Shape (n,).
+        noise: of a reading [rad or m]. Shape (n,).
+    """
+
+    time: Array
+    value: Array
+    error: Array
+    bandwidth: Array
+    noise: Array
+
+
+def smooth(time: Array, position: Array, *, wider: float = 1.0) -> Smoothed:
+    """The motion that readings (t, n) at increasing times (t,) tell; NaN is a reading that is missing.
+
+    Args:
+        time: of the readings [s].
+        position: the readings [rad or m].
+        wider: what the chosen bandwidths are multiplied by, to see what depends on them.
+    """
+    n = position.shape[1]
+    out = Smoothed(time, np.zeros((3, *position.shape)), np.zeros((3, *position.shape)), np.zeros(n), np.zeros(n))
+    step = float(np.median(np.diff(time)))
+    rounding = quantum(position) / np.sqrt(12.0)
+    for j in range(n):
+        reading = position[:, j]
+        known = np.isfinite(reading)
+        if known.sum() < FEWEST or not np.ptp(reading[known]) > 0:
+            out.value[0, :, j] = np.nanmean(reading) if known.any() else np.nan
+            continue
+        middle = float(np.mean(reading[known]))
+        unit = float(rounding[j]) or np.ptp(reading[known]) * FINEST  # about the noise, so that the filter starts vague
+        counts = (reading - middle) / unit
+        rate, noise = _likeliest(time, counts, step, float(rounding[j]) / unit)
+        value, spread = _smooth(time, counts, _jerk(rate * wider, step) * noise**2, noise**2)
+        out.value[:, :, j], out.error[:, :, j] = value * unit, np.sqrt(spread) * unit
+        out.value[0, :, j] += middle
+        out.bandwidth[j], out.noise[j] = rate * wider / (2 * np.pi), noise * unit
+    return out
+
+
+def _jerk(rate: float, step: float) -> float:
+    """The intensity of the jerk, for readings of unit noise, at which the spline passes half of a sine of this rate
+    [rad/s]: 1/(1 + step·ω⁶/jerk), the equivalent kernel of regular samples (Silverman 1984, Ann. Stat. 12(3)).
+    """
+    return step * rate**6
+
+
+def _likeliest(time: Array, reading: Array, step: float, rounding: float) -> tuple[float, float]:
+    """The rate [rad/s] and noise [rad or m] that make the readings most likely; the noise is at least the rounding."""
+    bounds = np.log(2 * np.pi / (time[-1] - time[0])), np.log(np.pi / step)
+
+    def free(log_rate: float) -> float:
+        log_s, misfit, count = _innovations(time, reading, _jerk(np.exp(log_rate), step))
+        return float(log_s + count * np.log(misfit / count))
+
+    def bounded(log_rate: float) -> float:
+        log_s, misfit, _ = _innovations(time, reading, _jerk(np.exp(log_rate), step))
+        return float(log_s + misfit / rounding**2)
+
+    best = minimize_scalar(free, bounds=bounds, method="bounded", options={"xatol": TOLERANCE}).x
+    _, misfit, count = _innovations(time, reading, _jerk(np.exp(best), step))
+    noise = float(np.sqrt(misfit / count))
+    if noise < rounding:
+        best = minimize_scalar(bounded, bounds=bounds, method="bounded", options={"xatol": TOLERANCE}).x
+        noise = rounding
+    return float(np.exp(best)), noise
+
+
+@njit(cache=True)
+def _predict(x, p, h, jerk):
+    """State and covariance a time h later."""
+    a = h * h / 2
+    x[0] += h * x[1] + a * x[2]
+    x[1] += h * x[2]
+    for k in range(3):
+        p[0, k] += h * p[1, k] + a * p[2, k]
+        p[1, k] += h * p[2, k]
+    for k in range(3):
+        p[k, 0] += h * p[k, 1] + a * p[k, 2]
+        p[k, 1] += h * p[k, 2]
+    h2, h3 = h * h, h * h * h
+    p[0, 0] += jerk * h2 * h3 / 20
+    p[1, 1] += jerk * h3 / 3
+    p[2, 2] += jerk * h
+    for i, j, q in ((0, 1, h2 * h2 / 8), (0, 2, h3 / 6), (1, 2, h2 / 2)):
+        p[i, j] += jerk * q
+        p[j, i] += jerk * q
+
+
+@njit(cache=True)
+def _update(x, p, reading, noise):
+    """Take over a reading of variance `noise`; the innovation and its variance."""
+    s = p[0, 0] + noise
+    innovation = reading - x[0]
+    g = p[:, 0] / s
+    for i in range(3):
+        x[i] += g[i] * innovation
+    row = p[0].copy()
+    for i in range(3):
+        for j in range(3):
+            p[i, j] -= g[i] * row[j]
+    for i in range(3):
+        for j in range(i):
+            p[i, j] = p[j, i] = 0.5 * (p[i, j] + p[j, i])
+    return innovation, s
+
+
+@njit(cache=True)
+def _begin(time, reading):
+    """Where the filter starts: at the first reading, with velocities and accelerations as large as any difference."""
+    x, p = np.zeros(3), np.zeros((3, 3))
+    fastest, sharpest, before = 0.0, 0.0, -1
+    for k in range(len(time)):
+        if np.isnan(reading[k]):
+            continue
+        if before < 0:
+            x[0] = reading[k]
+        else:
+            h = time[k] - time[before]
+            fastest = max(fastest, abs(reading[k] - reading[before]) / h)
+            sharpest = max(sharpest, fastest / h)
+        before = k
+    p[0, 0], p[1, 1], p[2, 2] = (np.nanmax(reading) - np.nanmin(reading)) ** 2, fastest**2, sharpest**2
+    return x, p
+
+
+@njit(cache=True)
+def _innovations(time, reading, jerk):
+    """For readings of unit noise: Σ log of the innovations' variances, Σ innovation²/variance, and how many."""
+    x, p = _begin(time, reading)
+    log_s, misfit, count = 0.0, 0.0, 0
+    for k in range(len(time)):
+        if k:
+            _predict(x, p, time[k] - time[k - 1], jerk)
+        if not np.isnan(reading[k]):
+            innovation, s = _update(x, p, reading[k], 1.0)
+            if count >= 3:  # the first three tell where it starts
+                log_s += np.log(s)
+                misfit += innovation * innovation / s
+            count += 1
+    return log_s, misfit, count - 3
+
+
+@njit(cache=True)
+def _smooth(time, reading, jerk, noise):
+    """Mean and variance of position, velocity and acceleration, given all readings. Shapes (3, t)."""
+    n = len(time)
+    ahead, wide = np.empty((n, 3)), np.empty((n, 3, 3))  # before the reading
+    here, narrow = np.empty((n, 3)), np.empty((n, 3, 3))  # after it
+    x, p = _begin(time, reading)
+    for k in range(n):
+        if k:
+            _predict(x, p, time[k] - time[k - 1], jerk)
+        ahead[k], wide[k] = x, p
+        if not np.isnan(reading[k]):
+            _update(x, p, reading[k], noise)
+        here[k], narrow[k] = x, p
+    value, spread = np.empty((3, n)), np.empty((3, n))
+    for k in range(n - 1, -1, -1):
+        if k < n - 1:
+            h = time[k + 1] - time[k]
+            f = np.array([[1.0, h, h * h / 2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
+            gain = np.linalg.solve(wide[k + 1], f @ narrow[k]).T
+            x = here[k] + gain @ (x - ahead[k + 1])
+            p = narrow[k] + gain @ (p - wide[k + 1]) @ gain.T
+        value[:, k] = x
+        for i in range(3):
+            spread[i, k] = max(p[i, i], 0.0)
+    return value, spread
