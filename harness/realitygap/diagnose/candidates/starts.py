@@ -7,6 +7,7 @@ and stops at zero is zero.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -70,13 +71,16 @@ class Start:
         if self.kind == "whole":
             return self.tries[0]
         if self.kind == "wave":
-            size = self.tries[0].parameters["amplitude"] * float(np.hypot(*amounts))
-            return self.tries[0].at({"amplitude": size, "phase": float(np.arctan2(amounts[1], amounts[0]))})
+            sine, cosine = amounts
+            size = self.tries[0].parameters["amplitude"] * math.hypot(sine, cosine)
+            return self.tries[0].at({"amplitude": size, "phase": math.atan2(cosine, sine)})
         zero, values = dict(self.zero), {}
         for k, amount in enumerate(amounts):
             for name in self.moved(k):
                 p, tried = self.suspect.kind.parameter(name), self.tries[k].parameters[name]
-                value = tried / max(amount, 1e-3) if self.kind == "inverse" else zero[name] + amount * (tried - zero[name])
+                value = (
+                    tried / max(amount, 1e-3) if self.kind == "inverse" else zero[name] + amount * (tried - zero[name])
+                )
                 values[name] = float(np.clip(value, p.low, p.high))
         return self.first.at(values)
 

@@ -28,8 +28,8 @@ class Simulations:
         self.count = 0
         self._remembered: dict[Question, dict[str, Array] | None] = {}
         self._bytes = 0.0
-        wanted = workers or len(os.sched_getaffinity(0))
-        self._workers = [_Worker(problem) for _ in range(wanted)] if wanted > 1 else []
+        self.workers = workers or len(os.sched_getaffinity(0))
+        self._workers = [_Worker(problem) for _ in range(self.workers)] if self.workers > 1 else []
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
         for worker in self._workers:
             self._idle.put(worker)
@@ -49,7 +49,12 @@ class Simulations:
         return out
 
     def of(
-        self, changes: Sequence[Change], cases: Sequence[int], *, engine: str | None = None, coarse: Coarse | None = None
+        self,
+        changes: Sequence[Change],
+        cases: Sequence[int],
+        *,
+        engine: str | None = None,
+        coarse: Coarse | None = None,
     ) -> list[dict[str, Array] | None]:
         """The signals of some cases with changes, at the least faithful step rate where `coarse` says which that is."""
         return self.ask([self.question(changes, c, engine=engine, coarse=coarse) for c in cases])

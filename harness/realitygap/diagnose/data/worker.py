@@ -66,6 +66,7 @@ def main() -> None:
         problem = pickle.load(asked)
         while True:
             question = pickle.load(asked)
+            result: tuple[bool, object]
             try:
                 result = True, answer(problem, question)
             except Exception as error:  # told to the one who asked

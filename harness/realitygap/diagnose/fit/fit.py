@@ -17,8 +17,8 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 
 STEP, CONTACT_STEP = 0.05, 0.15
-"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free body,
-where contacts that come and go make small differences tell nothing but that."""
+"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
+body, where contacts that come and go make small differences tell nothing but that."""
 CLOSE = 2e-3
 """A fit ends where a step would change the parameters by less than this share."""
 PRIOR = 1e-2
@@ -144,17 +144,16 @@ def fit(
     return Fit(space.at(x), after, space.names, last, space.scale)
 
 
-def slope(
-    simulations: Simulations, space: Space, x: Array, train: Sequence[int], coarse: Sequence[float]
-) -> Array:
+def slope(simulations: Simulations, space: Space, x: Array, train: Sequence[int], coarse: Sequence[float]) -> Array:
     """The change of the stacked residual per scaled value, by differences, simulated side by side. Shape (m, p)."""
     moved = space.steps(x)
-    still, *answers = residuals(
-        simulations, [space.at(x), *(space.at(y) for y, _ in moved)], train, coarse
-    )
+    still, *answers = residuals(simulations, [space.at(x), *(space.at(y) for y, _ in moved)], train, coarse)
     if still is None:
         still = residual(simulations, space.at(x), train)
         assert still is not None
     return np.column_stack(
-        [np.zeros(len(still)) if a is None else np.nan_to_num(a - still) / s for a, (_, s) in zip(answers, moved, strict=True)]
+        [
+            np.zeros(len(still)) if a is None else np.nan_to_num(a - still) / s
+            for a, (_, s) in zip(answers, moved, strict=True)
+        ]
     )

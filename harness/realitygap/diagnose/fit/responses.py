@@ -73,14 +73,14 @@ def respond(
         if answer is None:
             continue
         change = np.nan_to_num(answer - still)
-        for (start, number), try_ in variant.items():
+        for (turn, number), try_ in variant.items():
             column = change
             if len(variant) > 1:
                 (joint,) = try_.suspect.indices
                 if joint not in masks:
                     masks[joint] = own_joint(simulations, channels, joint)
                 column = np.where(masks[joint], change, 0.0)
-            found[start, number] = column
+            found[turn, number] = column
     out = []
     for i, start in enumerate(tried):
         columns = [found.get((i, k)) for k in range(len(start.tries))]
@@ -114,9 +114,9 @@ def single(suspect: Suspect) -> bool:
 
 def own_joint(simulations: Simulations, channels: Iterable[Channel], joint: int) -> Array:
     """Which stacked samples are those of one joint. Shape (m,), of bool."""
-    column = int(np.sum(simulations.problem.judged[:joint]))
+    judged = simulations.problem.judged
+    column = int(np.sum(judged[:joint]))
     parts = [
-        np.full(len(c.time), c.signal in JOINT_SIGNALS and c.column == column and bool(simulations.problem.judged[joint]))
-        for c in channels
+        np.full(len(c.time), c.signal in JOINT_SIGNALS and c.column == column and bool(judged[joint])) for c in channels
     ]
     return np.concatenate(parts)

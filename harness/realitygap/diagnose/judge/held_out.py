@@ -12,7 +12,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.likelihood.whitening import channels
+from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import Imperfections, score
 from realitygap.diagnose.search.exchange import LEVEL, Rival, compare
 
@@ -34,12 +34,13 @@ def predicted(simulations: Simulations, floors: Floors, changes: Sequence[Change
     """The difference in log predictive density on the held-out runs: with the changes, less without."""
     judge = simulations.problem.of("held_out")
     watched = channels(simulations.problem, floors, judge)
-    nothing = Imperfections(np.zeros((sum(len(c.time) for c in watched), 0)))
     both = [residual(simulations, c, judge) for c in ([], changes)]
     if both[1] is None:
         return Verdict(-np.inf, 0.0)
     if both[0] is None:
         return Verdict(np.inf, 0.0)
+    none = np.zeros((len(both[1]), 0))
+    nothing = Imperfections(facts(watched, both[1]), none)
     before, after = (score(watched, Fit((), r), nothing) for r in both if r is not None)
     apart: Rival | None = None
     if changes:

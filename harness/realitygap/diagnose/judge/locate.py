@@ -76,7 +76,7 @@ def _place(
         noises.append(np.full(len(delta), floors.noise[i][signal][j] * np.sqrt(2 / np.pi)))
         slow.append(floors.slow[i][signal][:, j])
         scaled.append(delta / floors.sigma(i, signal)[:, j])
-        for phase, mask in phases(problem, case, j, sim).items():
+        for phase, mask in phases(case, j, sim).items():
             masks.setdefault(phase, []).append(mask)
     residual = np.nan_to_num(np.concatenate(scaled))
     whole = float(np.sqrt(np.mean(residual**2)))
@@ -92,7 +92,7 @@ def _place(
     return Place(joint, signal, unit, mean(gaps), mean(noises), mean(slow), tuple(when) or ("throughout",), whole)
 
 
-def phases(problem: Problem, case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:
+def phases(case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:
     """Which samples of a motion belong to which phase of joint j. Shape (t,) each.
 
     Phases: holding, moving, reversal, saturation (the servo gives all it can), loaded, impact (of a moving base).

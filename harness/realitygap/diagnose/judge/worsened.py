@@ -77,7 +77,7 @@ class InUnits:
 
 
 def in_units(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[InUnits]:
-    """The gaps of joints in units, by signal and kind of joint: floors grow with what is believed of laws, units do not."""
+    """The gaps of joints in units, by signal and kind of joint: floors change with the model, units do not."""
     out = []
     for signal in JOINT_SIGNALS:
         cases = _compared(problem, signal, judge, before, after)
@@ -88,7 +88,8 @@ def in_units(problem: Problem, judge: Sequence[int], before: Simulations, after:
             if joints:
                 unit, scale = unit_of(signal, prismatic)
                 was, now = (
-                    float(np.mean([_gap(problem, cases, signal, j, sim) for j in joints])) * scale for sim in (before, after)
+                    float(np.mean([_gap(problem, cases, signal, j, sim) for j in joints])) * scale
+                    for sim in (before, after)
                 )
                 out.append(InUnits(signal, unit, was, now))
     return out

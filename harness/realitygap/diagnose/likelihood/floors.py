@@ -104,9 +104,7 @@ def _coarse(simulations: Simulations, changes: Sequence[Change], floors: Floors)
 
 
 def _apart(problem: Problem, floors: Floors, case: int, a: Signals, b: Signals) -> float:
-    squares = [
-        problem.columns(s, ((a[s] - b[s]) / floors.sigma(case, s)) ** 2).ravel() for s in problem.signals(case)
-    ]
+    squares = [problem.columns(s, ((a[s] - b[s]) / floors.sigma(case, s)) ** 2).ravel() for s in problem.signals(case)]
     return float(np.sqrt(np.mean(np.concatenate(squares))))
 
 

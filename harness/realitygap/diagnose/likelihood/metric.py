@@ -1,13 +1,15 @@
 """The metric of residuals: whitened, and with small imperfections of every law on the list marginalised.
 
-No law is exact: beside what is missing, everything on the list is wrong by a little. Each imperfection is a multiple of
-an effect's response with a normal prior of a common scale, so that the covariance of a residual is that of noise and
-what lasts, plus Φ·diag(scale²)·Φᵀ (Kennedy & O'Hagan 2001, with the discrepancy spanned by known laws). A parameter that
-an imperfection could mimic gets a wider interval, and a small effect that mends the law of a large one gains nothing.
+No law is exact: beside what is missing, everything on the list is wrong by a little. Each imperfection is a multiple
+of an effect's response with a normal prior of a common scale, so that the covariance of a residual is that of noise and
+what lasts, plus Φ·diag(scale²)·Φᵀ (Kennedy & O'Hagan 2001, with the discrepancy spanned by known laws). A parameter
+that an imperfection could mimic gets a wider interval, and a small effect that mends the law of a large one gains
+nothing.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,7 +20,7 @@ from realitygap.diagnose.likelihood.whitening import Channel, Rest, Whitening
 from realitygap.robot.drive import Array
 
 OUTLIER = 3.0
-"""An innovation beyond this many times their root mean square is trusted less (Cauchy weights; 0.3 % of normal ones)."""
+"""An innovation beyond this many times their root mean square is trusted less (Cauchy; 0.3 % of normal ones are)."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +50,26 @@ class Metric:
         return out[:, 0] if one else out
 
 
-def metric(channels: Sequence[Channel], rest: Rest, residual: Array, responses: Array, scale: Array) -> Metric:
+def metric(
+    channels: Sequence[Channel], facts: Array, rest: Rest, residual: Array, responses: Array, scale: Array
+) -> Metric:
     """The metric for what a residual leaves.
 
     Args:
         channels: of the stacked residual.
+        facts: of a sample of each channel.
         rest: what no law explains, by channel.
         residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
         responses: of every law that may be imperfect. Shape (m, q).
         scale: how imperfect, as a multiple of the response. Shape (q,).
     """
-    whitening = Whitening(tuple(channels), rest)
+    whitening = Whitening(tuple(channels), rest, facts)
     finite = np.isfinite(residual).astype(float)
     stack = np.column_stack([np.nan_to_num(residual), responses * scale])
     white, _ = whitening(stack, finite)
     size = np.abs(white[:, 0])
-    spread = max(float(np.sqrt(np.mean(size[finite > 0] ** 2))), 1.0) if finite.any() else 1.0
+    spread = math.sqrt(float(np.mean(size[finite > 0] ** 2))) if finite.any() else 1.0
+    spread = max(spread, 1e-12)
     weight = finite / (1.0 + (size / (OUTLIER * spread)) ** 2)
     white, determinant = whitening(stack, weight)
     imperfections = white[:, 1:]
@@ -89,4 +95,4 @@ def rest_of(channels: Sequence[Channel], residual: Array) -> Rest:
         if good.any():
             excess = np.mean(part[good] ** 2 - channel.slow[good] ** 2) - channel.noise**2
             squares.setdefault(channel.key, []).append(float(excess))
-    return {key: float(np.sqrt(max(np.mean(values), 0.0))) for key, values in squares.items()}
+    return {key: math.sqrt(max(sum(values) / len(values), 0.0)) for key, values in squares.items()}

@@ -1,13 +1,10 @@
-"""The likelihood of residuals: white noise of the sensor plus something that lasts, for every judged channel.
+"""The likelihood of residuals: a standard deviation for every sample, and how many facts the samples are.
 
-A residual is e + u with e white, of the sensor's standard deviation, and u an Ornstein-Uhlenbeck process: what numerics,
-disturbances and imperfect laws do lasts for a correlation time. A Kalman filter turns the residual into innovations that
-are independent and of unit variance, exactly and in one pass (Harvey, Forecasting, Structural Time Series Models and the
-Kalman Filter, 1989, section 3.4). Whatever is linear in the residual, such as the response to an effect, is whitened by
-the same filter.
+Every sample has the variance of its sensor, its floors (numerics, disturbances) and of what no law explains. Samples
+that follow one another are not as many facts: a channel's log likelihood is divided by the integrated autocorrelation
+time of its residual, in samples (Sokal 1997; a composite likelihood with the adjustment of Pauli, Racugno & Ventura
+2011). White noise counts in full; a residual that lasts for 0.3 s counts once in 0.3 s.
 """
-# mypy: allow-untyped-defs
-# (the compiled function takes arrays and numbers only; its callers are typed)
 
 from __future__ import annotations
 
@@ -15,18 +12,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.problem import Problem, Signals
-from realitygap.diagnose.data.push import CORRELATION
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import Array
 
-LASTING = 0.5
-"""What lasts is at least this share of the sensor's noise: rounding is the same as long as a joint rests, and a floor of
-1 is what cannot be told from a perfect model."""
-
+LONGEST = 0.25
+"""The share of a motion up to which autocorrelation is looked for."""
+FADED = 0.05
+"""Autocorrelation below this is noise of its own estimate."""
 
 @dataclass(frozen=True)
 class Channel:
@@ -68,62 +63,69 @@ def channels(problem: Problem, floors: Floors, cases: Sequence[int]) -> list[Cha
 
 def stacked(problem: Problem, cases: Sequence[int], simulated: Sequence[Signals]) -> Array:
     """Simulated minus measured of all channels, one after the other; NaN where nothing was measured. Shape (m,)."""
-    parts = [problem.delta(c, s, sim).T.ravel() for c, sim in zip(cases, simulated, strict=True) for s in problem.signals(c)]
+    parts = [
+        problem.delta(c, s, sim).T.ravel() for c, sim in zip(cases, simulated, strict=True) for s in problem.signals(c)
+    ]
     return np.concatenate(parts)
+
+
+def facts(channels: Sequence[Channel], residual: Array) -> Array:
+    """How many facts a sample of each channel is: one over the integrated autocorrelation time. Shape (channels,).
+
+    Motions of one channel are taken together, so that a short one has not a share of its own.
+    """
+    found: dict[tuple[str, int], list[float]] = {}
+    at = 0
+    for channel in channels:
+        n = len(channel.time)
+        part = residual[at : at + n] / np.hypot(channel.noise, channel.slow)
+        found.setdefault(channel.key, []).append(_lasting(part[np.isfinite(part)]))
+        at += n
+    return np.array([1.0 / np.mean(found[c.key]) for c in channels])
+
+
+def _lasting(value: Array) -> float:
+    """The integrated autocorrelation time of a series in samples, at least 1; about zero, as a gap is no mean."""
+    power = float(value @ value)
+    total = 1.0
+    if power > 0.0:
+        for lag in range(1, int(LONGEST * len(value))):
+            rho = float(value[:-lag] @ value[lag:]) / power
+            if rho < FADED:
+                break
+            total += 2.0 * rho
+    return total
 
 
 @dataclass(frozen=True)
 class Whitening:
-    """Whitens what is stacked over channels. `determinant` is ½·ln of the determinant of the covariance."""
+    """Scales what is stacked over channels, so that its squared length is minus twice the log likelihood.
+
+    Attributes:
+        channels: in their order.
+        rest: what no law explains, by channel.
+        facts: of each sample of a channel. Shape (channels,).
+    """
 
     channels: tuple[Channel, ...]
     rest: Rest
+    facts: Array
 
-    def __call__(self, columns: Array, finite: Array) -> tuple[Array, float]:
-        """Innovations of stacked columns, and half the logarithm of the determinant of their covariance.
+    def __call__(self, columns: Array, weight: Array) -> tuple[Array, float]:
+        """Scaled columns, and half the logarithm of the determinant of their covariance.
 
         Args:
-            columns: Shape (m, k); what is not finite in the first column counts nothing in any.
-            finite: Shape (m,), the weight of each sample: 0 leaves it out, less than 1 trusts it less.
+            columns: Shape (m, k).
+            weight: trust in each sample: 0 leaves it out. Shape (m,).
         """
-        out = np.empty_like(columns)
-        determinant, at = 0.0, 0
-        for channel in self.channels:
+        scale, determinant, at = np.empty(len(columns)), 0.0, 0
+        for channel, share in zip(self.channels, self.facts, strict=True):
             n = len(channel.time)
-            lasting = np.sqrt(
-                channel.slow**2 + (LASTING * channel.noise) ** 2 + self.rest.get(channel.key, 0.0) ** 2
-            )
-            determinant += _innovations(
-                channel.time, channel.noise, lasting, finite[at : at + n], columns[at : at + n], out[at : at + n], CORRELATION
-            )
+            rest = self.rest.get(channel.key, 0.0)
+            variance = channel.noise**2 + channel.slow**2 + rest**2
+            trust = weight[at : at + n]
+            scale[at : at + n] = np.sqrt(share * trust / variance)
+            determinant += 0.5 * share * float(np.sum(np.log(variance)[trust > 0]))
+            determinant -= 0.5 * share * float(np.sum(np.log(trust[trust > 0])))
             at += n
-        return out, determinant
-
-
-@njit(cache=True)
-def _innovations(time, noise, lasting, weight, columns, out, correlation):
-    """Fill `out` with the innovations of columns (t, k); half the logarithm of the determinant."""
-    k = columns.shape[1]
-    mean = np.zeros(k)
-    variance, logarithm = 1.0, 0.0
-    for i in range(len(time)):
-        if i > 0:
-            keep = np.exp(-(time[i] - time[i - 1]) / correlation)
-            variance = keep * keep * variance + 1.0 - keep * keep
-            for j in range(k):
-                mean[j] *= keep
-        if weight[i] <= 0.0:
-            for j in range(k):
-                out[i, j] = 0.0
-            continue
-        a = lasting[i]
-        total = a * a * variance + noise * noise / weight[i]
-        root = np.sqrt(total)
-        gain = variance * a / total
-        for j in range(k):
-            innovation = columns[i, j] - a * mean[j]
-            out[i, j] = innovation / root
-            mean[j] += gain * innovation
-        variance -= gain * a * variance
-        logarithm += np.log(root)
-    return logarithm
+        return columns * scale[:, None], determinant

@@ -93,9 +93,7 @@ class Diagnosis:
     @property
     def rivals(self) -> dict[Suspect, list[Rival]]:
         """What cannot be told from each finding, the closest first."""
-        return {
-            c.suspect: [r for r in self.found.rivals.get(c.suspect, []) if r.open][:MOST] for c in self.changes
-        }
+        return {c.suspect: [r for r in self.found.rivals.get(c.suspect, []) if r.open][:MOST] for c in self.changes}
 
     def experiment(self) -> str:
         """What to record next."""

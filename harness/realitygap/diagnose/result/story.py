@@ -9,9 +9,9 @@ import numpy as np
 from markupsafe import Markup
 
 from realitygap.compare.gap import unit_of
-from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import (
@@ -200,7 +200,7 @@ def _curve(result: Diagnosis, case: int, signal: str, j: int, when: tuple[str, .
     problem = result.problem
     c = problem.cases[case]
     unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
-    masks = phases(problem, c, j, result.before[case])
+    masks = phases(c, j, result.before[case])
     inside = [masks[w] for w in when if w in masks]
     return Curves(
         time=c.measured.time,

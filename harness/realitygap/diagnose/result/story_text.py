@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from realitygap.diagnose.candidates.suspects import neutral
-from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.page.style import number
 from realitygap.robot.effects import EFFECTS, Parameter

@@ -83,13 +83,17 @@ def diagnose(simulations: Simulations, names: Sequence[str], say: Say = lambda _
     proofs = shown(simulations, found.floors, changes, engines)
     mended = artefacts(proofs)
     if mended:
-        notes += [f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended]
+        notes += [
+            f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
+        ]
         found = search(simulations, [s for s in everyone if s not in mended], told, say)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, changes, engines)
     judged = predicted(simulations, found.floors, changes)
     if judged.worse:
-        notes.append(f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f}: not named")
+        notes.append(
+            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f}: not named"
+        )
         changes, proofs = (), {}
     if not problem.repeated:
         notes.append(NOT_REPEATED)

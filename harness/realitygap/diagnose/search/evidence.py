@@ -2,7 +2,8 @@
 
 The marginal likelihood of the residual, with the fitted values integrated out (Laplace), what no law explains estimated
 for this model, and imperfections of all laws marginalised at the scale that the recordings support best. "Something
-else" is thus a model too, the one that has no change and leaves everything to what no law explains: a name has to beat it.
+else" is thus a model too, the one that has no change and leaves everything to what no law explains: a name has to beat
+it.
 """
 
 from __future__ import annotations
@@ -29,8 +30,14 @@ PASSES = 2
 
 @dataclass(frozen=True)
 class Imperfections:
-    """Responses of the laws that may be imperfect, at the model that the search stands at. Shape (m, q)."""
+    """What all models of a round are compared with.
 
+    Attributes:
+        facts: how many facts a sample of each channel is, where the search stands. Shape (channels,).
+        responses: of the laws that may be imperfect, at the model that the search stands at. Shape (m, q).
+    """
+
+    facts: Array
     responses: Array
 
 
@@ -61,7 +68,7 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
     scales = np.full(responses.shape[1], scale)
     left = fit.residual
     for _ in range(PASSES if scale > 0 else 1):
-        measure = metric(channels, rest_of(channels, left), fit.residual, responses, scales)
+        measure = metric(channels, imperfections.facts, rest_of(channels, left), fit.residual, responses, scales)
         if scale > 0:
             taken = measure(fit.residual)[len(left) :]
             left = fit.residual - (responses * scales) @ taken
@@ -72,7 +79,8 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
         slope = measure(fit.slope)
         curvature = slope.T @ slope
         evidence -= 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
-        covariance = _covariance(channels, slope, whole, np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2))
+        model = np.asarray(np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2))
+        covariance = _covariance(channels, slope, whole, model)
     return Scored(fit, evidence, measure, scale, covariance)
 
 

@@ -52,7 +52,7 @@ def _stretches(channels: Sequence[Channel], scored: Scored) -> Array:
     """Minus half the squared innovations of every stretch of every motion, all channels of it together."""
     number = stretches(channels)
     white = scored.metric(scored.fit.residual)
-    return -0.5 * np.bincount(number, white[: len(number)] ** 2)
+    return np.asarray(-0.5 * np.bincount(number, white[: len(number)] ** 2))
 
 
 def without(changes: Sequence[Change], number: int) -> tuple[Change, ...]:

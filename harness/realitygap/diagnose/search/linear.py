@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -55,15 +56,13 @@ class Linear:
         self.white = np.delete(white, slice(1, p + 1), axis=1)
         self.gram = self.white.T @ self.white
         ends = np.cumsum([1, *(b.columns.shape[1] for b in blocks)])
-        self.places = [np.arange(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        self.places = [np.arange(a, b) for a, b in pairwise(ends)]
 
     def promise(self, number: int, beside: Sequence[int] = ()) -> Promise:
         """What one block gains beside others that are already taken."""
-        taken = np.concatenate([self.places[i] for i in beside]) if beside else np.zeros(0, dtype=int)
         with_, _ = self._gain([*beside, number])
         without, _ = self._gain(list(beside))
         gain, amounts = with_ - without, self._amounts([*beside, number])
-        del taken
         return Promise(self.blocks[number], tuple(amounts[-len(self.places[number]) :].tolist()), gain)
 
     def promises(self) -> list[Promise]:
@@ -81,7 +80,11 @@ class Linear:
             for i in list(taken[:-1]):  # what the new one made superfluous goes, or gives way
                 others = [k for k in taken if k != i]
                 other = self._best(others)
-                if other is not None and other[0] != i and other[1] > self._gain(taken)[0] - self._gain(others)[0] + 1.0:
+                if (
+                    other is not None
+                    and other[0] != i
+                    and other[1] > self._gain(taken)[0] - self._gain(others)[0] + 1.0
+                ):
                     taken = [*others, other[0]]
                 elif self._gain(taken)[0] - self._gain(others)[0] < least:
                     taken = others

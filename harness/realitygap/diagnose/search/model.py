@@ -13,7 +13,7 @@ from realitygap.diagnose.fit.fit import Fit, fit
 from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.likelihood.whitening import channels
+from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import Imperfections, Scored, score
 from realitygap.robot.drive import Array
 
@@ -37,7 +37,8 @@ class Ground:
         self.train = self.problem.of("train")
         self.floors: Floors = measure(simulations, changes)
         self.channels = channels(self.problem, self.floors, self.train)
-        self.wrong = Imperfections(np.zeros((sum(len(c.time) for c in self.channels), 0)))
+        none = np.zeros((sum(len(c.time) for c in self.channels), 0))
+        self.wrong = Imperfections(np.ones(len(self.channels)), none)
 
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """The responses of every suspect that can stand beside the changes of a fit."""
@@ -45,6 +46,10 @@ class Ground:
         possible = [s for s in everyone if not any(clash(s, a) for a in accepted)]
         tried = [start for s in possible for start in starts(self.problem, s, self._of_joint(at, s))]
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
+
+    def take_facts(self, at: Fit) -> None:
+        """Count facts as the residual of a fit lasts."""
+        self.wrong = Imperfections(facts(self.channels, at.residual), self.wrong.responses)
 
     def take_imperfections(self, blocks: Sequence[Block]) -> None:
         """Let laws be wrong by a little: those that follow a straight line, at single targets."""
@@ -54,7 +59,7 @@ class Ground:
             if block.start.kind == "linear" and block.suspect not in seen and alone:
                 chosen.append(block.columns)
                 seen.add(block.suspect)
-        self.wrong = Imperfections(np.hstack(chosen))
+        self.wrong = Imperfections(self.wrong.facts, np.hstack(chosen))
 
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""

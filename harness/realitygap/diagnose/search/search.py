@@ -66,7 +66,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
     """
-    limit = float(np.log(max(len(everyone), 1))) + SURE
+    limit = needed(len(everyone))
     changes, seen = tuple(told), set[frozenset[Suspect]]()
     for _ in range(ROUNDS):
         round_ = Round(simulations, changes, everyone, limit, say)
@@ -85,6 +85,11 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     return found
 
 
+def needed(suspects: int) -> float:
+    """The gain in evidence that a name needs among so many suspects."""
+    return float(np.log(max(suspects, 1))) + SURE
+
+
 class Round:
     """One round of the search, around an accepted model."""
 
@@ -98,8 +103,10 @@ class Round:
         first = residual(simulations, changes, ground.train)
         if first is None:
             raise RuntimeError("the model that the search stands at cannot be simulated")
+        ground.take_facts(Fit(tuple(changes), first))
         start = ground.score(Fit(tuple(changes), first))
         self.now = ground.settled(start) if any(c.free for c in changes) else start
+        ground.take_facts(self.now.fit)
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.blocks)
         self.now = ground.score(self.now.fit)
@@ -180,7 +187,7 @@ class Round:
         return Linear(at.metric, left, at.fit.slope, blocks)
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
-        """The suspects that promise most, each simulated where its straight line leads, and taken as a line from there."""
+        """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
         chosen: list[Promise] = []
         for p in promises:
             kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
