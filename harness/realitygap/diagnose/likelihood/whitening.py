@@ -23,6 +23,7 @@ LONGEST = 0.25
 FADED = 0.05
 """Autocorrelation below this is noise of its own estimate."""
 
+
 @dataclass(frozen=True)
 class Channel:
     """One signal of one joint (or axis of the base) in one motion.

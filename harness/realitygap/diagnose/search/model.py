@@ -66,9 +66,11 @@ class Ground:
         return score(self.channels, found, self.wrong)
 
     def fit(self, changes: Sequence[Change], metric: Metric) -> Scored | None:
-        """Changes fitted in a metric, with their evidence; None where they cannot be simulated."""
+        """Changes fitted in a metric, with their evidence; None where they cannot be simulated, or where the values
+        that fit are not these effects.
+        """
         done = fit(self.simulations, changes, self.train, metric, self.floors.coarse)
-        return None if done is None else self.score(done)
+        return None if done is None or any(absurd(c) for c in done.changes) else self.score(done)
 
     def settled(self, found: Scored) -> Scored:
         """A model fitted again in the metric of what it leaves, as long as that finds more evidence."""
@@ -93,3 +95,9 @@ class Ground:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
                 out.setdefault(channel.case, []).append(part / floor)
         return [np.column_stack(out[c]) for c in self.train if c in out]
+
+
+def absurd(change: Change) -> bool:
+    """Whether the values of a change are not its effect, as a Stribeck friction that grows with speed."""
+    why = change.suspect.kind.absurd
+    return why is not None and why(change.parameters) is not None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start
+from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -17,6 +18,7 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Rival, compare, without
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.model import Ground
+from realitygap.robot.effects import EFFECTS
 
 BEAM = 4
 """Suspects that are fitted in a round: those that promise most."""
@@ -28,6 +30,8 @@ EXCHANGED = 4
 """Suspects that are fitted in the place of a finding."""
 SURE = 3.0
 """A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
+EQUAL = 1.0
+"""Models whose evidence differs by less are equal: the simpler one is named."""
 ROUNDS = 30
 """Rounds at most: more findings than this no page could show."""
 
@@ -90,6 +94,13 @@ def needed(suspects: int) -> float:
     return float(np.log(max(suspects, 1))) + SURE
 
 
+def simpler(a: Suspect, b: Suspect) -> bool:
+    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table."""
+    order = list(EFFECTS)
+    keys = [(len(fitted(s.kind)), order.index(s.effect)) for s in (a, b)]
+    return keys[0] < keys[1]
+
+
 class Round:
     """One round of the search, around an accepted model."""
 
@@ -105,7 +116,8 @@ class Round:
             raise RuntimeError("the model that the search stands at cannot be simulated")
         ground.take_facts(Fit(tuple(changes), first))
         start = ground.score(Fit(tuple(changes), first))
-        self.now = ground.settled(start) if any(c.free for c in changes) else start
+        done = ground.fit(changes, start.metric) if any(c.free for c in changes) else None
+        self.now = start if done is None else ground.settled(done)
         ground.take_facts(self.now.fit)
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.blocks)
@@ -153,8 +165,9 @@ class Round:
                 best = alone if best is None or alone.evidence > best.evidence else best
                 continue
             self.rivals[change.suspect] = self._rivals(change, rest, alone)
-            for rival in self.rivals[change.suspect][:1]:
-                if rival.behind < -1.0 and (best is None or rival.scored.evidence > best.evidence):
+            for rival in self.rivals[change.suspect]:
+                ahead = rival.behind < -EQUAL or (rival.behind < EQUAL and simpler(rival.suspect, change.suspect))
+                if ahead and (best is None or rival.scored.evidence > best.evidence):
                     best = rival.scored
         return best
 
