@@ -48,7 +48,7 @@ bench: $(READY)  ## measure what the harness costs over a bare loop of each engi
 	$(BIN)/python tests/bench_overhead.py
 
 .PHONY: reference
-reference: $(READY)  ## write the reference of all files that people write into scenarios/README.md
+reference: $(READY)  ## write the reference of all files that people write: scenarios/README.md, JSON Schemas
 	$(BIN)/python -m realitygap.cli.reference
 
 .PHONY: lock

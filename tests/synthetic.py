@@ -1,4 +1,4 @@
-"""Synthetic result folders: invented gaps and curves in the form that a run writes. They stand for no robot."""
+"""Synthetic result folders: invented gaps and traces in the form that a run writes. They stand for no robot."""
 
 import itertools
 import json
@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from realitygap.compare.comparison import Comparison
 from realitygap.compare.gap import differences
-from realitygap.compare.table import COLUMNS, Cell, Row, failed, row, table, to_csv
+from realitygap.compare.table import COLUMNS, Cell, Row, failed, row, slug, table, to_csv
+from realitygap.compare.traces import write_traces
 from realitygap.files.whole import write_whole
-from realitygap.report import write_curves
 from realitygap.trace.trace import Trace
 from realitygap_engines.model.robot import Joint, Link, Model
 
@@ -93,16 +94,23 @@ def write_planted(
     return folder
 
 
+def write_cell(folder: Path, one: Cell, simulated: Trace, measured: Trace | None) -> Path:
+    """The traces of one cell. Returns the Parquet file."""
+    robot = model(simulated.joints)
+    write_traces(folder, Comparison(one, [], "ok", simulated=simulated, measured=measured), robot)
+    return folder / "traces" / f"{slug(one)}.parquet"
+
+
 def write_folder(
     folder: Path,
     *,
     joints: Sequence[str],
     cells: Sequence[Cell],
     error: Callable[[Cell], float],
-    curves: bool = True,
+    traces: bool = True,
     virtual: bool = False,
 ) -> Path:
-    """A whole folder with curves and timings; a cell whose error is infinite has diverged."""
+    """A whole folder with traces and timings; a cell whose error is infinite has diverged."""
     robot = model(joints)
     rows, timings = [], []
     for number, one in enumerate(cells):
@@ -116,8 +124,8 @@ def write_folder(
             else:
                 rows.append(failed(one, d, noise, "diverged", "diverged at 1.2000 s at knee: not finite"))
         if np.isfinite(wrong):
-            if curves:
-                write_curves(folder, one, simulated, measured, robot)
+            if traces:
+                write_cell(folder, one, simulated, measured)
             speed = {"mujoco": 40.0, "dart": 9.0, "drake": 5.0, "pybullet": 11.0}[one.engine] * 1000 / one.step_rate
             timings.append({**vars(one), "wall_seconds": 4 / speed, "real_time_factor": speed, "steps": 4000})
     frame = pd.DataFrame([vars(r) for r in rows], columns=COLUMNS) if not rows else table(rows)

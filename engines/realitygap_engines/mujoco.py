@@ -61,13 +61,13 @@ class MujocoSimulation(Simulation):
         self.physics = physics
         SILENCE.begin()
         self._end_silence = weakref.finalize(self, SILENCE.end)  # once, also where nobody closes it
-        spec = _build(model, physics)
+        spec = build_spec(model, physics)
         self._m = m = spec.compile()
         self._d = d = mujoco.MjData(m)
         self._offset = o = 6 if model.floating else 0
         self._soft = physics.ground is not None and physics.ground.stiffness is not None
         if self._soft and physics.ground is not None:
-            _soften(m, physics.ground)
+            soften(m, physics.ground)
         self._applied = d.qfrc_applied[o:]
         self._damping = m.dof_damping[o:]
         self._friction = m.dof_frictionloss[o:]
@@ -184,7 +184,7 @@ def _rotate(q: Array, v: Array) -> tuple[float, float, float]:
     return a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx
 
 
-def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
+def build_spec(model: Model, physics: Physics) -> "mujoco.MjSpec":
     spec = mujoco.MjSpec()
     spec.compiler.fusestatic = False
     spec.compiler.boundmass = 0.0
@@ -273,7 +273,7 @@ def _build(model: Model, physics: Physics) -> "mujoco.MjSpec":
     return spec
 
 
-def _soften(m: "mujoco.MjModel", ground: Ground) -> None:
+def soften(m: "mujoco.MjModel", ground: Ground) -> None:
     """The stiffness k and damping b of a contact point, as implicit Euler of `max(0, -k·z - b·z')`.
 
     A contact row of impedance d presses with (-K·z - B·z' - z'')/R, R = A·(1 - d)/d, where solref holds -K·d and -B·d
@@ -289,7 +289,7 @@ def _soften(m: "mujoco.MjModel", ground: Ground) -> None:
 
 @njit(cache=True)
 def _undamp(jacobian, address, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
-    """Scale every contact's solref by what joint damping does to the A of `_soften`.
+    """Scale every contact's solref by what joint damping does to the A of `soften`.
 
     The discrete integrator scales the A of a row J by Σ J²/(M_jj + h·D_j) / Σ J²/M_jj (MuJoCo's documentation,
     "Impedance"). `jacobian` is Shape (nefc·nv,) and `address` the first row of every contact in it, -1 where the two

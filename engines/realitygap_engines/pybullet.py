@@ -8,7 +8,6 @@ the sweeps end whatever their number, inertias from collision shapes, one cached
 centre of mass in place of its frame, friction of a pair as the product. All of that is switched off or undone here.
 """
 
-import os
 import tempfile
 from contextlib import closing
 from dataclasses import replace
@@ -23,17 +22,13 @@ import numpy as np
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.model.quaternion import Vector, cross, product, rotate
+from realitygap_engines.model.quiet import unprinted
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 from realitygap_engines.model.urdf import rpy_from_rotation, write_urdf
 
-_stderr, _sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-try:  # its C code greets on the standard error at import
-    os.dup2(_sink, 2)
+with unprinted(2):  # its C code greets on the standard error at import
     import pybullet
-finally:
-    os.dup2(_stderr, 2)
-    os.close(_stderr)
-    os.close(_sink)
 
 FREE = 1e9
 """In place of a limit that does not exist: of a joint's position and speed."""
@@ -118,9 +113,9 @@ class PybulletSimulation(Simulation):
         if self.model.floating:
             com, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
             linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
-            turn = _product((w, x, y, z), self._from_principal)
-            arm = _rotate(turn, self._com)
-            swept = _cross(angular, arm)
+            turn = product((w, x, y, z), self._from_principal)
+            arm = rotate(turn, self._com)
+            swept = cross(angular, arm)
             self._base[:] = (
                 *(com[0] - arm[0], com[1] - arm[1], com[2] - arm[2]),
                 *turn,
@@ -193,10 +188,13 @@ class PybulletSimulation(Simulation):
         gravity = (turn.T @ self.physics.gravity).tolist()  # in the base's axes, which Bullet takes for the world's
         self.reset(start)
         pybullet.setGravity(*gravity, physicsClientId=client)
-        rows = zip(position.tolist(), velocity.tolist(), acceleration.tolist(), strict=True)
-        out = [pybullet.calculateInverseDynamics(body, q, v, a, physicsClientId=client) for q, v, a in rows]
+        out = np.empty_like(position)
+        with unprinted():  # on axes that are not of unit length to the last bit, which it mends
+            for k in range(len(out)):
+                q, v, a = position[k].tolist(), velocity[k].tolist(), acceleration[k].tolist()
+                out[k] = pybullet.calculateInverseDynamics(body, q, v, a, physicsClientId=client)
         pybullet.setGravity(*self.physics.gravity, physicsClientId=client)
-        return np.array(out).reshape(position.shape)
+        return out
 
     def _speeds(self) -> Array:
         return np.concatenate([self._base[7:] if self.model.floating else [], self._velocity])
@@ -204,32 +202,6 @@ class PybulletSimulation(Simulation):
     def close(self) -> None:
         if pybullet.isConnected(self._client):
             pybullet.disconnect(self._client)
-
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-
-
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
-    """Of quaternions w x y z; plain floats, because four elements are too few for numpy."""
-    return (
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
-        a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
-    )
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _rotate(q: Quaternion, v: Vector) -> Vector:
-    """v turned by the unit quaternion q."""
-    axis = (q[1], q[2], q[3])
-    t = _cross(axis, v)
-    u = _cross(axis, t)
-    return v[0] + 2 * (q[0] * t[0] + u[0]), v[1] + 2 * (q[0] * t[1] + u[1]), v[2] + 2 * (q[0] * t[2] + u[2])
 
 
 def _limited(lower: float, upper: float) -> bool:

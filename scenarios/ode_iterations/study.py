@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from page import write_page
+from realitygap.cli.results import make
 from realitygap.compare.table import slug
 from realitygap.files.progress import Progress
-from realitygap.matrix.matrix import Settings, run_matrix
+from realitygap.matrix.matrix import Settings
+from realitygap.matrix.matrix_file import load_matrix
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
@@ -33,9 +35,8 @@ def joint_motion(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def cheering() -> pd.DataFrame:
     """Distance from the finest simulation and speed of the robot that has come to rest."""
-    collected, _ = run_matrix(
-        HERE / "cheering.yaml", RESULTS / "runs" / "ode_cheering", Settings(retry_crashed=True), Progress()
-    )
+    matrix, out = load_matrix(HERE / "cheering.yaml"), RESULTS / "runs" / "ode_cheering"
+    collected = make(matrix, out, Settings(retry_crashed=True), Progress())
     traces = RESULTS / "runs" / "ode_cheering" / "traces"
     done = {
         (o.cell.solver_iterations, o.cell.step_rate): joint_motion(traces / f"{slug(o.cell)}.mcap")
@@ -58,9 +59,8 @@ def cheering() -> pd.DataFrame:
 
 def kicks() -> pd.DataFrame:
     """Mean gap to the measured joint angles, over the recordings."""
-    collected, _ = run_matrix(
-        HERE / "kicks.yaml", RESULTS / "runs" / "ode_kicks", Settings(retry_crashed=True), Progress()
-    )
+    matrix, out = load_matrix(HERE / "kicks.yaml"), RESULTS / "runs" / "ode_kicks"
+    collected = make(matrix, out, Settings(retry_crashed=True), Progress())
     gaps = collected.gaps
     gaps = gaps[(gaps.signal == "position") & gaps.group.isin(["moving", "unmoving"])]
     keys = ["solver_iterations", "step_rate"]

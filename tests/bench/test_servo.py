@@ -373,7 +373,7 @@ def test_a_file_that_is_no_bag_is_one_sentence(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(b"this is no bag")
         text = SWEEP + f"    - {{path: {name}, motor: m, type: MX, supply: 12 V, load: 1 kg}}\n"
         (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
-        with pytest.raises(InputError, match="is not a bag that can be read"):
+        with pytest.raises(InputError, match="the bag cannot be read"):
             servo.run(tmp_path / "bench.yaml", tmp_path / "out")
 
 

@@ -335,6 +335,7 @@ COMMANDS = {
     "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
     "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),
     "an effect misspelt": (["effects", "colomb_friction"], "; did you mean coulomb_friction?"),
+    "unknown schema": (["schema", "benh"], "schema: found benh; expected one of scenario, matrix, bench; did you mean"),
     "no servo bench": (["bench", "servo", "none.yaml"], "none.yaml: cannot be read"),
     "no supply bench": (["bench", "supply", "none.yaml"], "none.yaml: cannot be read"),
     "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),

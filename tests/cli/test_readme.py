@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from realitygap.cli.main import app
 from realitygap.compare.table import COLUMNS
-from realitygap.robot.effects import EFFECTS
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -71,5 +70,3 @@ def test_names_are_those_of_the_files() -> None:
     assert {"joint", "signal", "engine", "recording"} <= set(COLUMNS)
     for key in ("verdict", "where", "findings", "cannot_tell_from", "experiment", "worsened"):
         assert f"**{key}**" in readme
-    (count,) = re.findall(r"(\d+) effects of joints", text("CHANGELOG.md"))
-    assert int(count) == len(EFFECTS)

@@ -126,7 +126,8 @@ def test_a_blow_up_is_an_outcome(effort: float) -> None:
 
 def test_nothing_is_printed() -> None:
     code = (
-        "import numpy as np\nfrom engines import load, Physics, Ground\nfrom realitygap_engines.model.robot import *\n"
+        "import numpy as np\nfrom realitygap_engines import load, Physics, Ground\n"
+        "from realitygap_engines.model.robot import *\n"
         "m = Model('m', (Link('a', 1.0, np.zeros(3), np.eye(3)),), (), True)\n"
         "with load('pybullet').open(m, Physics(ground=Ground())) as s: s.step(*[np.zeros(0)] * 3)\n"
     )

@@ -1,12 +1,19 @@
 """A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
+from jsonschema import Draft202012Validator
+from lerobot_sets import data_set, motion
 from realitygap.files.errors import InputError
-from realitygap.init.draft import init
+from realitygap.files.yaml_file import load_yaml
+from realitygap.init.draft import init, parse_packages
 from realitygap.recording import read_recording
+from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import load_scenario
+from realitygap_engines.errors import ModelError
 
 STATE = "sensor_msgs/msg/JointState"
 EPOCH = 1.7e9
@@ -57,10 +64,13 @@ def read_all(path, joints):
 @pytest.mark.parametrize("form", ["bag", "mcap", "db3"])
 def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
     bags = [write_bag(tmp_path / (f"{k}.bag" if form == "bag" else f"{k}"), form, messages()) for k in range(3)]
-    path = init(arm(tmp_path / "arm.urdf"), bags, tmp_path / "scenarios" / "arm")
+    path = init(arm(tmp_path / "arm.urdf"), bags, tmp_path / "scenarios" / "arm").path
     assert path == tmp_path / "scenarios" / "arm" / "scenario.yaml"
     text = path.read_text()
     assert str(tmp_path) not in text  # paths are relative to the file
+    assert text.startswith("# yaml-language-server: $schema=scenario.schema.json\n")
+    schema = json.loads((path.parent / "scenario.schema.json").read_text(encoding="utf-8"))
+    assert Draft202012Validator(schema).is_valid(load_yaml(path)), "an editor would mark it"
     scenario, recordings = read_all(path, ["shoulder", "elbow"])
     assert scenario.recordings.state == "/joint_states"
     assert scenario.motion.recorded == "/joint_commands"
@@ -78,7 +88,7 @@ def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
 def test_where_names_say_nothing_the_command_comes_first(names, velocity, tmp_path, write_bag):
     state, command = names
     bag = write_bag(tmp_path / "run", "mcap", messages(state, command, velocity=velocity))
-    path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+    path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").path
     scenario, _ = read_all(path, ["shoulder", "elbow"])
     assert (scenario.recordings.state, scenario.motion.recorded) == (state, command)
     assert "comes 50 ms before" in path.read_text()
@@ -91,7 +101,9 @@ def test_a_command_that_is_a_duty_gets_a_motor(tmp_path, write_bag):
         out.append(("/joint_states", EPOCH + 0.01 * k, STATE, {**stamp, "position": [0.1 * k]}))
         out.append(("/duty_commands", EPOCH + 0.01 * k, STATE, {**stamp, "effort": [0.5]}))
         out.append(("/joint_currents", EPOCH + 0.01 * k, STATE, {**stamp, "effort": [0.7]}))
-    path = init(arm(tmp_path / "arm.urdf", ("elbow",)), [write_bag(tmp_path / "run", "db3", out)], tmp_path / "out")
+    path = init(
+        arm(tmp_path / "arm.urdf", ("elbow",)), [write_bag(tmp_path / "run", "db3", out)], tmp_path / "out"
+    ).path
     scenario, (recording,) = read_all(path, ["elbow"])
     assert (scenario.motion.recorded, scenario.motion.meaning) == ("/duty_commands", "duty")
     servo = scenario.servos[0]
@@ -111,18 +123,18 @@ def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path, write_bag):
         out.append(("/mocap", t, "geometry_msgs/msg/PoseStamped", {"stamp": t, "pose": turn}))
         out.append(("/power", t, "sensor_msgs/msg/BatteryState", {"stamp": t, "voltage": 12.0}))
     urdf = arm(tmp_path / "arm.urdf", feet=True)
-    with_sensors = init(urdf, [write_bag(tmp_path / "one", "mcap", out)], tmp_path / "a")
+    with_sensors = init(urdf, [write_bag(tmp_path / "one", "mcap", out)], tmp_path / "a").path
     scenario, (recording,) = read_all(with_sensors, ["shoulder", "elbow"])
     assert scenario.robot.base == "floating"
     assert (scenario.recordings.imu, scenario.recordings.pose) == ("/imu/data", "/mocap")
     np.testing.assert_allclose(recording.trace.supply, 12.0)
-    without = init(urdf, [write_bag(tmp_path / "two", "mcap", messages())], tmp_path / "b")
+    without = init(urdf, [write_bag(tmp_path / "two", "mcap", messages())], tmp_path / "b").path
     assert load_scenario(without).scenario.robot.base == "floating"
 
 
 def test_a_root_called_world_is_fixed(tmp_path, write_bag):
     urdf = arm(tmp_path / "arm.urdf", feet=True, root="world")
-    path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out")
+    path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out").path
     assert load_scenario(path).scenario.robot.base == "fixed"
     assert "the root link is called world" in path.read_text()
 
@@ -133,10 +145,98 @@ def test_tables_with_other_column_names(tmp_path):
     for joint in ("shoulder", "elbow"):
         frame[f"goal_{joint}"], frame[f"q_{joint}"], frame[f"torque_{joint}"] = goal(time), goal(time - 0.05), 1.0
     frame.to_csv(tmp_path / "run.csv", index=False)
-    path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out").path
     _, (recording,) = read_all(path, ["shoulder", "elbow"])
     np.testing.assert_allclose(recording.trace.command[:, 1], goal(time))
     np.testing.assert_allclose(recording.trace.effort, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "command", "effort"),
+    [
+        ("time", "pos_meas{n}", "pos_des{n}", "tau_meas{n}"),
+        ("t [s]", "q_{n}", "q_cmd_{n}", "tau_{n}"),
+        ("timestamp", "actual_q_{z}", "target_q_{z}", "actual_torque_{z}"),
+        ("Time", "{J}Position", "{J}PositionCommand", "{J}Torque"),
+        ("stamp", "{j}.angle_rad", "{j}.goal", "{j}.torque_nm"),
+        ("time_s", "joint_{n}_position", "joint_{n}_target", "joint_{n}_effort"),
+    ],
+)
+def test_columns_as_people_name_them(time, position, command, effort, tmp_path):
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({time: clock})
+    joints = ("shoulder", "elbow")
+    for k, joint in enumerate(joints):
+        for form, value in ((command, goal(clock)), (position, goal(clock - 0.05)), (effort, np.sin(clock))):
+            frame[form.format(n=k + 1, z=k, j=joint, J=joint.capitalize())] = value + k
+        frame[f"temperature_{k}"] = 30.0
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, joints)
+    np.testing.assert_allclose(recording.trace.position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)]))
+    np.testing.assert_allclose(recording.trace.command, np.column_stack([goal(clock) + k for k in (0, 1)]))
+    np.testing.assert_allclose(recording.trace.effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
+    assert scenario.motion.meaning == "position"
+    assert draft.told == ["not used: temperature_0, temperature_1"]
+
+
+def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path):
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock})
+    for joint in ("shoulder", "elbow"):
+        frame[f"{joint}_pos"], frame[f"{joint}_torque_command"] = goal(clock), np.cos(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    assert scenario.motion.meaning == "effort"
+    np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
+
+
+def test_the_terminal_hears_what_was_guessed_not_used_and_missing(tmp_path, write_bag):
+    out = [*messages(), ("/tf", EPOCH, "tf2_msgs/msg/TFMessage", {}), ("/log", EPOCH, "std_msgs/msg/String", {})]
+    bag = write_bag(tmp_path / "run", "mcap", out)
+    lines = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").lines()
+    assert lines[0].startswith("wrote ")
+    assert 'guessed: state: "/joint_states" (its name says state, it holds velocity)' in lines
+    assert any(line.startswith("guessed: kp: 30 (the URDF's effort limit of 3") for line in lines)
+    assert "not used: /log (std_msgs/String), /tf (tf2_msgs/TFMessage)" in lines
+    assert "note: no effort was found: torques are not compared" in lines
+
+
+@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
+def test_every_episode_of_a_data_set_is_a_run(version, tmp_path):
+    data_set(tmp_path / "set", version)
+    draft = init(arm(tmp_path / "arm.urdf", ("elbow", "gripper")), [tmp_path / "set"], tmp_path / "out")
+    scenario, recordings = read_all(draft.path, ["elbow", "gripper"])
+    assert [run.episode for run in scenario.recordings.runs] == ["lift", "lower"]
+    assert scenario.recordings.dataset.units == "degrees"
+    for k, recording in enumerate(recordings):
+        np.testing.assert_allclose(recording.trace.position, motion(k)[0], atol=2e-6)
+    assert any("units: degrees (they fit" in line for line in draft.guessed)
+
+
+def test_units_and_names_of_a_data_set_are_guessed(tmp_path):
+    urdf = arm(tmp_path / "arm.urdf", ("elbow", "gripper"))
+    radians = init(urdf, [data_set(tmp_path / "r", scale=1.0)], tmp_path / "a").path
+    assert load_scenario(radians).scenario.recordings.dataset.units == "radians"
+    wide = data_set(tmp_path / "w", scale=330.0, names="main_{}.pos")  # ±99, beyond ±30° and what the URDF allows
+    urdf.write_text(urdf.read_text().replace('lower="-3" upper="3"', 'lower="-0.5" upper="0.5"'))
+    normalized = load_scenario(init(urdf, [wide], tmp_path / "b").path).scenario.recordings.dataset
+    assert normalized.units == "normalized"
+    assert normalized.range == {"elbow": (-0.5, 0.5), "gripper": (-0.5, 0.5)}
+    assert normalized.joints == {"elbow": "main_elbow", "gripper": "main_gripper"}
+    other = data_set(tmp_path / "o", names="{}_x")
+    with pytest.raises(InputError, match=r"observation.state has elbow_x, gripper_x, which are not the joints of"):
+        init(arm(tmp_path / "three.urdf", ("a", "b", "c")), [other], tmp_path / "c")
+
+
+def test_packages_are_named_on_the_command_line(tmp_path, write_bag):
+    assert parse_packages([f"arm={tmp_path}"]) == {"arm": tmp_path}
+    with pytest.raises(InputError, match=r"--package: found arm; expected NAME=DIR"):
+        parse_packages(["arm"])
+    bag = write_bag(tmp_path / "run", "mcap", messages())
+    path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out", {"arm": tmp_path / "meshes"}).path
+    assert load_scenario(path).scenario.robot.packages == {"arm": "../meshes"}
 
 
 def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag):
@@ -176,7 +276,20 @@ def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag)
     ],
 )
 def test_real_recordings(urdf, pattern, base, data_dir, tmp_path):
-    path = init(data_dir / urdf, sorted(data_dir.glob(pattern)), tmp_path / "out")
+    path = init(data_dir / urdf, sorted(data_dir.glob(pattern)), tmp_path / "out").path
     scenario = load_scenario(path).scenario
     assert scenario.robot.base == base
     assert (scenario.motion is None) == (base == "free")
+
+
+def test_missing_meshes_are_no_error_where_nothing_touches_the_ground(tmp_path, write_bag):
+    urdf = arm(tmp_path / "arm.urdf")
+    mesh = '<collision><geometry><mesh filename="package://nowhere/link.stl"/></geometry></collision>'
+    urdf.write_text(urdf.read_text().replace('<link name="elbow_link">', f'<link name="elbow_link">{mesh}'))
+    path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out").path
+    plant = build_plant(load_scenario(path))
+    assert plant.ground is None
+    assert not any("ground" in note for note in plant.model.notes)
+    path.write_text(path.read_text().replace("ground: none", "ground: flat"))
+    with pytest.raises(ModelError, match=r"mesh package://nowhere/link.stl of link elbow_link was not found"):
+        build_plant(load_scenario(path))

@@ -4,7 +4,10 @@ import shutil
 from pathlib import Path
 
 import pytest
+import realitygap
+import realitygap_engines
 from realitygap.files.errors import InputError
+from realitygap.matrix.digest import code_digest
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 
@@ -128,3 +131,30 @@ def test_a_further_recording_changes_no_key(write, copy):
     scenario = copy / "scenario.yaml"
     scenario.write_text(scenario.read_text().replace("    - {path: triangle_1.mcap, use: train}\n", ""))
     assert keys(write, copy) == keys(write, DEMO)
+
+
+@pytest.mark.parametrize(
+    ("file", "kept"),
+    [
+        ("realitygap/cli/main.py", True),
+        ("realitygap/report/page.py", True),
+        ("realitygap/page/style.py", True),
+        ("realitygap/diagnose/search/search.py", True),
+        ("realitygap/matrix/plan.py", True),
+        ("realitygap/page/web/page.css", True),
+        ("realitygap/matrix/task.py", False),
+        ("realitygap/simulate/rollout.py", False),
+        ("realitygap/compare/gap.py", False),
+        ("realitygap/recording/readers/rosbag.py", False),
+        ("realitygap/trace/parquet.py", False),
+        ("realitygap_engines/law/joints.py", False),
+    ],
+)
+def test_cells_are_kept_until_code_that_computes_them_changes(tmp_path, file, kept):
+    places = [Path(package.__file__).parent for package in (realitygap_engines, realitygap)]
+    copies = [shutil.copytree(p, tmp_path / p.name, ignore=shutil.ignore_patterns("__pycache__")) for p in places]
+    before = code_digest(*copies)
+    assert before == code_digest(*places)
+    with (tmp_path / file).open("a") as changed:
+        changed.write("# a change\n")
+    assert (code_digest(*copies) == before) is kept

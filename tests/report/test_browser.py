@@ -7,7 +7,7 @@ import chromium
 import numpy as np
 import pytest
 import synthetic
-from realitygap.report import write_curves, write_page
+from realitygap.report import write_page
 
 pytestmark = pytest.mark.skipif(
     chromium.PROGRAM is None, reason="needs Chromium: install it (Debian: apt install chromium)"
@@ -236,7 +236,7 @@ def test_traces_without_any_measurement_are_shown(shared, tmp_path):
     joints = ["pendulum"]
     for engine in ("mujoco", "dart"):
         cell, trace = synthetic.cell(engine, recording=""), synthetic.trace(joints, 0.01, 1)
-        write_curves(tmp_path, cell, trace, None, synthetic.model(joints))
+        synthetic.write_cell(tmp_path, cell, trace, None)
     synthetic.write_planted(tmp_path, synthetic.planted({}))
     shared.complaints.clear()
     shared.open(write_page(tmp_path))

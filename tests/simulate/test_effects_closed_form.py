@@ -14,7 +14,7 @@ from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.rollout import rollout
-from realitygap.simulate.start import start_state
+from realitygap.simulate.start import holding_effort, start_state
 from realitygap.trace.trace import Trace
 from realitygap_engines import Ground, Physics, State
 from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere, rotation_from_rpy
@@ -442,6 +442,23 @@ def test_a_tilted_base_turns_gravity(engine: str) -> None:
 
 
 @everywhere
+def test_a_payload_is_a_point_mass_at_its_place_beside_the_link(engine: str) -> None:
+    """m·d² in the inertia, m·g·d in what holds the arm still; the link's own mass may change beside it."""
+    plant = added(pendulum(), "payload", "arm0", mass=0.7, x=0.05, y=0.02, z=-0.3)
+    plant = added(plant, "link_mass", "arm0", mass=0.8)
+    own, state = plant.model.links[1], State(np.array([0.4]), np.zeros(1))
+    with engines.load(engine).open(plant.machine().with_armature(np.zeros(1)), Physics(H)) as simulation:
+        simulation.reset(state)
+        mass, bias = float(simulation.mass_matrix()[0, 0]), float(simulation.bias()[0])
+    arm = INERTIA + 0.8 * (own.com[0] ** 2 + own.com[2] ** 2)
+    assert abs(mass - arm - 0.7 * (0.05**2 + 0.3**2)) < 1e-9
+    gravity = 9.81 * (0.8 * own.com + 0.7 * np.array([0.05, 0.02, -0.3]))
+    expected = -gravity[0] * np.cos(0.4) - gravity[2] * np.sin(0.4)
+    assert abs(bias - expected) < 1e-6
+    assert_allclose(holding_effort(plant, np.array([0.4])), [expected], atol=1e-6)
+
+
+@everywhere
 def test_mass_centre_and_inertia_reach_the_mass_matrix_exactly(engine: str) -> None:
     plant = added(pendulum(), "link_mass", "arm0", mass=0.8)
     plant = added(plant, "center_of_mass", "arm0", x=0.03, y=0.02, z=-0.2)
@@ -501,5 +518,5 @@ def test_every_effect_of_the_design_is_there_in_its_order() -> None:
     expected = """coulomb_friction viscous_friction stribeck_friction load_dependent_friction backlash joint_compliance
     rotor_inertia torque_constant torque_speed_limit supply_voltage voltage_sag command_delay controller_gain
     joint_offset torque_ripple motor_heating constant_effort link_mass center_of_mass link_inertia base_tilt
-    ground_friction soft_ground velocity_filter"""
+    ground_friction soft_ground velocity_filter payload"""
     assert list(EFFECTS) == expected.split()

@@ -69,10 +69,11 @@ def same(a: Plant, b: Plant) -> bool:
         return [(link.name, link.mass, link.com.tolist(), link.inertia.tolist()) for link in plant.model.links]
 
     arrays = ("drive", "delay", "velocity_lag", "velocity_scale", "base_tilt")
-    known = {"model", "ground", "efforts", *arrays}
+    known = {"model", "ground", "efforts", "payloads", *arrays}
     assert {f.name for f in fields(Plant)} == known, "this comparison has to know every part of a plant"
     equal = all(np.array_equal(getattr(a, n), getattr(b, n)) for n in arrays)
-    return equal and links(a) == links(b) and a.ground == b.ground and a.efforts == b.efforts
+    equal = equal and links(a) == links(b) and a.payloads == b.payloads
+    return equal and a.ground == b.ground and a.efforts == b.efforts
 
 
 @each
@@ -251,6 +252,7 @@ def test_an_effect_says_why_it_cannot_act_somewhere() -> None:
         "link_mass": arm(),
         "center_of_mass": arm(),
         "link_inertia": arm(),
+        "payload": arm(),
     }
     for name, plant in expected.items():
         reason = EFFECTS[name].possible(plant, 0)

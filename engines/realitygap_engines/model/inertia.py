@@ -1,5 +1,6 @@
 """One rigid body from all that is fixed together, and what its inertia must be for any engine to move it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,8 @@ SPARE = 1e-9
 """What mended moments have to spare, of the largest, so that no engine's own check finds rounding."""
 LEAST = 1e-12
 """Smallest moment, of the largest, that is not just rounding of 0."""
+Body = tuple[float, Array, Array]
+"""Mass [kg], centre of mass (3,) [m], and inertia (3, 3) [kg·m²] about it."""
 LEAST_MOMENT = 1e-15
 """[kg·m²] MuJoCo's mjMINVAL: no engine here takes less on a link that moves."""
 
@@ -44,20 +47,28 @@ def lump(path: Path, parts: list[Part], *, moves: bool) -> tuple[Link, list[str]
     weighed = [(part, part.mass) for part in parts if part.mass is not None]
     for part, _ in weighed:
         _check(path, part)
-    mass = sum(m for _, m in weighed)
-    if mass <= 0:
+    if sum(m for _, m in weighed) <= 0:
         if moves:
             raise ModelError(f"{path}: link {names[0]} moves but has no mass; expected an <inertial> on it")
         return Link(names[0], 1.0, np.zeros(3), np.eye(3) * 1e-3, (), names), []
-    com = sum((m * part.com for part, m in weighed), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for part, m in weighed:
-        d = part.com - com
-        inertia += part.inertia + m * (d @ d * np.eye(3) - np.outer(d, d))
+    mass, com, inertia = together([(m, part.com, part.inertia) for part, m in weighed])
     notes: list[str] = []
     if moves:
         inertia, notes = _movable(path, names[0], inertia)
     return Link(names[0], mass, com, inertia, (), names), notes
+
+
+def together(bodies: Sequence[Body]) -> Body:
+    """The body that several are when they are fixed together (parallel-axis theorem); one of negative mass and inertia
+    is taken away. Their masses must not cancel.
+    """
+    mass = sum(m for m, _, _ in bodies)
+    com = sum((m * c for m, c, _ in bodies), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for m, c, own in bodies:
+        d = c - com
+        inertia += own + m * (d @ d * np.eye(3) - np.outer(d, d))
+    return mass, com, inertia
 
 
 def _check(path: Path, part: Part) -> None:

@@ -69,7 +69,7 @@ def read_mjcf(path: Path, *, floating: bool, contact_links: list[str] | None = N
     for link, shapes in zip(links, tree.shapes, strict=True):
         spheres, rough = spheres_of(path, m, link.name, shapes) if link.name in touch else ((), [])
         notes += rough
-        notes += [f"link {link.name} does not touch the ground"] if shapes and link.name not in touch else []
+        notes += [f"link {link.name} does not touch the ground"] if shapes and touch and link.name not in touch else []
         final.append(replace(link, spheres=spheres))
     notes += [*losses(m, set(tree.of_body), names), *drives.notes]
     return Model(

@@ -1,6 +1,7 @@
 """A MJCF file as MuJoCo compiles it; pictures and meshes that only dress a body are no reason to refuse it."""
 
 import importlib.util
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,12 @@ def compile_mjcf(path: Path) -> Any:
         raise ModelError(f"{path}: is a MJCF file, which MuJoCo reads; install it with: pip install mujoco")
     import mujoco
 
+    with warnings.catch_warnings():  # of settings that a later MuJoCo will not have: the file's authors are told by it
+        warnings.simplefilter("ignore")
+        return _compiled(path, mujoco)
+
+
+def _compiled(path: Path, mujoco: Any) -> Any:
     try:
         try:
             return mujoco.MjSpec.from_file(str(path)).compile()

@@ -1,6 +1,7 @@
 """Reading a robot's file, whatever its format, into the canonical `Model`."""
 
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 
 from realitygap_engines.model.mjcf import read_mjcf
@@ -22,9 +23,14 @@ def format_of(path: Path) -> str:
 
 
 def read_model(
-    path: Path, *, floating: bool, packages: Mapping[str, Path] | None = None, contact_links: list[str] | None = None
+    path: str | PathLike[str],
+    *,
+    floating: bool,
+    packages: Mapping[str, Path] | None = None,
+    contact_links: list[str] | None = None,
 ) -> Model:
     """The canonical model of a URDF or MJCF file. Arguments and errors as of `read_urdf`."""
-    if format_of(path) == "mjcf":
-        return read_mjcf(path, floating=floating, contact_links=contact_links)
-    return read_urdf(path, floating=floating, packages=packages, contact_links=contact_links)
+    file = Path(path)
+    if format_of(file) == "mjcf":
+        return read_mjcf(file, floating=floating, contact_links=contact_links)
+    return read_urdf(file, floating=floating, packages=packages, contact_links=contact_links)

@@ -26,7 +26,8 @@ class Sphere:
 class Link:
     """A rigid body: `mass` [kg], `com` (3,) [m] and `inertia` (3, 3) [kg·m²] about the centre of mass, link axes.
 
-    `merged` names the URDF links that were lumped into this one (itself first).
+    `merged` names the URDF links that were lumped into this one (itself first); `held` are mass, com and inertia of
+    those that joints would move if they were not held, which are part of it too.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Link:
     inertia: Array
     spheres: tuple[Sphere, ...] = ()
     merged: tuple[str, ...] = ()
+    held: tuple[tuple[float, Array, Array], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,12 @@ class Model:
     floating: bool
     notes: tuple[str, ...] = field(default=())
     actuators: tuple[Actuator, ...] = ()
+
+    def __repr__(self) -> str:
+        base = "floating" if self.floating else "fixed"
+        return (
+            f"<Model {self.name}: {len(self.links)} links, {len(self.joints)} joints, {base} base, {self.mass:.4g} kg>"
+        )
 
     @property
     def joint_names(self) -> list[str]:

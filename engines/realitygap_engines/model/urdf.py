@@ -74,7 +74,7 @@ def read_urdf(
     notes += [
         f"link {body.name} does not touch the ground"
         for body, found in zip(bodies, shapes, strict=True)
-        if found and body.name not in touch
+        if found and touch and body.name not in touch  # where nothing may touch, nothing is said
     ]
     notes += [
         f"joint {joint.name} has {limit} limit 0 in the URDF, which is taken as no limit"

@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from rosbags.highlevel import AnyReader, AnyReaderError
-from rosbags.typesys import Stores, get_typestore
 
 from realitygap.bench.estimate import Array
 from realitygap.bench.servo_file import Signal
 from realitygap.files.errors import InputError
+from realitygap.recording.readers.rosbag import Bag, opened, short
 
 
 def read_signals(path: Path, signals: Sequence[Signal]) -> list[tuple[Array, Array]]:
@@ -20,24 +19,20 @@ def read_signals(path: Path, signals: Sequence[Signal]) -> list[tuple[Array, Arr
     """
     if not path.exists():
         raise InputError(f"{path}: does not exist; expected a bag")
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            return [_read(path, reader, signal) for signal in signals]
-    except AnyReaderError as error:
-        raise InputError(f"{path}: is not a bag that can be read ({error})") from None
+    with opened(path) as bag:
+        return [_read(bag, signal) for signal in signals]
 
 
-def _read(path: Path, reader: AnyReader, signal: Signal) -> tuple[Array, Array]:
-    connections = [c for c in reader.connections if c.topic == signal.topic]
-    if not connections:
-        found = ", ".join(sorted({c.topic for c in reader.connections}))
-        raise InputError(f"{path}: has no topic {signal.topic}; found {found}")
+def _read(bag: Bag, signal: Signal) -> tuple[Array, Array]:
+    if signal.topic not in bag.types:
+        raise InputError(f"{bag.path}: has no topic {signal.topic}; found {', '.join(sorted(bag.types))}")
+    kind = short(bag.types[signal.topic])
     times, values = [], []
-    for connection, stamp, raw in reader.messages(connections=connections):
-        value: object = reader.deserialize(raw, connection.msgtype)
+    for _, received, message in bag.messages({signal.topic}):
+        value: object = message
         for part in signal.field.split("."):
             if not hasattr(value, part):
-                raise InputError(f"{path}: {connection.msgtype} of {signal.topic} has no field {signal.field}")
+                raise InputError(f"{bag.path}: {kind} of {signal.topic} has no field {signal.field}")
             value = getattr(value, part)
         try:
             flat = np.atleast_1d(np.asarray(value, dtype=float))
@@ -45,12 +40,12 @@ def _read(path: Path, reader: AnyReader, signal: Signal) -> tuple[Array, Array]:
             flat = np.zeros(0)
         if not len(flat) or not np.isfinite(flat[0]):
             raise InputError(
-                f"{path}: field {signal.field} of {signal.topic} holds no number; expected one per message"
+                f"{bag.path}: field {signal.field} of {signal.topic} holds no number; expected one per message"
             )
-        times.append(stamp)
+        times.append(received)
         values.append(float(flat[0]))
     if len(times) < 2:
-        raise InputError(f"{path}: topic {signal.topic} has {len(times)} messages; expected a recording")
+        raise InputError(f"{bag.path}: topic {signal.topic} has {len(times)} messages; expected a recording")
     # stamps that repeat would make the time not increase
-    stamps, first = np.unique((np.array(times, dtype=np.int64) - reader.start_time) * 1e-9, return_index=True)
+    stamps, first = np.unique((np.array(times, dtype=np.int64) - bag.begin) * 1e-9, return_index=True)
     return stamps, np.array(values)[first]

@@ -29,7 +29,7 @@ from realitygap.files.progress import Progress
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.file import load_scenario, resolve_path
-from realitygap.scenario.schema import Patterns, Positive, Section
+from realitygap.scenario.section import Patterns, Positive, Section
 from realitygap.simulate.experiment import Experiment, experiments
 
 

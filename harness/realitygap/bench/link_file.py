@@ -9,7 +9,7 @@ from realitygap.bench.quantity import AngleUnit, LengthUnit, MassUnit
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
-from realitygap.scenario.schema import Finite, Section
+from realitygap.scenario.section import Finite, Section
 
 
 class MassTable(Section):

@@ -1,12 +1,12 @@
 """A URDF with measured masses and centres of mass: what changes in every link, and the edited file."""
 
-import copy
-import xml.etree.ElementTree as ET
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from realitygap_engines.model.inertia import Body
+from realitygap_engines.model.inertial_editor import with_inertials
 from realitygap_engines.model.robot import rotation_from_rpy
 
 from realitygap.bench.estimate import Array
@@ -95,28 +95,6 @@ def revised(link: UrdfLink, measured: Measured) -> tuple[UrdfLink, str]:
 
 
 def revised_text(urdf: UrdfFile, links: dict[str, UrdfLink]) -> str:
-    """The text of the URDF with these links' inertials; everything else stays as it was."""
-    root = copy.deepcopy(urdf.root)
-    for element in root.findall("link"):
-        link = links.get(element.get("name", ""))
-        inertial = element.find("inertial")
-        if link is None or inertial is None:
-            continue
-        origin = inertial.find("origin")
-        if origin is None:
-            origin = ET.SubElement(inertial, "origin")
-        origin.set("xyz", " ".join(f"{v:.6g}" for v in link.com))
-        origin.set("rpy", "0 0 0")
-        for tag, key, value in (("mass", "value", link.mass), *_entries(link.inertia)):
-            child = inertial.find(tag)
-            assert child is not None
-            child.set(key, f"{value:.6g}")
-    text = ET.tostring(root, encoding="unicode")
-    if not urdf.spaced:
-        text = text.replace(" />", "/>")
-    return urdf.head + text + "\n"
-
-
-def _entries(inertia: Array) -> list[tuple[str, str, float]]:
-    axes = "xyz"
-    return [("inertia", f"i{axes[i]}{axes[j]}", float(inertia[i, j])) for i in range(3) for j in range(i, 3)]
+    """The text of the URDF with these links' inertials, which were measured to six digits at most."""
+    bodies: dict[str, Body | None] = {name: (k.mass, k.com, k.inertia) for name, k in links.items()}
+    return with_inertials(urdf.text, bodies, digits=6).written()

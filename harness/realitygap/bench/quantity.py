@@ -1,7 +1,8 @@
 """Quantities with units, in a bench file (`7.3 N·m`) and as the unit of a table column."""
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
@@ -10,9 +11,17 @@ from pydantic.fields import FieldInfo
 
 @dataclass(frozen=True)
 class Written:
-    """How a value stands in a file, in the words of its reference, where that is not what it becomes."""
+    """How a value stands in a file, where that is not what it becomes: in the words of its reference, and for editors
+    (`form`, JSON Schema).
+    """
 
     words: str
+    form: dict[str, Any] = field(hash=False)
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        """What pydantic puts into the JSON Schema in place of the type that the value becomes."""
+        del core, handler
+        return dict(self.form)
 
 
 UNITS: dict[str, dict[str, float]] = {
@@ -65,8 +74,22 @@ def _unit(dimension: str) -> BeforeValidator:
     return BeforeValidator(check)
 
 
+def _spelled(dimension: str) -> list[str]:
+    """The units of a dimension in every spelling that is known."""
+    return [*UNITS[dimension], *(other for other, unit in _SPELLING.items() if unit in UNITS[dimension])]
+
+
 def _written(dimension: str) -> Written:
-    return Written(f"number and unit of {dimension}")
+    units = "|".join(re.sub(r"[.*+^]", r"\\\g<0>", unit) for unit in _spelled(dimension))
+    number = r"[-+]?[0-9_.]+([eE][-+]?[0-9]+)?"
+    example = f"1.5 {next(iter(UNITS[dimension]))}"
+    form = {"type": "string", "pattern": rf"^\s*{number}\s+({units})\s*$", "examples": [example]}
+    return Written(f"number and unit of {dimension}", form)
+
+
+def _written_unit(dimension: str) -> Written:
+    numbers = [int(unit) for unit in UNITS[dimension] if unit.isdigit()]  # of a duty: 1
+    return Written("text", {"enum": [*_spelled(dimension), *numbers]})
 
 
 Torque = Annotated[float, _quantity("torque"), _written("torque")]
@@ -74,7 +97,6 @@ Speed = Annotated[float, _quantity("speed"), _written("speed")]
 Voltage = Annotated[float, _quantity("voltage"), Field(gt=0), _written("voltage")]
 Inertia = Annotated[float, _quantity("inertia"), Field(ge=0), _written("inertia")]
 Load = Annotated[float, _quantity("load"), _written("load")]
-UNIT = Written("text")
 
 
 def _described(dimension: str) -> FieldInfo:
@@ -82,12 +104,12 @@ def _described(dimension: str) -> FieldInfo:
     return described
 
 
-TorqueUnit = Annotated[float, _unit("torque"), UNIT, _described("torque")]
-SpeedUnit = Annotated[float, _unit("speed"), UNIT, _described("speed")]
-AngleUnit = Annotated[float, _unit("angle"), UNIT, _described("angle")]
-VoltageUnit = Annotated[float, _unit("voltage"), UNIT, _described("voltage")]
-CurrentUnit = Annotated[float, _unit("current"), UNIT, _described("current")]
-DutyUnit = Annotated[float, _unit("duty"), UNIT, _described("duty")]
-LoadUnit = Annotated[float, _unit("load"), UNIT, _described("load")]
-MassUnit = Annotated[float, _unit("mass"), UNIT, _described("mass")]
-LengthUnit = Annotated[float, _unit("length"), UNIT, _described("length")]
+TorqueUnit = Annotated[float, _unit("torque"), _written_unit("torque"), _described("torque")]
+SpeedUnit = Annotated[float, _unit("speed"), _written_unit("speed"), _described("speed")]
+AngleUnit = Annotated[float, _unit("angle"), _written_unit("angle"), _described("angle")]
+VoltageUnit = Annotated[float, _unit("voltage"), _written_unit("voltage"), _described("voltage")]
+CurrentUnit = Annotated[float, _unit("current"), _written_unit("current"), _described("current")]
+DutyUnit = Annotated[float, _unit("duty"), _written_unit("duty"), _described("duty")]
+LoadUnit = Annotated[float, _unit("load"), _written_unit("load"), _described("load")]
+MassUnit = Annotated[float, _unit("mass"), _written_unit("mass"), _described("mass")]
+LengthUnit = Annotated[float, _unit("length"), _written_unit("length"), _described("length")]

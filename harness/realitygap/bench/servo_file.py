@@ -22,7 +22,7 @@ from realitygap.bench.quantity import (
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
-from realitygap.scenario.schema import Patterns, Section
+from realitygap.scenario.section import Patterns, Section
 
 
 class Units(Section):

@@ -8,7 +8,7 @@ from realitygap.bench.quantity import CurrentUnit, VoltageUnit
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
-from realitygap.scenario.schema import Positive, Section
+from realitygap.scenario.section import Positive, Section
 
 
 class SupplyUnits(Section):

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from defusedxml.common import DefusedXmlException
-from defusedxml.ElementTree import DefusedXMLParser
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
+from realitygap_engines.model.inertial_editor import UrdfText, urdf_text
 from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.robot import rotation_from_rpy
 
@@ -36,15 +36,10 @@ class UrdfLink:
 
 @dataclass(frozen=True)
 class UrdfFile:
-    """A URDF: the tree that can be edited, and the links that have a mass.
-
-    `head` is the text before the root element; `spaced` says whether empty elements are written `<a />`.
-    """
+    """A URDF: its text that can be edited, and the links that have a mass."""
 
     path: Path
-    head: str
-    spaced: bool
-    root: ET.Element
+    text: UrdfText
     links: dict[str, UrdfLink]
 
 
@@ -56,15 +51,14 @@ def read_urdf_links(path: Path, packages: Mapping[str, Path]) -> UrdfFile:
     """
     try:
         text = path.read_text(encoding="utf-8")
-        parser = DefusedXMLParser(target=ET.TreeBuilder(insert_comments=True))
-        parser.feed(text)
-        root: ET.Element = parser.close()
+        parsed = urdf_text(text)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); expected a URDF") from None
     except DefusedXmlException as error:
         raise InputError(f"{path}: XML entities are not accepted in a URDF ({type(error).__name__})") from None
     except (ET.ParseError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: is not well-formed XML ({error}); expected a URDF") from None
+    root = parsed.root
     if root.tag != "robot" or "xacro:" in text:
         raise InputError(f"{path}: is not a URDF; expected <robot> without xacro (expand it: xacro FILE > OUT)")
     poses = _poses(path, root)
@@ -79,7 +73,7 @@ def read_urdf_links(path: Path, packages: Mapping[str, Path]) -> UrdfFile:
         links[name] = _link(path, name, element, inertial, poses.get(name, np.eye(4)), packages)
     if not links:
         raise InputError(f"{path}: no link has an <inertial>; nothing to check")
-    return UrdfFile(path, text[: text.index("<robot")], " />" in text, root, links)
+    return UrdfFile(path, parsed, links)
 
 
 def _link(

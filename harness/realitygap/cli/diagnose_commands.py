@@ -13,6 +13,7 @@ def diagnose(
     engine: Engines = None,
     out: Out = None,
     jobs: Jobs = None,
+    mjcf: Annotated[bool, typer.Option("--mjcf", help="write the mended model as a MJCF file, too")] = False,
 ) -> None:
     """Find what a model lacks, add it, prove that it helps.
 
@@ -24,6 +25,11 @@ def diagnose(
     folder = folder_for(out, f"{scenario.resolve().parent.name}_diagnosis")
     result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs)
     say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
+    if mjcf:
+        from realitygap.robot.mjcf_file import write_scenario_mjcf
+
+        mended = folder / "revised" / "scenario.yaml"
+        say(write_scenario_mjcf(mended if mended.exists() else scenario, folder / "revised" / "robot.mjcf.xml"))
 
 
 def rehearse(

@@ -1,4 +1,6 @@
-"""The reference of all files that people write, made from their schemas: the second half of `scenarios/README.md`."""
+"""The reference of all files that people write, made from their schemas: the second half of `scenarios/README.md`, and
+the JSON Schemas for editors.
+"""
 
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
@@ -14,7 +16,8 @@ from realitygap.bench.quantity import Written
 from realitygap.bench.servo_file import ServoBench
 from realitygap.bench.supply_file import SupplyBench
 from realitygap.matrix.matrix_file import Matrix
-from realitygap.scenario.schema import GROUNDS, GroundSpec, Scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.scenario.world import GROUNDS, GroundSpec
 
 BEGIN = "<!-- made by realitygap.cli.reference: change the schema, then `make reference` -->"
 WORDS = {str: "text", float: "number", int: "whole number", bool: "true or false", Any: "anything"}
@@ -127,13 +130,15 @@ def _named_grounds() -> list[str]:
 
 
 def main() -> None:
-    """Write the reference into scenarios/README.md of the repository."""
+    """Write the reference into scenarios/README.md of the repository, and the JSON Schemas into the package."""
     from pathlib import Path
 
+    from realitygap.cli.json_schema import write_json_schemas
     from realitygap.files.whole import write_whole
 
     page = Path(__file__).parents[3] / "scenarios" / "README.md"
     write_whole(page, with_reference(page.read_text(encoding="utf-8")))
+    write_json_schemas()
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Out, folder_for
+from realitygap.cli.options import Engines, Out, folder_for, say
 
 
 def engines() -> None:
@@ -17,16 +17,20 @@ def engines() -> None:
 
 def init(
     urdf: Annotated[Path, typer.Argument(help="the robot")],
-    bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders or tables")],
+    bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders, tables or LeRobot data sets")],
     out: Annotated[Path, typer.Option("--out", "-o", help="folder for the scenario")] = Path(),
+    package: Annotated[
+        list[str] | None, typer.Option("--package", help="NAME=DIR: where package://NAME/ lies; may be repeated")
+    ] = None,
 ) -> None:
     """Write a first scenario from a URDF and recordings.
 
     With the topics, joints and runs that are found in them; every guess is marked as one.
     """
     from realitygap.init.draft import init as write
+    from realitygap.init.draft import parse_packages
 
-    typer.echo(f"wrote {write(urdf, bags, folder_for(out))}")
+    say(write(urdf, bags, folder_for(out), parse_packages(package or [])).lines())
 
 
 def audit(

@@ -17,25 +17,21 @@ def run(
 ) -> None:
     """Run one scenario in the engines.
 
-    Writes traces (MCAP), the gap table, figures and the page. Exits with 1 where a gap exceeds the budget that the
-    scenario states; --max-gap replaces it for a signal.
+    Writes traces (Parquet and MCAP), the gap table, figures and the page. Exits with 1 where a gap exceeds the budget
+    that the scenario states; --max-gap replaces it for a signal.
     """
+    from realitygap.cli import results
     from realitygap.compare.budget import parse_budget
     from realitygap.files.progress import Progress
     from realitygap.files.whole import check_writable
-    from realitygap.matrix.run import judge, summary
-    from realitygap.matrix.run import run as work
 
-    asked = parse_budget(max_gap or [])
+    budget = parse_budget(max_gap or [])
     if junit is not None:
         check_writable(junit.parent, "--junit")
     folder = folder_for(out, scenario.resolve().parent.name)
     with interruptible("nothing was written"):
-        result = work(scenario, engine or [], folder, Progress())
-    excess = judge(result, result.budget | asked, junit)
-    say([*summary(result), *excess, f"report: {result.page}"])
-    if excess:
-        raise typer.Exit(1)
+        said = results.run(scenario, engine or [], folder, budget, junit, Progress())
+    _judged(said)
 
 
 def matrix(
@@ -60,25 +56,35 @@ def matrix(
 
     What is there already is not computed again.
     """
+    from realitygap.cli import results
     from realitygap.compare.budget import parse_budget
-    from realitygap.matrix.command import listed, matrix_command
+    from realitygap.files.progress import Progress
+    from realitygap.files.whole import check_writable
     from realitygap.matrix.matrix import Settings
 
     budget = parse_budget(max_gap or [])
+    if junit is not None:
+        check_writable(junit.parent, "--junit")
     folder = folder_for(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
-    settings = Settings(jobs, scheduler, cells, retry_crashed)
+    settings = Settings(jobs, scheduler, cells, retry_crashed=retry_crashed)
     with interruptible("cells that are done are kept, and the same command goes on from there"):
-        lines, status = (
-            listed(matrix, folder, settings) if dry_run else matrix_command(matrix, folder, settings, budget, junit)
-        )
-    say(lines)
-    if status:
-        raise typer.Exit(status)
+        if dry_run:
+            said = results.listed(matrix, folder, settings)
+        else:
+            said = results.matrix(matrix, folder, settings, budget, junit, Progress())
+    _judged(said)
 
 
 def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
     """Make page and figures again from the results."""
-    from realitygap.report import write_figures, write_page
+    from realitygap.report import write_report
 
-    write_figures(folder)
-    typer.echo(f"report: {write_page(folder)}")
+    typer.echo(f"report: {write_report(folder)}")
+
+
+def _judged(said: tuple[list[str], int]) -> None:
+    """Print the lines of a command and end with its status."""
+    lines, status = said
+    say(lines)
+    if status:
+        raise typer.Exit(status)

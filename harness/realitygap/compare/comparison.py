@@ -41,7 +41,19 @@ class Motion:
 
 @dataclass
 class Comparison:
-    """One motion in one engine: rows for the table and, where it went well, traces for the figures."""
+    """One motion in one engine: rows for the table and, where it went well, traces.
+
+    Attributes:
+        cell: what was simulated.
+        rows: of the table.
+        outcome: ok, unsupported or diverged.
+        note: why not.
+        simulated: on every step; of repetitions, their mean on the measured clock.
+        measured: in the window; the mean of repetitions.
+        repetitions: every repetition's own simulation by name, on every step; empty where there is one.
+        rollout: the first one, for what it cost.
+        settings: what the engine really used.
+    """
 
     cell: Cell
     rows: list[Row]
@@ -49,6 +61,7 @@ class Comparison:
     note: str = ""
     simulated: Trace | None = None
     measured: Trace | None = None
+    repetitions: dict[str, Trace] = field(default_factory=dict)
     rollout: Rollout | None = None
     settings: dict[str, object] = field(default_factory=dict)
 
@@ -148,11 +161,15 @@ def compare(motion: Motion, engine: str, *, floors: bool = True, revision: str =
     cell = cell_of(motion, engine, revision)
     excluded = scenario_excluded(motion)
     try:
-        rollout, mean = _simulated(motion, engine, 1.0)
-        fine = _simulated(motion, engine, 2.0)[1] if floors and motion.measured is not None else None
+        rollouts = _simulated(motion, engine, 1.0)
+        mean = _mean(motion, rollouts)
+        fine = _mean(motion, _simulated(motion, engine, 2.0)) if floors and motion.measured is not None else None
     except (Unsupported, Diverged) as error:
         return failure(cell, motion, "diverged" if isinstance(error, Diverged) else "unsupported", str(error))
-    done = Comparison(cell, [], "ok", "", mean, motion.measured, rollout, rollout.settings)
+    names = [e.name for e in motion.experiments]
+    each = {n: r.trace for n, r in zip(names, rollouts, strict=True)} if len(rollouts) > 1 else {}
+    first = rollouts[0]
+    done = Comparison(cell, [], "ok", "", mean, motion.measured, each, first, first.settings)
     if motion.measured is None:
         return done
     model = motion.experiments[0].plant.model
@@ -179,16 +196,18 @@ def scenario_excluded(motion: Motion) -> list[str]:
     return recordings.exclude if recordings else []
 
 
-def _simulated(motion: Motion, engine: str, finer: float) -> tuple[Rollout, Trace]:
-    """Every repetition simulated, and their mean on the measured clock."""
-    rollouts = []
-    for e in motion.experiments:
-        rollouts.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer))
+def _simulated(motion: Motion, engine: str, finer: float) -> list[Rollout]:
+    """Every repetition simulated, with `finer` times the scenario's step rate."""
+    return [simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer) for e in motion.experiments]
+
+
+def _mean(motion: Motion, rollouts: Sequence[Rollout]) -> Trace:
+    """The trace of the one repetition; of several, their mean on the measured clock."""
     if motion.measured is None or len(rollouts) == 1:
-        return rollouts[0], rollouts[0].trace
+        return rollouts[0].trace
     clock = motion.measured.time
     parts = [replace(r.trace.at(clock + s), time=clock) for r, s in zip(rollouts, motion.shifts, strict=True)]
-    return rollouts[0], mean_trace(parts)
+    return mean_trace(parts)
 
 
 def _noise(motion: Motion, difference: Difference) -> float:

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from realitygap_engines.model.robot import Model, axis_rotation, rotation_between
+from realitygap_engines.model.robot import axis_rotation, rotation_between
 
 from realitygap.recording.frames import angle_between, vertical
 from realitygap.trace.trace import Array, Trace
@@ -16,6 +16,26 @@ MOVING_LINEAR = 5e-4
 """The same for prismatic joints [m]."""
 JOINT_SIGNALS = ("position", "velocity", "effort")
 BASE_SIGNALS = ("base_position", "base_orientation", "base_angular_velocity")
+
+
+class NamedJoint(Protocol):
+    """A joint as far as a difference needs it."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def prismatic(self) -> bool:
+        """Whether it slides, so that metres and newtons take the place of radians and newton metres."""
+
+
+class Jointed(Protocol):
+    """A robot model, or whatever else has joints in the order of a simulated trace's columns."""
+
+    @property
+    def joints(self) -> Sequence[NamedJoint]:
+        """The joints."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +61,7 @@ def unit_of(signal: str, prismatic: bool) -> tuple[str, float]:
     return (unit, factor) if signal == "position" else (f"{unit}/s", factor)
 
 
-def moving_joints(model: Model, measured: Trace) -> list[bool]:
+def moving_joints(model: Jointed, measured: Trace) -> list[bool]:
     """Which joints are commanded to move within a trace; without commands, which were measured to move."""
     source = measured.command
     if source is None or np.isnan(source).all():
@@ -55,7 +75,7 @@ def moving_joints(model: Model, measured: Trace) -> list[bool]:
     return out
 
 
-def differences(model: Model, simulated: Trace, measured: Trace) -> list[Difference]:
+def differences(model: Jointed, simulated: Trace, measured: Trace) -> list[Difference]:
     """Simulated minus measured, absolute, at the measured time stamps, for every signal that both have.
 
     Samples that were not measured (NaN) are left out.

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 MARKS = ("gaps.csv", "manifest.json")
 """What makes a folder a result folder; without them nothing in it is taken for an earlier run's."""
-OURS = ("curves/*.js", "traces/*.mcap", "figures/*.svg", "timings.csv", "report.html", *MARKS)
+OURS = ("curves/*.js", "traces/*.mcap", "traces/*.parquet", "figures/*.svg", "timings.csv", "report.html", *MARKS)
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""What a recording holds, before any scenario says what is what."""
+"""What a bag holds, before any scenario says what is what."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -7,20 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap.files.errors import InputError
-from realitygap.recording import reader_of
 from realitygap.recording.readers.messages import POSES, JointMessages, Layout, layout_of
 from realitygap.recording.readers.rosbag import Bag, opened, short
-from realitygap.recording.readers.table import FORMS, load
 from realitygap.trace.trace import Array
-
-COLUMN_NAMES = {  # what people call the columns of a table, the scenario's default first
-    "time": ("time", "t", "timestamp", "stamp", "time_s"),
-    "command": ("command", "cmd", "goal", "target", "desired", "reference", "setpoint"),
-    "position": ("position", "pos", "q", "angle", "measured"),
-    "velocity": ("velocity", "vel", "qd", "dq", "speed"),
-    "effort": ("effort", "torque", "force", "tau"),
-}
 
 
 @dataclass(frozen=True)
@@ -40,7 +29,7 @@ class JointStream:
 
 @dataclass(frozen=True)
 class Contents:
-    """What is in a recording, by what it can serve as; `columns` for tables: scenario key to column name."""
+    """What is in a bag, by what it can serve as; `kinds` are the types of all its topics."""
 
     path: Path
     listing: str
@@ -48,19 +37,15 @@ class Contents:
     poses: list[str] = field(default_factory=list)
     imus: list[str] = field(default_factory=list)
     batteries: list[str] = field(default_factory=list)
-    columns: dict[str, str] | None = None
+    kinds: dict[str, str] = field(default_factory=dict)
 
 
 def probe(path: Path, joints: Sequence[str]) -> Contents:
-    """What a recording holds of these joints and of the base.
+    """What a bag holds of these joints and of the base.
 
     Raises:
         InputError: for a recording that cannot be read.
     """
-    return _table(path, joints) if reader_of(path) == "table" else _bag(path, joints)
-
-
-def _bag(path: Path, joints: Sequence[str]) -> Contents:
     with opened(path) as bag:
         layouts = {t: layout for t, kind in bag.types.items() if (layout := layout_of(kind, bag.fields(kind)))}
         kinds = {topic: short(kind) for topic, kind in bag.types.items()}
@@ -71,6 +56,7 @@ def _bag(path: Path, joints: Sequence[str]) -> Contents:
             sorted(t for t, kind in bag.types.items() if kind in POSES),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/Imu"),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/BatteryState"),
+            kinds,
         )
 
 
@@ -91,22 +77,3 @@ def _stream(bag: Bag, topic: str, layout: Layout, joints: Sequence[str]) -> Join
     kept = {name: value for name, value in signals.items() if np.nan_to_num(value).any() or name == "position"}
     controller = bag.types[topic].endswith("JointTrajectoryControllerState")
     return JointStream(topic, short(bag.types[topic]), collector.joints, np.array(times), kept, controller)
-
-
-def _table(path: Path, joints: Sequence[str]) -> Contents:
-    frame = load(path)
-    listing = ", ".join(frame.columns)
-
-    def there(stem: str) -> bool:
-        forms = [[form.format(stem, joint) for form in FORMS] for joint in joints]
-        alone = len(joints) == 1 and stem in frame
-        return alone or (bool(joints) and all(any(name in frame for name in each) for each in forms))
-
-    columns = {}
-    for key, options in COLUMN_NAMES.items():
-        found = next((name for name in options if (name in frame if key == "time" else there(name))), None)
-        if found is not None:
-            columns[key] = found
-    if "time" not in columns:
-        raise InputError(f"{path}: has no column of time; it has {listing}; expected one named time, in s")
-    return Contents(path, listing, columns=columns)

@@ -1,15 +1,16 @@
-"""The result folder of a matrix: a pure function of the files of its cells."""
+"""The result folder: a pure function of the files of its cells."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
+from realitygap.compare.budget import not_judged, over_budget
 from realitygap.compare.comparison import failure
-from realitygap.compare.manifest import write_manifest
 from realitygap.compare.table import slug, table, to_csv
 from realitygap.files.whole import write_whole
+from realitygap.matrix.manifest import write_manifest
 from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.store import Store
 from realitygap.matrix.task import Outcome, Task, read_outcome, unpack
@@ -17,14 +18,35 @@ from realitygap.matrix.task import Outcome, Task, read_outcome, unpack
 
 @dataclass(frozen=True)
 class Collected:
-    """What a matrix gave: the table, and every cell with what became of it, in the order of the tasks."""
+    """What a run or a matrix gave.
 
+    Attributes:
+        name: of the scenario or the matrix.
+        gaps: the table.
+        cells: every cell with what became of it, in the order of the tasks.
+    """
+
+    name: str
     gaps: pd.DataFrame
     cells: list[tuple[Task, Outcome]]
 
+    def excess(self, budget: Mapping[str, float]) -> dict[str, list[str]]:
+        """Sentences on the cells that exceed a budget, by the cell's key."""
+        found = {}
+        for task, outcome in self.cells:
+            lines = over_budget(table(outcome.rows), budget)
+            if lines:
+                which = ", ".join(f"{key} {value}" for key, value in task.axes.items())
+                found[task.key] = [f"{line} ({which})" if which else line for line in lines]
+        return found
 
-def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: dict[str, str], store: Store, out: Path) -> Collected:
-    """Write table, timings, manifest, curves and traces.
+    def not_judged(self, budget: Mapping[str, float]) -> list[str]:
+        """Sentences on the budgets that nothing was measured for."""
+        return not_judged(self.gaps, budget)
+
+
+def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: Mapping[str, str], store: Store, out: Path) -> Collected:
+    """Write table, timings, manifest and traces.
 
     Args:
         matrix: what the cells are of.
@@ -52,9 +74,9 @@ def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: dict[str, str], s
         ((t.file, t.motion) for t in tasks),
         [(o.cell, o.settings) for _, o in cells if o.settings],
         {slug(o.cell): f"{o.outcome}: {o.note}" for _, o in cells if o.outcome != "ok"},
-        [f for f in files if f.startswith("traces/")],
+        [f for f in files if f.endswith(".mcap")],
     )
-    return Collected(gaps, cells)
+    return Collected(matrix.matrix.name, gaps, cells)
 
 
 def _timings(cells: Sequence[tuple[Task, Outcome]]) -> pd.DataFrame:

@@ -18,6 +18,8 @@ NAMES_ONLY = ("path", "files", "episode", "notes", "receive_time")
 """Fields that tell where something came from, and change no result."""
 ROOMS = ("files", "trace", "scenario", "recording", "robot", "simulate", "compare")
 """The rooms that compute a cell; `realitygap_engines` counts as a whole."""
+COMPUTES = "matrix/task.py"
+"""The file that puts them together."""
 
 
 class Digest:
@@ -61,12 +63,16 @@ class Digest:
 @cache
 def code_version() -> str:
     """A digest of the code that computes cells and of the numerical packages below it."""
+    return code_digest(Path(engines.__file__ or "").parent, Path(realitygap.__file__ or "").parent)
+
+
+def code_digest(engines_package: Path, package: Path) -> str:
+    """The same for packages that lie in these folders: the rooms that compute a cell, and what puts them together."""
     digest = hashlib.sha256()
-    package = Path(realitygap.__file__ or "").parent
-    folders = [Path(engines.__file__ or "").parent, *(package / room for room in ROOMS)]
-    files = [p for folder in folders for p in folder.rglob("*.py")] + [package / "matrix" / "task.py"]
-    for file in sorted(files):
-        digest.update(file.name.encode())
+    rooms = [(engines_package, engines_package), *((package, package / room) for room in ROOMS)]
+    files = [(top, file) for top, room in rooms for file in sorted(room.rglob("*.py"))]
+    for top, file in [*files, (package, package / COMPUTES)]:
+        digest.update(file.relative_to(top).as_posix().encode())
         digest.update(file.read_bytes())
     for name in ("numpy", "scipy", "numba"):
         digest.update(version(name).encode())

@@ -1,35 +1,51 @@
-"""Which cells of a matrix exceed a budget, and the cells as test cases for build servers."""
+"""JUnit XML for build servers: every cell is a test case."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from xml.etree import ElementTree
 
-from realitygap.compare.budget import over_budget
-from realitygap.compare.junit import Case
-from realitygap.matrix.collect import Collected
-
-
-def excess(collected: Collected, budget: Mapping[str, float]) -> dict[str, list[str]]:
-    """Sentences on the cells that exceed a budget, by the cell's key."""
-    found = {}
-    for task, outcome in collected.cells:
-        rows = collected.gaps
-        for name, value in vars(outcome.cell).items():
-            rows = rows[rows[name].isna() if value is None else rows[name] == value]
-        lines = over_budget(rows[rows["outcome"] == "ok"], budget)
-        if lines:
-            found[task.key] = [f"{task.title}: {line}" for line in lines]
-    return found
+from realitygap.files.whole import write_whole
+from realitygap.matrix.task import Outcome, Task
 
 
-def cases(collected: Collected, over: Mapping[str, list[str]]) -> list[Case]:
-    """Every cell as a test case."""
-    return [
-        Case(
-            suite=task.file.scenario.name,
-            name=task.title,
-            outcome=outcome.outcome,
-            note=outcome.note,
-            seconds=outcome.wall if outcome.steps else None,
-            over=over.get(task.key, ()),
-        )
-        for task, outcome in collected.cells
-    ]
+def write_junit(
+    path: Path, name: str, cells: Sequence[tuple[Task, Outcome]], over: Mapping[str, Sequence[str]]
+) -> None:
+    """Write a test suite: over budget is a failure, crashed, hung or diverged an error, unsupported is skipped.
+
+    Args:
+        path: the file.
+        name: of the suite.
+        cells: every cell and what became of it.
+        over: sentences on what exceeded its budget, by the cell's key.
+    """
+    verdicts = [_verdict(outcome.outcome, bool(over.get(task.key))) for task, outcome in cells]
+    counts = Counter(verdicts)
+    suite = ElementTree.Element(
+        "testsuite",
+        name=name,
+        tests=str(len(cells)),
+        failures=str(counts["failure"]),
+        errors=str(counts["error"]),
+        skipped=str(counts["skipped"]),
+    )
+    for (task, outcome), verdict in zip(cells, verdicts, strict=True):
+        case = ElementTree.SubElement(suite, "testcase", classname=task.file.scenario.name, name=task.title)
+        if outcome.steps:
+            case.set("time", f"{outcome.wall:.3f}")
+        if verdict == "failure":
+            ElementTree.SubElement(case, verdict, message="over budget").text = "\n".join(over[task.key])
+        elif verdict is not None:
+            ElementTree.SubElement(case, verdict, type=outcome.outcome, message=outcome.note)
+    ElementTree.indent(suite)
+    write_whole(path, ElementTree.tostring(suite, encoding="utf-8", xml_declaration=True) + b"\n")
+
+
+def _verdict(outcome: str, over: bool) -> str | None:
+    """JUnit's word for what is not a pass; None for a pass."""
+    if outcome == "unsupported":
+        return "skipped"
+    if outcome != "ok":
+        return "error"
+    return "failure" if over else None

@@ -1,7 +1,10 @@
-"""`realitygap matrix`: all cells of a matrix, resumable, and the result folder made from them."""
+"""The cells of a matrix planned, computed where it was asked for, and collected; `run` is a matrix of one scenario."""
 
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from realitygap.files.progress import Progress
 from realitygap.files.result_folder import written_whole
@@ -9,11 +12,10 @@ from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
 from realitygap.matrix.estimate import Estimate
 from realitygap.matrix.local import run_local
-from realitygap.matrix.matrix_file import load_matrix
+from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import plan
 from realitygap.matrix.store import Store, open_store
-from realitygap.matrix.task import Outcome, Task, read_outcome
-from realitygap.report import write_figures, write_page
+from realitygap.matrix.task import Outcome, Task, compute, read_outcome
 
 RETRIED = ("crashed", "timeout")
 """Outcomes that stay until it is asked for them again."""
@@ -24,15 +26,17 @@ class Settings:
     """How a matrix is run.
 
     Attributes:
-        jobs: processes on this machine.
+        jobs: processes on this machine; None computes in this process, one cell after the other.
         scheduler: address of a Dask scheduler; None computes here.
         store: path or URL where finished cells are kept; None keeps them in `cells` of the result folder.
+        keep: whether finished cells are kept for the next time.
         retry_crashed: whether cells that crashed or took too long are tried again.
     """
 
-    jobs: int = 1
+    jobs: int | None = 1
     scheduler: str | None = None
     store: str | None = None
+    keep: bool = True
     retry_crashed: bool = False
 
     def place(self, out: Path) -> str:
@@ -40,20 +44,43 @@ class Settings:
         return self.store or str((out / "cells").absolute())
 
 
-def run_matrix(path: Path, out: Path, settings: Settings, progress: Progress) -> tuple[Collected, Path]:
-    """Compute the cells that are not there yet and make the result folder. Returns it and its page.
+ONCE = Settings(jobs=None, keep=False)
+"""How `run` does it: in this process, and computed anew every time."""
+
+
+@contextmanager
+def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) -> Iterator[tuple[Collected, Path]]:
+    """Compute the cells that are not there yet and make the result folder.
+
+    Yields what was found and the folder, which is still aside and takes further files: a page, figures. At the end of
+    the `with` block all of it takes the place of `out`, whole.
 
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
     """
-    matrix = load_matrix(path)
-    progress.say(f"reading {path}")
     tasks = plan(matrix)
-    place = settings.place(out)
+    _say_notes(tasks, progress)
+    with ExitStack() as stack:
+        if settings.keep:
+            place = settings.place(out)
+            undone = work(tasks, place, settings, matrix.matrix.time_limit, progress)
+            folder = stack.enter_context(written_whole(out))
+        else:
+            folder = stack.enter_context(written_whole(out))
+            place = stack.enter_context(TemporaryDirectory(prefix="cells-", dir=folder))
+            undone = work(tasks, place, settings, matrix.matrix.time_limit, progress)
+        yield collect(matrix, tasks, undone, open_store(place), folder), folder
+
+
+def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
+    """Compute the cells whose files are not in the store at `place`, each within `limit` [s] where it has a process.
+
+    Returns:
+        What happened, by key, to the cells that could not be computed.
+    """
     store = open_store(place)
     there = finished(tasks, store, retry_crashed=settings.retry_crashed)
-    estimate = Estimate(there.values())
-    todo = sorted((t for t in tasks if t.key not in there), key=estimate.seconds, reverse=True)
+    todo = [t for t in tasks if t.key not in there]
     undone: dict[str, str] = {}
     with progress.task("simulating", len(todo)) as advance:
 
@@ -62,19 +89,20 @@ def run_matrix(path: Path, out: Path, settings: Settings, progress: Progress) ->
             if what is not None:
                 undone[task.key] = what
 
+        if settings.jobs is None and settings.scheduler is None:
+            for task in todo:
+                advance(task.title)
+                store.write(task.key, compute(task))
+            return undone
+        todo.sort(key=Estimate(there.values()).seconds, reverse=True)  # the longest first, so that none is left alone
         if todo and settings.scheduler:
-            run_cluster(todo, settings.scheduler, place, matrix.matrix.time_limit, done)
+            run_cluster(todo, settings.scheduler, place, limit, done)
         elif todo:
-            run_local(todo, min(settings.jobs, len(todo)), place, matrix.matrix.time_limit, done)
-    with written_whole(out) as folder:
-        collected = collect(matrix, tasks, undone, store, folder)
-        if matrix.matrix.traces:
-            write_figures(folder)
-        page = out / write_page(folder).name
-    return collected, page
+            run_local(todo, min(settings.jobs or 1, len(todo)), place, limit, done)
+    return undone
 
 
-def finished(tasks: list[Task], store: Store, *, retry_crashed: bool = False) -> dict[str, Outcome]:
+def finished(tasks: Sequence[Task], store: Store, *, retry_crashed: bool = False) -> dict[str, Outcome]:
     """The cells whose files are there. A broken file counts as absent."""
     there = store.keys()
     out = {}
@@ -89,19 +117,29 @@ def finished(tasks: list[Task], store: Store, *, retry_crashed: bool = False) ->
     return out
 
 
-def dry_run(path: Path, out: Path, settings: Settings) -> list[str]:
+def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     """Lines that list the cells, which of them are there, and how long the others will take."""
-    tasks = plan(load_matrix(path))
+    tasks = plan(matrix)
     there = finished(tasks, open_store(settings.place(out)), retry_crashed=settings.retry_crashed)
     estimate = Estimate(there.values())
     lines = []
     for task in tasks:
         state = "there" if task.key in there else f"{estimate.seconds(task):.1f} s"
         lines.append(f"{task.file.scenario.name:18} {task.title:60} {state}")
-    todo = [t for t in tasks if t.key not in there]
-    total = estimate.total(todo, settings.jobs)
+    todo, jobs = [t for t in tasks if t.key not in there], settings.jobs or 1
+    total = estimate.total(todo, jobs)
     lines.append(
         f"{len(tasks)} cells, {len(there)} of them there; the others and the report take about {total:.0f} s with "
-        f"{settings.jobs} process{'es' if settings.jobs != 1 else ''} where the machine has nothing else to do"
+        f"{jobs} process{'es' if jobs != 1 else ''} where the machine has nothing else to do"
     )
     return lines
+
+
+def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:
+    """What was changed in the model, and how many readings were not taken, before the long work begins."""
+    found = {(str(t.file.path), e.name): e for t in tasks for e in t.motion.experiments}.values()
+    for note in dict.fromkeys(note for e in found for note in e.notes):
+        progress.say(note)
+    garbled = sum(len(e.recording.outliers) for e in found if e.recording is not None)
+    if garbled:
+        progress.say(f"readings that jump far away and back, and are not taken: {garbled} (listed in manifest.json)")

@@ -1,17 +1,18 @@
 """The matrix file: which scenarios, which engines, which axes, and what is left out."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.engine_names import engine_names
-from realitygap.scenario.file import resolve_path
-from realitygap.scenario.schema import Patterns, Positive, Section
+from realitygap.scenario.file import ScenarioFile, load_scenario, resolve_path
+from realitygap.scenario.section import Patterns, Positive, Section
 
 NAMED_AXES = {  # axis -> scenario key; `revision` names an entry of the scenario's `revisions`
     "revision": "robot.urdf",
@@ -27,7 +28,9 @@ def _listed(value: object) -> object:
     return value if isinstance(value, list) else [value]
 
 
-Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1)]
+ANY_BUT_NONE = {"not": {"type": "array", "maxItems": 0}}
+"""One value, or a list that is not empty."""
+Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1), WithJsonSchema(ANY_BUT_NONE)]
 
 
 class Matrix(Section):
@@ -44,20 +47,17 @@ class Matrix(Section):
         default=[], description="combinations that are not run: axis, engine, scenario or recording to value or pattern"
     )
     floors: bool = Field(default=True, description="simulate again with half the step for the numerical floor")
-    traces: bool = Field(default=True, description="write traces (MCAP) and curves of every cell")
+    traces: bool = Field(default=True, description="write the traces of every cell (Parquet and MCAP)")
     time_limit: Positive = Field(default=300.0, description="seconds after which a cell counts as hung")
 
 
 @dataclass(frozen=True)
 class MatrixFile:
-    """A matrix with the file it came from."""
+    """A matrix, the file that it came from, and its scenarios."""
 
     path: Path
     matrix: Matrix
-
-    def scenario_paths(self) -> list[Path]:
-        """The scenario files."""
-        return [resolve_path(self.path, s, f"scenarios[{i}]") for i, s in enumerate(self.matrix.scenarios)]
+    scenarios: tuple[ScenarioFile, ...]
 
     def engine_names(self) -> list[str]:
         """The engines of the matrix, or all that are installed.
@@ -88,4 +88,11 @@ def load_matrix(path: Path) -> MatrixFile:
             raise InputError(f"{path}: axes: found {axis}; expected {named} or a dotted scenario key")
         if len({repr(v) for v in values}) < len(values):
             raise InputError(f"{path}: axes.{axis}: a value stands twice in {values}; expected each once")
-    return MatrixFile(path, matrix)
+    paths = [resolve_path(path, s, f"scenarios[{i}]") for i, s in enumerate(matrix.scenarios)]
+    return MatrixFile(path, matrix, tuple(load_scenario(p) for p in paths))
+
+
+def matrix_of(file: ScenarioFile, engines: Sequence[str] = ()) -> MatrixFile:
+    """The matrix of one scenario as it is, in the engines that are named or in all that are installed."""
+    matrix = Matrix(name=file.scenario.name, scenarios=[file.path.name], engines=list(engines) or None)
+    return MatrixFile(file.path, matrix, (file,))

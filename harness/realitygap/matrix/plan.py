@@ -18,7 +18,7 @@ from realitygap.matrix.matrix_file import NAMED_AXES, MatrixFile
 from realitygap.matrix.task import Task
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.streams import request_of
-from realitygap.scenario.file import ScenarioFile, load_scenario
+from realitygap.scenario.file import ScenarioFile
 from realitygap.scenario.schema import Scenario
 from realitygap.simulate.experiment import Experiment, check_excluded, experiments
 
@@ -32,8 +32,7 @@ def plan(matrix: MatrixFile) -> list[Task]:
     engine_names = matrix.engine_names()
     digest = Digest()
     tasks: dict[str, Task] = {}
-    for path in matrix.scenario_paths():
-        file = load_scenario(path)
+    for file in matrix.scenarios:
         variants = list(_variants(matrix, file))
         check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
         for axes, revision, found in variants:
@@ -69,8 +68,6 @@ def _variants(
         found = [_with_axes(e, others) for e in experiments(variant, read=read, only=matrix.matrix.recordings)]
         if first is None:
             first = found, motions(found)
-            for e in found:
-                e.start()  # what is wrong with a start is told now
         yield axes, revision, (variant, regrouped(first, found))
 
 

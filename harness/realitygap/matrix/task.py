@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.compare.comparison import Comparison, Motion, cell_of, compare, failure
-from realitygap.compare.table import Cell, Row, slug
-from realitygap.report.curves import write_curves
+from realitygap.compare.table import Cell, Row
+from realitygap.compare.traces import write_traces
 from realitygap.scenario.file import ScenarioFile
-from realitygap.trace.mcap import write_mcap
 
 RECORD = "cell.json"
 EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -67,7 +66,7 @@ class Outcome:
 
 
 def compute(task: Task) -> bytes:
-    """Simulate and compare one cell. The result is a zip file with the record, the curves and the trace."""
+    """Simulate and compare one cell. The result is a zip file with the record and the traces."""
     done = compare(task.motion, task.engine, floors=task.floors, revision=task.revision)
     return packed(task, done)
 
@@ -81,7 +80,7 @@ def packed(task: Task, done: Comparison) -> bytes:
     """A comparison as a zip file, the same bytes for the same comparison but for its timing."""
     rollout = done.rollout
     record = {
-        "schema": 1,
+        "schema": 2,
         "cell": asdict(done.cell),
         "outcome": done.outcome,
         "note": done.note,
@@ -94,25 +93,17 @@ def packed(task: Task, done: Comparison) -> bytes:
     with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(out, "w") as archive:
         folder = Path(name)
         if task.traces:
-            _write_files(folder, done, task.motion)
+            write_traces(folder, done, task.motion.experiments[0].plant.model)
         _add(archive, RECORD, json.dumps(record, default=str, ensure_ascii=False).encode())
         for path in sorted(p for p in folder.rglob("*") if p.is_file()):
             _add(archive, path.relative_to(folder).as_posix(), path.read_bytes())
     return out.getvalue()
 
 
-def _write_files(folder: Path, done: Comparison, motion: Motion) -> None:
-    if done.simulated is None:
-        return
-    traces = {"simulated": done.simulated}
-    if done.measured is not None:
-        traces["measured"] = done.measured
-    write_mcap(folder / "traces" / f"{slug(done.cell)}.mcap", traces)
-    write_curves(folder, done.cell, done.simulated, done.measured, motion.experiments[0].plant.model)
-
-
 def _add(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    archive.writestr(zipfile.ZipInfo(name, EPOCH), content, zipfile.ZIP_DEFLATED)
+    packed_already = name.endswith(".parquet")
+    how = zipfile.ZIP_STORED if packed_already else zipfile.ZIP_DEFLATED
+    archive.writestr(zipfile.ZipInfo(name, EPOCH), content, how)
 
 
 def read_outcome(data: bytes) -> Outcome:
@@ -138,7 +129,7 @@ def read_outcome(data: bytes) -> Outcome:
 
 
 def unpack(data: bytes, folder: Path) -> list[str]:
-    """Write the curves and the trace of a cell's file below a result folder. Returns their names."""
+    """Write the traces of a cell's file below a result folder. Returns their names."""
     names = []
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         for name in archive.namelist():

@@ -10,10 +10,8 @@ from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
-from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
 from realitygap.trace.trace import Array, Trace
-
-COMMAND_SIGNAL = {"position": "position", "duty": "effort", "effort": "effort"}
 
 
 def assemble(path: Path, streams: Streams, request: Request) -> Recording:
@@ -39,6 +37,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
         command_time, command, found = _command(streams.command, kind, clock.time)
+        if request.command_factor is not None:
+            command = command * request.command_factor
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
     supply_time, supply = np.empty(0), np.empty(0)

@@ -48,6 +48,10 @@ class Recording:
         """Where it came from: equal for two uses of the same recording."""
         return self.path, self.episode
 
+    def __repr__(self) -> str:
+        told = f", {len(self.command_time)} commands ({self.command_kind})" if len(self.command_time) else ""
+        return f"<Recording {self.name}: {self.trace!r}{told}>"
+
     @property
     def name(self) -> str:
         """The recording's name: that of its file or folder, without suffix."""

@@ -7,8 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
-from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario
+from realitygap.scenario.effort import effort_factors
+from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario, Stream
 from realitygap.trace.trace import Array
+
+COMMAND_SIGNAL = {"position": "position", "velocity": "velocity", "duty": "effort", "effort": "effort"}
+"""The signal that holds a command, by what the command is."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +72,31 @@ class Request:
         return effort.topic if isinstance(effort, EffortStream) else None
 
     @property
-    def effort_factor(self) -> float | None:
-        """N·m (or N) per recorded unit; None where no effort was measured."""
+    def command_signal(self) -> str:
+        """The signal that holds the command."""
+        return COMMAND_SIGNAL[self.motion.meaning if self.motion is not None else "position"]
+
+    @property
+    def command_factor(self) -> Array | None:
+        """N·m (or N) per unit of a command that is the measured effort itself, shape (n,); None for other commands."""
+        if self.motion is None or self.motion.meaning != "effort":
+            return None
+        state, columns = self.recordings.state, self.recordings.columns.effort
+        source = self.effort_topic or (state.topic if isinstance(state, Stream) else state)
+        named = {source, columns} if isinstance(columns, str) and self.effort_topic is None else {source}
+        return self.effort_factor if self.motion.recorded in named else None
+
+    @property
+    def effort_factor(self) -> Array | None:
+        """N·m (or N) per recorded unit of every joint, shape (n,); None where no effort was measured.
+
+        Raises:
+            InputError: for a pattern that matches no joint, or a joint that none matches.
+        """
         effort = self.recordings.effort
         if isinstance(effort, EffortStream):
-            return effort.factor
-        return None if effort == "none" else 1.0
+            return effort_factors(effort, self.joints, self.file)
+        return None if effort == "none" else np.ones(len(self.joints))
 
 
 def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Request:

@@ -1,9 +1,9 @@
 """The curves of a cell for the page: thinned, in people's units, small enough to travel with it.
 
-`curves/<cell>.js` calls `realitygap.curves(name, {...})`. It is JSON in a function call, because a page opened from a
-disk may load a script that lies beside it but may not fetch a file. What was measured is the same for every engine, so
-it is written once, as `curves/measured-<hash>.js`. Box plots are drawn from statistics of all samples, not of the
-thinned ones.
+They are made from the whole traces. `curves/<cell>.js` calls `realitygap.curves(name, {...})`. It is JSON in a function
+call, because a page opened from a disk may load a script that lies beside it but may not fetch a file. What was
+measured is the same for every engine, so it is written once, as `curves/measured-<hash>.js`. Box plots are drawn from
+statistics of all samples, not of the thinned ones.
 """
 
 import hashlib
@@ -13,43 +13,40 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from realitygap_engines.model.robot import Model
 
-from realitygap.compare.gap import JOINT_SIGNALS, differences, unit_of
-from realitygap.compare.table import Cell, slug
+from realitygap.compare.gap import JOINT_SIGNALS, Jointed, differences, unit_of
+from realitygap.compare.table import slug
+from realitygap.compare.traces import CellTraces
 from realitygap.files.whole import write_whole
 from realitygap.recording.frames import angle_between
-from realitygap.robot.drive import Array
-from realitygap.trace.trace import Trace
+from realitygap.trace.trace import Array, Trace
 
-SAMPLES = 500
-"""Samples of a curve: as many as a plot has pixels."""
+SAMPLES = 2000
+"""Samples of a curve at most: as a plot of 500 pixels needs that is zoomed in four times."""
 
 
-def write_curves(folder: Path, cell: Cell, simulated: Trace, measured: Trace | None, model: Model) -> Path:
-    """Write the curves of one cell below a result folder. Returns the file.
-
-    Args:
-        folder: the result folder.
-        cell: what was simulated.
-        simulated: angles in rad, SI.
-        measured: the same on the measured clock; None where nothing was measured.
-        model: the robot; its joints are those that are drawn.
-    """
-    clock = (measured or simulated).time
-    clock = clock[:: max(int(np.ceil(clock.size / SAMPLES)), 1)]
+def write_curves(folder: Path, traces: CellTraces) -> Path:
+    """Write the curves of one cell below a result folder. Returns the file."""
+    simulated, measured = traces.simulated, traces.measured
+    clock = thinned(traces, SAMPLES)
     content: dict[str, Any] = {
-        "cell": asdict(cell),
+        "cell": asdict(traces.cell),
         "time": _packed(clock - clock[0]),
-        "simulated": _joints(simulated.at(clock), model),
+        "simulated": _packed_series(simulated.at(clock), traces),
     }
     if measured is not None:
-        theirs = json.dumps(_joints(measured.at(clock), model), separators=(",", ":"), ensure_ascii=False)
+        theirs = json.dumps(_packed_series(measured.at(clock), traces), separators=(",", ":"), ensure_ascii=False)
         content["measured"] = f"measured-{hashlib.sha256(theirs.encode()).hexdigest()[:12]}"
-        content["boxes"] = _boxes(model, simulated, measured)
+        content["boxes"] = boxes(traces)
         _write(folder, content["measured"], theirs)
     text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
-    return _write(folder, slug(cell), text)
+    return _write(folder, slug(traces.cell), text)
+
+
+def thinned(traces: CellTraces, most: int) -> Array:
+    """Times [s] at which curves are drawn: the measured ones where something was, evenly thinned. Shape (t,)."""
+    clock = (traces.measured or traces.simulated).time
+    return clock[:: max(int(np.ceil(clock.size / most)), 1)]
 
 
 def read_curves(path: Path) -> dict[str, Any]:
@@ -84,8 +81,12 @@ def _packed(values: Array) -> dict[str, Any]:
     return packed
 
 
-def _joints(trace: Trace, model: Model) -> dict[str, dict[str, Any]]:
-    out: dict[str, dict[str, Any]] = {}
+def series(trace: Trace, model: Jointed) -> dict[str, dict[str, tuple[str, Array]]]:
+    """Signal -> joint, or axis of the base -> unit and values in it, as people read them. Shapes (t,).
+
+    Of the base: its position along the world's axes, and how far it has turned since the start.
+    """
+    out: dict[str, dict[str, tuple[str, Array]]] = {}
     for signal in JOINT_SIGNALS:
         values = getattr(trace, signal)
         if values is None:
@@ -93,26 +94,27 @@ def _joints(trace: Trace, model: Model) -> dict[str, dict[str, Any]]:
         out[signal] = {}
         for joint in model.joints:
             unit, scale = unit_of(signal, joint.prismatic)
-            out[signal][joint.name] = {"unit": unit, **_packed(values[:, trace.index(joint.name)] * scale)}
-    return out | _base(trace)
-
-
-def _base(trace: Trace) -> dict[str, dict[str, Any]]:
-    """The base's position along the world's axes and how far it has turned since the start."""
-    out: dict[str, dict[str, Any]] = {}
+            out[signal][joint.name] = unit, values[:, trace.index(joint.name)] * scale
     if trace.base_position is not None:
         columns = zip("xyz", trace.base_position.T, strict=True)
-        out["base_position"] = {f"base {axis}": {"unit": "m", **_packed(values)} for axis, values in columns}
+        out["base_position"] = {f"base {axis}": ("m", values) for axis, values in columns}
     if trace.base_quaternion is not None:
         turned = np.rad2deg(angle_between(trace.base_quaternion, trace.base_quaternion[:1]))
-        out["base_orientation"] = {"base": {"unit": "deg", **_packed(turned)}}
+        out["base_orientation"] = {"base": ("deg", turned)}
     return out
 
 
-def _boxes(model: Model, simulated: Trace, measured: Trace) -> dict[str, dict[str, list[float]]]:
+def _packed_series(trace: Trace, model: Jointed) -> dict[str, dict[str, dict[str, Any]]]:
+    found = series(trace, model)
+    return {s: {n: {"unit": unit, **_packed(v)} for n, (unit, v) in named.items()} for s, named in found.items()}
+
+
+def boxes(traces: CellTraces) -> dict[str, dict[str, list[float]]]:
     """Per signal and joint: lower whisker, quartiles, upper whisker (Tukey) and maximum of the absolute difference."""
     out: dict[str, dict[str, list[float]]] = {}
-    for d in differences(model, simulated, measured):
+    if traces.measured is None:
+        return out
+    for d in differences(traces, traces.simulated, traces.measured):
         if not d.values.size:
             continue
         low, median, high = np.percentile(d.values, [25, 50, 75])

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from realitygap.files.whole import write_whole
 from realitygap.page.style import SIGNALS, unit_label
-from realitygap.robot.drive import Array
+from realitygap.trace.trace import Array
 
 STYLE: Any = {
     "font.size": 9,
@@ -32,7 +32,7 @@ INK = "#1d2126"
 
 @dataclass(frozen=True)
 class BoxSet:
-    """The box statistics of one engine or revision: signal -> joint -> six numbers, as in the curve files.
+    """The box statistics of one engine or revision: signal -> joint -> six numbers.
 
     `failed` is the outcome in a word where the simulation did not finish.
     """

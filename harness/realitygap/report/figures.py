@@ -1,19 +1,23 @@
-"""The figures of a result folder, as files for papers and slides: `figures/*.svg`, made from the curve files alone."""
+"""The figures of a result folder, as files for papers and slides: `figures/*.svg`, made from table and traces alone."""
 
 import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from realitygap.compare.traces import CellTraces, read_traces
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label, unit_label
-from realitygap.report.curves import read_curves, unpack
+from realitygap.report.curves import boxes, series, thinned
 from realitygap.report.draw import BoxSet, Curve, draw_boxes, draw_curves
 from realitygap.report.folder import Results, cell_key, read_folder
+from realitygap.trace.trace import Array
 
 MOST = 6
 """Conditions that get figures of their own; a larger matrix has its page."""
 CHOSEN = 4
 """Joints whose curves are drawn: those with the largest gap."""
+SAMPLES = 500
+"""Samples of a curve: as many as a panel has pixels."""
 CONDITION = [a for a in AXES if a != "engine"]
 
 
@@ -30,18 +34,17 @@ def write_figures(folder: Path) -> list[Path]:
     written = []
     for condition, group in list(_by(cells, CONDITION).items())[:MOST]:
         name = _name(dict(zip(CONDITION, condition, strict=True)), results)
-        contents = {str(c["engine"]): content for c in group if (content := _content(c, results))}
-        sets = [_set(c, engine_label(str(c["engine"])), results) for c in group]
+        traces = {str(c["engine"]): found for c in group if (found := _traces(c, results))}
+        sets = [_set(c, engine_label(str(c["engine"])), results, traces.get(str(c["engine"]))) for c in group]
         written += _box_files(results, name, sets)
-        if contents:
-            failed = [s for s in sets if s.failed]
-            written += _curve_files(results, name, contents, ", ".join(f"{s.label}: {s.failed}" for s in failed))
+        if traces:
+            written += _curve_files(results, name, traces, sets)
     if len(results.axes["robot_revision"]) > 1:
         others = [a for a in AXES if a != "robot_revision"]
         for condition, group in list(_by(cells, others).items())[:MOST]:
             name = _name(dict(zip(others, condition, strict=True)), results)
             if len(group) > 1:
-                sets = [_set(c, str(c["robot_revision"]), results) for c in group]
+                sets = [_set(c, str(c["robot_revision"]), results, _traces(c, results)) for c in group]
                 written += _box_files(results, f"revisions {name}", sets)
     return written
 
@@ -64,15 +67,15 @@ def _name(condition: dict[str, str], results: Results) -> str:
     return " ".join(parts) or condition["recording"] or condition["scenario"]
 
 
-def _content(cell: dict[Any, Any], results: Results) -> dict[str, Any] | None:
-    path = results.curves.get(cell_key(cell))
-    return read_curves(path) if path else None
+def _traces(cell: dict[Any, Any], results: Results) -> CellTraces | None:
+    path = results.traces.get(cell_key(cell))
+    return read_traces(path) if path else None
 
 
-def _set(cell: dict[Any, Any], label: str, results: Results) -> BoxSet:
-    content = _content(cell, results) or {}
+def _set(cell: dict[Any, Any], label: str, results: Results, traces: CellTraces | None) -> BoxSet:
     failed = "" if cell["outcome"] == "ok" else str(cell["outcome"])
-    return BoxSet(label, engine_color(str(cell["engine"]), results.engines), content.get("boxes", {}), failed)
+    color = engine_color(str(cell["engine"]), results.engines)
+    return BoxSet(label, color, boxes(traces) if traces else {}, failed)
 
 
 def _box_files(results: Results, name: str, sets: list[BoxSet]) -> list[Path]:
@@ -84,30 +87,33 @@ def _box_files(results: Results, name: str, sets: list[BoxSet]) -> list[Path]:
     return [path for path in out if path]
 
 
-def _curve_files(results: Results, name: str, contents: dict[str, dict[str, Any]], failed: str) -> list[Path]:
-    folder = results.folder
-    simulated = next(iter(contents.values()))["simulated"]
-    signal = next((s for s in SIGNALS if s in simulated), None)
+def _curve_files(results: Results, name: str, traces: dict[str, CellTraces], sets: Sequence[BoxSet]) -> list[Path]:
+    """The curves of the joints with the largest gaps, measured and in every engine, in the first signal there is."""
+    first = next(iter(traces.values()))
+    named = series(first.simulated, first)
+    signal = next((s for s in SIGNALS if s in named), None)
     if signal is None:
         return []
-    joints = list(simulated[signal])
-    boxed = [c["boxes"][signal] for c in contents.values() if signal in c.get("boxes", {})]
+    joints = list(named[signal])
+    boxed = [s.boxes[signal] for s in sets if signal in s.boxes]
     if boxed and all(j in boxed[0] for j in joints):
         joints = sorted(joints, key=lambda j: -max(b[j][3] for b in boxed if j in b))
+    joints = joints[:CHOSEN]
     curves = []
-    measured: dict[str, Any] = {}
-    for engine, content in contents.items():
-        if content.get("measured"):
-            measured = read_curves(folder / "curves" / f"{content['measured']}.js").get(signal, {})
-        color = engine_color(engine, results.engines)
-        series = {j: unpack(content["simulated"][signal][j]) for j in joints[:CHOSEN]}
-        curves.append(
-            Curve(engine_label(engine), color, engine_dashes(engine, results.engines), unpack(content["time"]), series)
-        )
-    theirs = {j: unpack(measured[j]) for j in joints[:CHOSEN] if j in measured}
+    measured: dict[str, Array] = {}
+    for engine, cell in traces.items():
+        clock = thinned(cell, SAMPLES)
+        ours = series(cell.simulated.at(clock), cell)[signal]
+        if cell.measured is not None:
+            theirs = series(cell.measured.at(clock), cell).get(signal, {})
+            measured = {j: theirs[j][1] for j in joints if j in theirs}
+        color, dashes = engine_color(engine, results.engines), engine_dashes(engine, results.engines)
+        shown = {j: ours[j][1] for j in joints}
+        curves.append(Curve(engine_label(engine), color, dashes, clock - clock[0], shown))
+    failed = ", ".join(f"{s.label}: {s.failed}" for s in sets if s.failed)
+    units = {j: named[signal][j][0] for j in joints}
     title = f"{name} ({failed})" if failed else name
-    units = {j: simulated[signal][j]["unit"] for j in joints[:CHOSEN]}
-    return [draw_curves(_path(folder, f"curves {signal} {name}"), curves, theirs, units, signal, title)]
+    return [draw_curves(_path(results.folder, f"curves {signal} {name}"), curves, measured, units, signal, title)]
 
 
 def _path(folder: Path, name: str) -> Path:

@@ -8,9 +8,9 @@ from typing import Any
 import pandas as pd
 
 from realitygap.compare.table import Cell, means, read_gaps
+from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
 from realitygap.page.style import AXES
-from realitygap.report.curves import read_curves
 
 CELL = [f.name for f in fields(Cell)]
 GROUPS = ("moving", "unmoving", "base")
@@ -28,7 +28,7 @@ class Results:
         cells: one row per cell: the key columns, outcome, note, and where known `real_time_factor` and
             `wall_seconds`.
         axes: what tells cells apart -> its values in order; every axis that the table has, also those with one value.
-        curves: key of a cell -> its curve file.
+        traces: key of a cell -> the Parquet file with its traces.
         manifest: `manifest.json`, empty where there is none.
     """
 
@@ -37,7 +37,7 @@ class Results:
     means: pd.DataFrame
     cells: pd.DataFrame
     axes: dict[str, list[Any]]
-    curves: dict[tuple[str, ...], Path]
+    traces: dict[tuple[str, ...], Path]
     manifest: dict[str, Any]
 
     @property
@@ -68,8 +68,8 @@ def read_folder(folder: Path) -> Results:
     raw = read_gaps(path)
     manifest_path = folder / "manifest.json"
     manifest = json.loads(manifest_path.read_text(encoding="utf-8")) if manifest_path.is_file() else {}
-    curves = _curves(folder)
-    cells = _cells(folder, raw, curves)
+    traces = {cell_key(vars(cell_of_traces(p))): p for p in sorted((folder / FOLDER).glob("*.parquet"))}
+    cells = _cells(folder, raw, traces)
     keys = _override_keys(cells)
     return Results(
         folder=folder,
@@ -77,7 +77,7 @@ def read_folder(folder: Path) -> Results:
         means=_expanded(means(raw), keys),
         cells=_expanded(cells, keys),
         axes=_axes(_expanded(cells, keys), keys),
-        curves=curves,
+        traces=traces,
         manifest=manifest,
     )
 
@@ -93,20 +93,12 @@ def _text(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _curves(folder: Path) -> dict[tuple[str, ...], Path]:
-    out = {}
-    for path in sorted((folder / "curves").glob("*.js")):
-        if not path.name.startswith("measured-"):
-            out[cell_key(read_curves(path)["cell"])] = path
-    return out
-
-
-def _cells(folder: Path, raw: pd.DataFrame, curves: dict[tuple[str, ...], Path]) -> pd.DataFrame:
-    """All cells: those of the table, and those that have only curves because nothing was measured."""
+def _cells(folder: Path, raw: pd.DataFrame, traces: dict[tuple[str, ...], Path]) -> pd.DataFrame:
+    """All cells: those of the table, and those that have only traces because nothing was measured."""
     cells = raw[[*CELL, "outcome", "note"]].drop_duplicates(CELL)
     cells.loc[cells["outcome"] == "ok", "note"] = ""
     known = {cell_key(r) for r in cells.to_dict("records")}
-    only = [dict(zip(CELL, key, strict=True)) | {"outcome": "ok", "note": ""} for key in curves if key not in known]
+    only = [dict(zip(CELL, key, strict=True)) | {"outcome": "ok", "note": ""} for key in traces if key not in known]
     if only:
         extra = pd.DataFrame(only)
         extra["step_rate"] = extra["step_rate"].astype(float)

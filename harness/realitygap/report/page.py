@@ -5,9 +5,11 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from realitygap.compare.traces import read_traces
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
+from realitygap.report.curves import write_curves
 from realitygap.report.folder import Results, read_folder
 from realitygap.report.payload import payload
 from realitygap.report.sentences import sentences
@@ -31,12 +33,14 @@ TAGS = {
 
 
 def write_page(folder: Path) -> Path:
-    """Write `report.html` into a result folder, from its files alone. Returns the page.
+    """Write `report.html` and its `curves/` into a result folder, from its table and traces. Returns the page.
 
     Raises:
         InputError: where the folder holds no result table.
     """
     results = read_folder(folder)
+    for path in results.traces.values():
+        write_curves(folder, read_traces(path))
     web = files("realitygap.report") / "web"
     said = sentences(results)
     text = render(
@@ -90,6 +94,8 @@ def _summary(results: Results) -> str:
 
 def _inlined(results: Results) -> str:
     """The curve files themselves, where all of them together are small."""
+    if not results.traces:
+        return ""
     paths = sorted((results.folder / "curves").glob("*.js"))
     if sum(p.stat().st_size for p in paths) > MAILABLE:
         return ""

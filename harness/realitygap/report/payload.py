@@ -68,8 +68,8 @@ def _cells(results: Results) -> list[dict[str, Any]]:
         for axis, values in results.axes.items():
             value = record[axis]
             at.append(values.index("" if value is pd.NA or value is None else value))
-        curves = results.curves.get(cell_key(record))
-        trace = results.folder / "traces" / f"{curves.stem}.mcap" if curves else None
+        whole = results.traces.get(cell_key(record))
+        viewed = whole.with_suffix(".mcap") if whole else None
         out.append(
             {
                 "at": at,
@@ -77,8 +77,9 @@ def _cells(results: Results) -> list[dict[str, Any]]:
                 "note": record["note"],
                 "speed": _short(record.get("real_time_factor", float("nan"))),
                 "wall": _short(record.get("wall_seconds", float("nan"))),
-                "curves": curves.stem if curves else None,
-                "trace": _link(trace, results.folder) if trace and trace.is_file() else None,
+                "curves": whole.stem if whole else None,
+                "trace": _link(viewed, results.folder) if viewed and viewed.is_file() else None,
+                "whole": _link(whole, results.folder) if whole else None,
             }
         )
     return out

@@ -1,14 +1,15 @@
 """How far the engines are from each other: simulated joint angles of one engine against another's, cell by cell."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 
+from realitygap.compare.traces import read_traces
 from realitygap.page.style import AXES
-from realitygap.report.curves import read_curves, unpack
 from realitygap.report.folder import Results, cell_key
-from realitygap.robot.drive import Array
+from realitygap.trace.trace import Array, Trace
 
 
 @dataclass(frozen=True)
@@ -28,23 +29,37 @@ class Spread:
 
 def spread(results: Results) -> list[Spread]:
     """The spread of every pair of engines, in the order of the table. Prismatic joints are left out."""
-    contexts: dict[tuple[str, ...], dict[str, Array]] = {}
+    contexts: dict[tuple[str, ...], dict[str, Path]] = {}
     others = [a for a in AXES if a != "engine"]
     for record in results.cells.to_dict("records"):
-        path = results.curves.get(cell_key(record))
+        path = results.traces.get(cell_key(record))
         if path is not None:
-            context = tuple(str(record[a]) for a in others)
-            contexts.setdefault(context, {})[str(record["engine"])] = _angles(read_curves(path))
-    out = []
-    for first, second in combinations(results.engines, 2):
-        pairs = [(c[first], c[second]) for c in contexts.values() if first in c and second in c]
-        squares = [np.mean((a - b) ** 2) for a, b in pairs if a.size and a.shape == b.shape]
-        if squares:
-            out.append(Spread(first, second, float(np.sqrt(np.mean(squares))), len(squares)))
-    return out
+            contexts.setdefault(tuple(str(record[a]) for a in others), {})[str(record["engine"])] = path
+    squares: dict[tuple[str, str], list[float]] = {}
+    for paths in contexts.values():
+        turned = {engine: found for engine, path in paths.items() if (found := _hinges(path)) is not None}
+        for first, second in combinations(results.engines, 2):
+            if first in turned and second in turned:
+                squares.setdefault((first, second), []).append(_mean_square(turned[first], turned[second]))
+    return [
+        Spread(*pair, float(np.rad2deg(np.sqrt(np.mean(squares[pair])))), len(squares[pair]))
+        for pair in combinations(results.engines, 2)
+        if pair in squares
+    ]
 
 
-def _angles(content: dict[str, dict[str, dict[str, dict[str, object]]]]) -> Array:
-    """The simulated joint angles of a cell [deg]. Shape (joints, t)."""
-    series = content["simulated"].get("position", {})
-    return np.array([unpack(s) for s in series.values() if s["unit"] == "deg"])
+def _hinges(path: Path) -> Trace | None:
+    """The simulated angles of the joints that turn; None where there are none."""
+    traces = read_traces(path, ("position",))
+    turning = [i for i, joint in enumerate(traces.joints) if not joint.prismatic]
+    position = traces.simulated.position
+    return None if position is None or not turning else replace(traces.simulated, position=position[:, turning])
+
+
+def _mean_square(one: Trace, other: Trace) -> float:
+    """Of the difference of the angles, on every step of one that both have [rad²]."""
+    clock: Array = one.time[(one.time >= other.time[0]) & (one.time <= other.time[-1])]
+    a, b = one.at(clock).position, other.at(clock).position
+    assert a is not None
+    assert b is not None
+    return float(np.mean((a - b) ** 2))

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NONE, DC, PID, CASCADE = 0, 1, 2, 3
-POSITION, DUTY, EFFORT = 0, 1, 2
-MEANINGS = {"position": POSITION, "duty": DUTY, "effort": EFFORT}
+NONE, DC, PID, CASCADE, TORQUE, SPEED = 0, 1, 2, 3, 4, 5
+POSITION, DUTY, EFFORT, VELOCITY = 0, 1, 2, 3
+MEANINGS = {"position": POSITION, "duty": DUTY, "effort": EFFORT, "velocity": VELOCITY}
 
 DRIVE = np.dtype(
     [
@@ -23,6 +23,7 @@ DRIVE = np.dtype(
         ("recorded_supply", np.int64),  # 1: the recorded voltage is used instead of `supply`
         ("torque_constant", np.float64),
         ("resistance", np.float64),
+        ("current_factor", np.float64),  # N·m per ampere with which a current was told as an effort; 0: it was not
         ("kp", np.float64),
         ("ki", np.float64),
         ("kd", np.float64),

@@ -10,14 +10,28 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import Ground
+from realitygap_engines.model.hold import hold
+from realitygap_engines.model.inertia import together
 from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
-from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, Array, neutral_drive
-from realitygap.robot.servos import servos_of
+from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, SPEED, TORQUE, Array, neutral_drive
+from realitygap.robot.held import held_joints
+from realitygap.robot.servos import check_command, servos_of
+from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import AnyServo, DcServo, GroundSpec, PidServo, RecordedSupply, Scenario
+from realitygap.scenario.schema import (
+    AnyServo,
+    DcServo,
+    EffortServo,
+    EffortStream,
+    PidServo,
+    RecordedSupply,
+    Scenario,
+    VelocityServo,
+)
+from realitygap.scenario.world import GroundSpec
 
 PAST = 0.01
 """A position further than this [rad or m] beyond a limit has passed it."""
@@ -35,6 +49,7 @@ class Plant:
         velocity_lag, velocity_scale: low-pass time [s] and scale of the reported velocity. Shape (n,).
         base_tilt: roll and pitch of a fixed base [rad]. Shape (2,).
         efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
+        payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
     """
 
     model: Model
@@ -45,6 +60,7 @@ class Plant:
     velocity_scale: Array
     base_tilt: Array
     efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+    payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
 
     def copy(self) -> Plant:
         """A plant that can be edited without changing this one."""
@@ -52,7 +68,7 @@ class Plant:
         out.drive = self.drive.copy()
         for name in ("delay", "velocity_lag", "velocity_scale", "base_tilt"):
             setattr(out, name, getattr(self, name).copy())
-        out.efforts = list(self.efforts)
+        out.efforts, out.payloads = list(self.efforts), dict(self.payloads)
         return out
 
     def passing(self, position: Array) -> tuple[Plant, list[str]]:
@@ -70,10 +86,19 @@ class Plant:
                 notes.append(_passed(joint, "upper", joint.upper))
         return (replace(self, model=replace(self.model, joints=tuple(joints))) if notes else self), notes
 
+    def loaded(self) -> Model:
+        """The model with its payloads."""
+        links = list(self.model.links)
+        for i, (mass, *place) in self.payloads.items():
+            load = (mass, np.array(place), np.zeros((3, 3)))
+            m, com, inertia = together([(links[i].mass, links[i].com, links[i].inertia), load])
+            links[i] = replace(links[i], mass=m, com=com, inertia=inertia)
+        return replace(self.model, links=tuple(links)) if self.payloads else self.model
+
     def machine(self) -> Model:
-        """The model as an engine gets it: with the rotor inertia of every drive that is rigid to its joint."""
+        """The model as an engine gets it: with payloads, and the rotor inertia of drives rigid to their joint."""
         elastic = (self.drive["backlash"] > 0) | (self.drive["stiffness"] > 0)
-        return self.model.with_armature(np.where(elastic, 0.0, self.drive["armature"]))
+        return self.loaded().with_armature(np.where(elastic, 0.0, self.drive["armature"]))
 
     def inertia(self) -> Array:
         """The inertia of every joint's child link about its axis, with the rotor [kg·m² or kg]. Shape (n,).
@@ -81,7 +106,7 @@ class Plant:
         What a joint really moves is more (further links) or less (its parent gives way).
         """
         own = []
-        for joint, link in zip(self.model.joints, self.model.links[1:], strict=True):
+        for joint, link in zip(self.model.joints, self.loaded().links[1:], strict=True):
             arm = np.cross(joint.axis, link.com)
             own.append(link.mass if joint.prismatic else joint.axis @ link.inertia @ joint.axis + link.mass * arm @ arm)
         return np.asarray(np.array(own) + np.maximum(self.drive["armature"], 1e-9))
@@ -99,8 +124,10 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file"),
         floating=robot.base != "fixed",
         packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
-        contact_links=robot.contact_links,
+        # what stands on nothing needs no shapes, and no meshes
+        contact_links=[] if robot.base == "fixed" and scenario.ground_spec is None else robot.contact_links,
     )
+    model = hold(model, held_joints(file, model, robot.hold))
     n = len(model.joints)
     if robot.base == "free" and n:
         raise InputError(
@@ -114,8 +141,14 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     drive["velocity_limit"] = [j.velocity for j in model.joints]
     if scenario.motion is not None:
         drive["meaning"] = MEANINGS[scenario.motion.meaning]
+    if scenario.follows:
+        _check_followed(file, scenario)
+        effort = scenario.recordings.effort if scenario.recordings is not None else None
+        if isinstance(effort, EffortStream) and effort.measures == "motor":
+            factor = np.abs(effort_factors(effort, model.joint_names, file.path))
+            drive["current_factor"] = drive["torque_constant"] = factor
     taken: set[int] = set()
-    servos, notes = servos_of(scenario, model)
+    servos, notes = servos_of(scenario, model) if not scenario.follows else ([], [])
     for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
         if not matched:
@@ -123,11 +156,12 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
                 f"{file.path}: servos[{i}].joints: {', '.join(servo.joints)} matches no joint; "
                 f"the robot has {', '.join(model.joint_names)}"
             )
+        check_command(file, f"servos[{i}]", servo, scenario)
         for j in sorted(set(matched) - taken):
             _fit_servo(drive, j, servo)
         taken |= set(matched)
     limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
-    if limp:
+    if limp and not scenario.follows:
         notes = [*notes, f"no servo, move freely: {', '.join(limp)}"]
     model = replace(model, notes=(*model.notes, *notes))
     return Plant(
@@ -139,6 +173,25 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         velocity_scale=np.ones(n),
         base_tilt=np.zeros(2),
     )
+
+
+def _check_followed(file: ScenarioFile, scenario: Scenario) -> None:
+    """What a motion that is followed needs, and what has no place beside it."""
+    if scenario.servos:
+        raise InputError(
+            f"{file.path}: servos: found {len(scenario.servos)} beside motion: {{followed: true}}; expected none, as "
+            "no servo drives a motion that is followed (its armature and friction can stand under effects)"
+        )
+    if scenario.robot.base != "fixed":
+        raise InputError(
+            f"{file.path}: robot.base: found {scenario.robot.base}; expected fixed, as what the ground does to a robot "
+            "is not known from a motion that is followed"
+        )
+    if scenario.effort_measures == "none":
+        raise InputError(
+            f"{file.path}: recordings.effort: found none; expected the measured effort, with which the one that the "
+            "followed motion takes is compared"
+        )
 
 
 def ground(spec: GroundSpec | None) -> Ground | None:
@@ -170,6 +223,8 @@ def _fit_servo(drive: NDArray[np.void], j: int, servo: AnyServo) -> None:
     elif isinstance(servo, PidServo):
         d["kind"] = PID
         d["kp"], d["ki"], d["kd"] = servo.kp, servo.ki, servo.kd
+    elif isinstance(servo, EffortServo | VelocityServo):
+        d["kind"], d["gain"] = (TORQUE if isinstance(servo, EffortServo) else SPEED), servo.gain
     else:
         d["kind"] = CASCADE
         d["gain"], d["kv"], d["kp"] = servo.gain, servo.kv, servo.kp

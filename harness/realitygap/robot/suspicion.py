@@ -55,6 +55,8 @@ def may_be_suspected(scenario: Scenario, model: Model, effect: str, target: str 
     """
     if effect not in EFFECTS:
         return True
+    if scenario.follows and EFFECTS[effect].unseen_when_followed:
+        return False
     names = _meant(model, effect, [target] if isinstance(target, str) else target)
     only = [_split(entry) for entry in scenario.suspects]
     if only and not all(any(e == effect and fnmatchcase(name, where) for e, where in only) for name in names):

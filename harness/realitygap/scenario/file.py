@@ -1,10 +1,10 @@
-"""Reading a scenario file: environment, paths, and what differs between its runs."""
+"""A scenario from a file or a program: environment, paths, and what differs between its runs."""
 
 import copy
 import glob
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,12 @@ from typing import Any
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
+from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import SERVOS, Run, Scenario
 
 DATA = "REALITYGAP_DATA"
+IN_MEMORY = "(scenario)"
+"""What stands in place of a file's name in messages about a scenario that no file holds."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +33,18 @@ class RunCase:
 
 @dataclass(frozen=True)
 class ScenarioFile:
-    """A scenario with the file it came from; `raw` is the text as data, before defaults."""
+    """A scenario with the file it came from; `raw` is the text as data, before defaults.
+
+    A scenario made by a program has a `path` that does not exist, in the folder that its paths are relative to.
+    """
 
     path: Path
     scenario: Scenario
     raw: dict[str, Any]
+
+    def __repr__(self) -> str:
+        runs = len(self.scenario.recordings.runs) if self.scenario.recordings else 0
+        return f"<ScenarioFile {self.scenario.name}: {self.path}, {runs} run{'' if runs == 1 else 's'}>"
 
     def resolve(self, text: str, key: str) -> Path:
         """The path that a scenario's text means: environment filled in, relative to the file."""
@@ -52,8 +62,12 @@ class ScenarioFile:
         return path
 
     def override(self, changes: dict[str, Any]) -> "ScenarioFile":
-        """The same scenario with dotted keys changed, checked again."""
-        raw = apply_overrides(self.path, self.raw, changes)
+        """The same scenario with dotted keys changed, checked again: `{"servos.legs.gain": 2.5, "ground": "grass"}`.
+
+        Raises:
+            InputError: for a key that leads nowhere or a value that it cannot have.
+        """
+        raw = apply_overrides(self.path, self.raw, plain(changes))
         return ScenarioFile(self.path, validate(self.path, Scenario, raw), raw)
 
     def cases(self) -> list[RunCase]:
@@ -123,13 +137,37 @@ def _distinct(cases: list[RunCase]) -> list[RunCase]:
     return out
 
 
-def load_scenario(path: Path) -> ScenarioFile:
-    """The scenario in a YAML file.
+Source = ScenarioFile | str | os.PathLike[str] | Mapping[str, Any]
+"""A scenario, or what it is loaded from: the path of a file, or the content of one as a dict."""
+
+
+def load_scenario(source: Source, folder: str | os.PathLike[str] | None = None) -> ScenarioFile:
+    """The scenario in a YAML file, or in a dict that says the same.
+
+    Args:
+        source: the path of a file, a dict, or a scenario, which is returned as it is. In a dict, a `Path` stands for
+            its text, and numpy's numbers and arrays for Python's.
+        folder: what relative paths in a dict are relative to (default: the working directory).
 
     Raises:
         InputError: one sentence with file, key, what was found and what was expected.
+        TypeError: for a source of another type, or a folder for what is no dict.
     """
-    raw = load_yaml(path)
+    if folder is not None and not isinstance(source, Mapping):
+        raise TypeError(f"a folder is for a scenario from a dict; the paths of {source!r} are relative to its file")
+    if isinstance(source, ScenarioFile):
+        return source
+    if isinstance(source, Mapping):
+        path = Path(folder or "") / IN_MEMORY
+        try:
+            raw = plain(source)
+        except RecursionError:
+            raise InputError(f"{path}: is nested too deeply; expected a mapping of keys") from None
+    elif isinstance(source, str | os.PathLike):
+        path = Path(source)
+        raw = load_yaml(path)
+    else:
+        raise TypeError(f"found {type(source).__name__}; expected the path of a scenario file or a dict")
     return ScenarioFile(path, validate(path, Scenario, raw), raw)
 
 

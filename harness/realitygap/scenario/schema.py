@@ -5,26 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # strict: `true` and "5" are no numbers
-Positive = Annotated[Finite, Field(gt=0)]
-NotNegative = Annotated[Finite, Field(ge=0)]
-Fraction = Annotated[Finite, Field(gt=0, le=1)]
-Count = Annotated[int, Field(strict=True, gt=0)]
-
-
-def _listed(value: object) -> object:
-    return [value] if isinstance(value, str) else value
-
-
-Patterns = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
-
-
-class Section(BaseModel):
-    """A part of a scenario: unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+from realitygap.scenario.section import Finite, Fraction, NotNegative, Patterns, Positive, Section
+from realitygap.scenario.world import GROUNDS, GroundSpec, PhysicsSpec
 
 
 class Robot(Section):
@@ -40,6 +24,11 @@ class Robot(Section):
         description="joint angles at the start: measured, the first keyframe's, zero, or by joint [rad]",
     )
     stand_on: str | None = Field(default=None, description="this link is level on the ground at the start")
+    hold: dict[str, Finite] = Field(
+        default={},
+        description="joints that do not move, as a gripper that was not recorded: welded at this position [rad or m], "
+        "by patterns over joint names (the first that matches)",
+    )
     contact_links: list[str] | None = Field(
         default=None, description="links that touch the ground (default: the base and the last links of the tree)"
     )
@@ -100,17 +89,45 @@ class CascadeServo(Servo):
     kp: NotNegative = Field(description="gain of the position loop [1/s]")
 
 
-SERVOS: dict[str, type[Servo]] = {"dc": DcServo, "pid": PidServo, "cascade": CascadeServo}
-AnyServo = Annotated[DcServo | PidServo | CascadeServo, Field(discriminator="kind")]
+class EffortServo(Servo):
+    """effort = gain·command, within the URDF's effort limit; the commands are efforts (`motion: {as: effort}`)."""
+
+    kind: Literal["effort"] = Field(description="this kind of servo")
+    gain: Positive = Field(default=1.0, description="effort per commanded effort")
+
+
+class VelocityServo(Servo):
+    """effort = gain·(command − q̇), within the URDF's effort limit; the commands are velocities (`as: velocity`)."""
+
+    kind: Literal["velocity"] = Field(description="this kind of servo")
+    gain: NotNegative = Field(description="effort per error of the velocity [N·m·s/rad or N·s/m]")
+
+
+SERVOS: dict[str, type[Servo]] = {
+    "dc": DcServo,
+    "pid": PidServo,
+    "cascade": CascadeServo,
+    "effort": EffortServo,
+    "velocity": VelocityServo,
+}
+AnyServo = Annotated[DcServo | PidServo | CascadeServo | EffortServo | VelocityServo, Field(discriminator="kind")]
 
 
 class Motion(Section):
-    """What the servos are told: a recorded stream of commands, or keyframes."""
+    """What the servos are told (a recorded stream of commands, or keyframes), or a measured motion that is followed."""
 
     recorded: str | None = Field(default=None, description="topic or column of the recorded commands")
     keyframes: str | None = Field(default=None, description="animation file with goals in degrees, duration and pause")
-    meaning: Literal["position", "duty", "effort"] = Field(
-        default="position", alias="as", description="what a recorded command is"
+    followed: bool = Field(
+        default=False,
+        description="the joints follow the measured motion, and the effort that this takes is compared with the "
+        "measured one: no servos, no commands",
+    )
+    meaning: Literal["position", "velocity", "duty", "effort"] = Field(
+        default="position",
+        alias="as",
+        description="what a recorded command is; a measured effort can be the command, too: `{recorded: /joint_states, "
+        "as: effort}`, with the `factor` of `recordings.effort`",
     )
     held: bool = Field(
         default=True,
@@ -120,31 +137,9 @@ class Motion(Section):
 
     @model_validator(mode="after")
     def _one_source(self) -> Motion:
-        if (self.recorded is None) == (self.keyframes is None):
-            raise ValueError("expected either recorded or keyframes")
+        if (self.recorded is not None) + (self.keyframes is not None) + self.followed != 1:
+            raise ValueError("expected one of recorded, keyframes and followed")
         return self
-
-
-class GroundSpec(Section):
-    """A ground by its numbers."""
-
-    friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
-    stiffness: Positive | None = Field(default=None, description="per contact point [N/m]; rigid where absent")
-    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m]")
-
-
-GROUNDS = {
-    "none": None,
-    "flat": GroundSpec(friction=0.8),
-    "grass": GroundSpec(friction=0.8, stiffness=3000.0, damping=100.0),
-}
-
-
-class PhysicsSpec(Section):
-    """How to simulate."""
-
-    step_rate: Positive = Field(default=1000.0, description="steps per second [Hz]")
-    solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")
 
 
 class EffectSpec(BaseModel):
@@ -175,7 +170,11 @@ class EffortStream(Section):
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
-    factor: Finite = Field(default=1.0, description="effort per recorded unit [N·m or N]")
+    factor: Finite | dict[str, Finite] = Field(
+        default=1.0,
+        description="effort per recorded unit [N·m or N], for all joints or by patterns over joint names (the first "
+        "that matches); of a motor's current this is its drive gain",
+    )
 
 
 class Columns(Section):
@@ -314,6 +313,22 @@ class Scenario(Section):
         description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
         "patterns over joint and link names",
     )
+
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.robot.urdf}, {self.robot.base} base, ground {self.ground_name}>"
+
+    __str__ = __repr__
+
+    @property
+    def follows(self) -> bool:
+        """Whether the joints follow the measured motion."""
+        return self.motion is not None and self.motion.followed
+
+    @property
+    def effort_measures(self) -> str:
+        """What the measured effort is of: `none`, `motor` or `joint`."""
+        effort = self.recordings.effort if self.recordings is not None else "none"
+        return effort if isinstance(effort, str) else effort.measures
 
     @property
     def ground_spec(self) -> GroundSpec | None:

@@ -13,12 +13,14 @@ from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
+from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import RunCase, ScenarioFile
-from realitygap.scenario.schema import DcServo, RecordedSupply, Scenario
+from realitygap.scenario.schema import DcServo, EffectSpec, RecordedSupply, Scenario
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.flight import Launch, launch
+from realitygap.simulate.follow import Followed, check_clear, follow
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.rollout import Rollout, rollout
 from realitygap.simulate.start import start_integral, start_state
@@ -49,6 +51,7 @@ class Experiment:
         where: the scenario file and the key that the recording stands at.
         overrides: the scenario's keys that this run sets, as JSON.
         notes: sentences on what the recording shows to be wrong in the model, and was changed.
+        followed: the measured motion, where the joints follow it; None where they are driven.
     """
 
     name: str
@@ -63,6 +66,7 @@ class Experiment:
     where: str = ""
     overrides: str = ""
     notes: tuple[str, ...] = ()
+    followed: Followed | None = None
 
     def with_plant(self, plant: Plant) -> "Experiment":
         """The same motion on another plant."""
@@ -73,20 +77,31 @@ class Experiment:
         """How a free body was thrown; None for what stands or lies."""
         if self.scenario.robot.base != "free" or self.recording is None:
             return None
-        return launch(self.plant.model, self.recording.trace)
+        return launch(self.plant.loaded(), self.recording.trace)
 
     def start(self) -> State:
-        """The state at which the simulation starts."""
+        """The state at which the simulation starts; found once."""
+        return replace(self._begun)
+
+    @cached_property
+    def _begun(self) -> State:
         return _start(self)
 
 
-def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequence[str] = ("*",)) -> list[Experiment]:
+def experiments(
+    file: ScenarioFile,
+    *,
+    read: Read = read_recording,
+    only: Sequence[str] = ("*",),
+    effects: Sequence[EffectSpec] = (),
+) -> list[Experiment]:
     """Every motion of a scenario: one per recording, or the one animation where nothing was recorded.
 
     Args:
         file: the scenario.
         read: what reads a recording; one that remembers saves time where many variants of a scenario are prepared.
         only: patterns over the recordings' names; the others are not read.
+        effects: beside those of the scenario.
 
     Raises:
         InputError: for whatever is wrong with the scenario's files.
@@ -95,9 +110,9 @@ def experiments(file: ScenarioFile, *, read: Read = read_recording, only: Sequen
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
-        return [_prepare(file, file.scenario, file.scenario.name, None, read)]
+        return [_prepare(file, file.scenario, file.scenario.name, None, read, effects)]
     chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
-    return [_prepare(file, case.scenario, case.name, case, read) for case in chosen]
+    return [_prepare(file, case.scenario, case.name, case, read, effects) for case in chosen]
 
 
 def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
@@ -117,11 +132,18 @@ def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> Non
                 )
 
 
-def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | None, read: Read) -> Experiment:
+def _prepare(
+    file: ScenarioFile,
+    scenario: Scenario,
+    name: str,
+    case: RunCase | None,
+    read: Read,
+    effects: Sequence[EffectSpec],
+) -> Experiment:
     run = case.run if case else None
     plant = build_plant(file, scenario)
     try:
-        plant = place(plant, scenario.effects)
+        plant = place(plant, [*scenario.effects, *effects])
     except InputError as error:
         raise InputError(f"{file.path}: {error}") from None
     recording, notes = None, list[str]()
@@ -131,7 +153,11 @@ def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | 
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
     commands, begin, duration = _commands(file, scenario, plant, recording)
-    _check_steps(file, scenario, name, duration, len(plant.model.joints))
+    followed = _followed(file, scenario, recording)
+    if followed is None:
+        _check_steps(file, scenario, name, duration, len(plant.model.joints))
+    else:
+        notes.append(followed.told(plant.model.joint_names))
     experiment = Experiment(
         name=name,
         scenario=scenario,
@@ -145,9 +171,12 @@ def _prepare(file: ScenarioFile, scenario: Scenario, name: str, case: RunCase | 
         where=f"{file.path}: {case.key}" if case else str(file.path),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
         notes=tuple(notes),
+        followed=followed,
     )
     try:
-        experiment.start()
+        start = experiment.start()
+        if followed is not None:
+            check_clear(plant, followed, start)
     except InputError as error:  # said now rather than after other motions were simulated
         raise InputError(f"{file.path}: {error}") from None
     return experiment
@@ -188,10 +217,22 @@ def _commands(
             start = recording.trace.position[0]
         commands, length = play(path, animation, plant.model, start)
         return commands, begin, duration or length + SETTLE
-    if recording is None or not len(recording.command_time):
-        return Commands(np.zeros(1), np.full((1, n), np.nan)), begin, duration
+    if recording is None or scenario.follows or not len(recording.command_time):
+        return Commands(np.zeros(1), np.full((1, n), np.nan), held=not scenario.follows), begin, duration
     held = motion is None or motion.held
     return Commands(recording.command_time - begin, recording.command, held), begin, duration
+
+
+def _followed(file: ScenarioFile, scenario: Scenario, recording: Recording | None) -> Followed | None:
+    """The measured motion, where the joints are to follow it."""
+    if not scenario.follows or recording is None:
+        return None
+    for spec in scenario.effects:
+        reason = EFFECTS[spec.effect].unseen_when_followed
+        if reason:
+            raise InputError(f"{file.path}: effects: {spec.effect} where the motion is followed: {reason}; take it out")
+    assert recording.trace.position is not None
+    return Followed(recording.trace.time, recording.trace.position)
 
 
 def _start(experiment: Experiment) -> State:
@@ -237,21 +278,26 @@ def _first(trace: Trace | None, signal: str) -> Array | None:
 def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = None) -> Rollout:
     """Simulate one motion in one engine; the trace is on the recording's clock.
 
+    A motion that is followed is not integrated over time: its trace holds the smoothed readings and the effort that
+    they take, at the measured stamps. In place of smaller steps, a higher `step_rate` widens the smoother's band.
+
     Raises:
         Unsupported: where the engine cannot express the plant.
         Diverged: on a blow-up.
     """
     scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
+    of_joint = scenario.effort_measures == "joint"
+    if experiment.followed is not None:
+        finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
+        return follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = None
     if recording is not None and len(recording.supply):
         supply = (recording.supply_time - experiment.begin, recording.supply)
-    recordings = scenario.recordings
-    effort = recordings.effort if recordings is not None else "none"
-    measures = effort if isinstance(effort, str) else effort.measures
     integral = None
     if recording is not None:
-        measured = recording.trace if measures == "motor" else replace(recording.trace, effort=None)
+        of_motor = scenario.effort_measures == "motor"
+        measured = recording.trace if of_motor else replace(recording.trace, effort=None)
         integral = start_integral(plant, measured, experiment.commands, experiment.begin)
     with engines.load(engine).open(plant.machine(), physics) as simulation:
         result = rollout(
@@ -261,7 +307,7 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
             experiment.start(),
             experiment.duration + physics.timestep,
             supply=supply,
-            joint_effort=measures == "joint",
+            joint_effort=of_joint,
             integral=integral,
         )
     result.trace = replace(result.trace, time=result.trace.time + experiment.begin)

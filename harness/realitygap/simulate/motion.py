@@ -10,7 +10,7 @@ from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
-from realitygap.scenario.schema import Finite, NotNegative
+from realitygap.scenario.section import Finite, NotNegative
 from realitygap.simulate.commands import Commands
 
 TICK = 0.01

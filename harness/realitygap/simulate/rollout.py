@@ -137,7 +137,7 @@ def _trace(
     if dry is not None:
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
         effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] - drive["viscous"] * middle)
-    velocity = _sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
+    velocity = sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
     floating = plant.model.floating
     b = base[:steps]
     return Trace(
@@ -154,15 +154,18 @@ def _trace(
     )
 
 
-def _sensed(velocity: Array, lag: Array, h: float) -> Array:
-    """The velocity after each joint's first-order low-pass of time `lag` [s], exact for a velocity held over a step."""
+def sensed(velocity: Array, lag: Array, h: float | Array) -> Array:
+    """The velocity after each joint's first-order low-pass of time `lag` [s], exact for a velocity held over a step.
+
+    `h` is the time since the sample before [s], one for all or Shape (t,).
+    """
     if not lag.any():
         return velocity
-    out = velocity.copy()
+    out, steps = velocity.copy(), np.broadcast_to(h, len(velocity))
     for j in np.flatnonzero(lag > 0):
-        keep = np.exp(-h / lag[j])
+        keep = np.exp(-steps / lag[j])
         state = velocity[0, j]
         for k in range(len(velocity)):
-            state = keep * state + (1 - keep) * velocity[k, j]
+            state = keep[k] * state + (1 - keep[k]) * velocity[k, j]
             out[k, j] = state
     return out

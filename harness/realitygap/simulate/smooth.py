@@ -14,7 +14,7 @@ all three, given the readings, comes out beside them.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from realitygap_engines.law.compiled import compiled
 from scipy.optimize import minimize_scalar
 
 from realitygap.recording.quantum import quantum
@@ -104,7 +104,7 @@ def _likeliest(time: Array, reading: Array, step: float, rounding: float) -> tup
     return float(np.exp(best)), noise
 
 
-@njit(cache=True)
+@compiled
 def _predict(x, p, h, jerk):
     """State and covariance a time h later."""
     a = h * h / 2
@@ -125,7 +125,7 @@ def _predict(x, p, h, jerk):
         p[j, i] += jerk * q
 
 
-@njit(cache=True)
+@compiled
 def _update(x, p, reading, noise):
     """Take over a reading of variance `noise`; the innovation and its variance."""
     s = p[0, 0] + noise
@@ -143,7 +143,7 @@ def _update(x, p, reading, noise):
     return innovation, s
 
 
-@njit(cache=True)
+@compiled
 def _begin(time, reading):
     """Where the filter starts: at the first reading, with velocities and accelerations as large as any difference."""
     x, p = np.zeros(3), np.zeros((3, 3))
@@ -162,7 +162,7 @@ def _begin(time, reading):
     return x, p
 
 
-@njit(cache=True)
+@compiled
 def _innovations(time, reading, jerk):
     """For readings of unit noise: Σ log of the innovations' variances, Σ innovation²/variance, and how many."""
     x, p = _begin(time, reading)
@@ -179,7 +179,7 @@ def _innovations(time, reading, jerk):
     return log_s, misfit, count - 3
 
 
-@njit(cache=True)
+@compiled
 def _smooth(time, reading, jerk, noise):
     """Mean and variance of position, velocity and acceleration, given all readings. Shapes (3, t)."""
     n = len(time)

@@ -136,12 +136,12 @@ def holding_effort(plant: Plant, position: Array) -> Array:
 
 def _potential(plant: Plant, position: Array) -> float:
     """The potential energy [J] of a robot with a fixed base at joint positions (n,)."""
-    base = np.eye(4)
+    base, model = np.eye(4), plant.loaded()
     base[:3, :3] = _tilted(plant)
-    poses = link_poses(plant.model, position, base)
+    poses = link_poses(model, position, base)
     return sum(
         link.mass * GRAVITY * float(pose[2, :3] @ link.com + pose[2, 3])
-        for link, pose in zip(plant.model.links, poses, strict=True)
+        for link, pose in zip(model.links, poses, strict=True)
     )
 
 

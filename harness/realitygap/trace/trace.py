@@ -1,10 +1,13 @@
 """A motion over time, simulated or measured: the same type for both."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Array = NDArray[np.float64]
 
@@ -57,6 +60,23 @@ class Trace:
         "imu_quaternion",
         "supply",
     )
+
+    def __repr__(self) -> str:
+        there = [s for s in self.SIGNALS if getattr(self, s) is not None]
+        span = f"{self.time[0]:.3f} to {self.time[-1]:.3f} s, " if len(self.time) else ""
+        joints = ", ".join(self.joints) if len(self.joints) <= 3 else f"{len(self.joints)} joints"
+        return f"<Trace {span}{len(self.time)} samples of {joints or 'a body'}: {', '.join(there)}>"
+
+    def to_frame(self) -> "pd.DataFrame":
+        """The trace as a table: `frame["position"]["elbow"]` or `frame["position", "elbow"]` is a joint's position.
+
+        Rows are samples, indexed by `time` [s]; columns have two levels, `signal` and `joint`, in SI units as here. In
+        place of a joint's name stands x, y, z (w, x, y, z) for a signal of base or IMU and nothing for the supply.
+        Signals that were not recorded have no columns.
+        """
+        from realitygap.trace.frame import to_frame
+
+        return to_frame(self)
 
     def index(self, joint: str) -> int:
         """The column of a joint. Raises ValueError for a joint that is not in the trace."""

@@ -2,7 +2,7 @@
 
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.robot.drive import CASCADE, PID
+from realitygap.robot.drive import CASCADE, PID, SPEED, TORQUE
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.effect import Parameter
 
@@ -27,5 +27,6 @@ def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     j = suspect.indices[0]
     if " or " in unit:
         kind = int(problem.plant.drive["kind"][j])
-        unit = "N·m" if kind == CASCADE else unit.split(" or ")[kind == PID]
+        other = {CASCADE: "N·m", TORQUE: "", SPEED: "N·m·s/rad"}
+        unit = other[kind] if kind in other else unit.split(" or ")[kind == PID]
     return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit

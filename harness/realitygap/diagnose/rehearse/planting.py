@@ -16,7 +16,7 @@ from realitygap.diagnose.data.push import Push
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.recording.quantum import quantum
 from realitygap.robot.drive import Array
-from realitygap.scenario.schema import PhysicsSpec
+from realitygap.scenario.world import PhysicsSpec
 from realitygap.simulate.experiment import simulate
 from realitygap.trace.trace import Trace
 

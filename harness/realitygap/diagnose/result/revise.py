@@ -18,7 +18,7 @@ from realitygap.robot.effects.place import place, targets
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile, resolve_path
 
-BODY = ("link_mass", "center_of_mass", "link_inertia")
+BODY = ("link_mass", "center_of_mass", "link_inertia", "payload")
 """Effects that a URDF says."""
 PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path", "recordings.dataset.calibration")
 MAPPINGS = ("robot.packages.", "revisions.")
@@ -26,15 +26,15 @@ MAPPINGS = ("robot.packages.", "revisions.")
 RUN = "recordings.runs.with."
 
 
-def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Path:
-    """Write `revised/scenario.yaml` and its URDFs below a result folder. Returns the scenario.
+def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> Path:
+    """Write `scenario.yaml` and its URDFs into a folder. Returns the scenario.
 
     What a URDF can say is put there, into every URDF that a run uses; the other findings stand as effects, in place of
     those that the scenario had there. Where runs differ in what a finding changes (another gain, another load), each
     run says its own value.
     """
-    revision = _Revision(problem, changes, out / "revised")
-    file, raw = problem.file, _rebased(problem.file, out / "revised")
+    revision = _Revision(problem, changes, folder)
+    file, raw = problem.file, _rebased(problem.file, folder)
     urdf, effects = revision.of(file)
     raw["robot"]["urdf"] = urdf
     _set_effects(raw, effects)
@@ -50,7 +50,7 @@ def write_revised(problem: Problem, changes: Sequence[Change], out: Path) -> Pat
             run["with"] = overrides
     if revision.packages:
         raw["robot"]["packages"] = {**(raw["robot"].get("packages") or {}), **revision.packages}
-    path = out / "revised" / "scenario.yaml"
+    path = folder / "scenario.yaml"
     text = yaml.dump(raw, Dumper=_Plain, sort_keys=False, allow_unicode=True, width=110)
     write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
     return path
@@ -84,11 +84,12 @@ class _Revision:
         known = {k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()}
         for package, where in found_packages(urdf, known).items():
             self.packages[package] = moved_path(where, self.folder)
-        mended = changed(plant, self.changes, self.problem.plant).model
+        mended = changed(plant, self.changes, self.problem.plant).loaded()
         text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
         if text not in self.names:
             taken = self.names.values()
-            wanted = ["robot.urdf"] if not taken else [urdf.name, *(f"{urdf.stem}_{k}.urdf" for k in range(2, 1000))]
+            first, others = f"robot{urdf.suffix}", (f"{urdf.stem}_{k}{urdf.suffix}" for k in range(2, 1000))
+            wanted = [first] if not taken else [urdf.name, *others]
             self.names[text] = next(name for name in wanted if name not in taken)
             write_whole(self.folder / self.names[text], text)
         return self.names[text]

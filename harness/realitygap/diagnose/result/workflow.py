@@ -28,7 +28,7 @@ from realitygap.files.whole import write_whole
 from realitygap.recording.faults import faults
 from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
-from realitygap.scenario.file import load_scenario
+from realitygap.scenario.file import ScenarioFile, load_scenario
 
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
@@ -54,14 +54,18 @@ def run_diagnosis(
     Raises:
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
-    file = load_scenario(path)
+    result = diagnosed(load_scenario(path), names, progress, workers)
+    write_diagnosis(result, out)
+    return result
+
+
+def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, workers: int | None = None) -> Diagnosis:
+    """The same without writing anything."""
     chosen = engine_names(names)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
     with Simulations(problem, workers) as simulations:
-        result = diagnose(simulations, chosen, progress.say)
-    write_diagnosis(result, out)
-    return result
+        return diagnose(simulations, chosen, progress.say)
 
 
 def diagnose(simulations: Simulations, names: Sequence[str], say: Say = lambda _: None) -> Diagnosis:
@@ -167,7 +171,7 @@ def _sensor_faults(problem: Problem) -> list[str]:
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
     """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result."""
     if result.changes:
-        write_revised(result.problem, result.changes, out)
+        write_revised(result.problem, result.changes, out / "revised")
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
     write_story(result, out)

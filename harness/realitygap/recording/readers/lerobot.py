@@ -42,8 +42,7 @@ def read(path: Path, request: Request) -> Streams:
 
     command = samples("command")
     if command is not None:
-        kind = "position" if request.motion is None or request.motion.meaning == "position" else "effort"
-        command = Samples(command.source, time, {kind: values["command"]}, request.joints)
+        command = Samples(command.source, time, {request.command_signal: values["command"]}, request.joints)
     state = samples("position", "velocity", "effort")
     files = (path / "meta" / "info.json", episode.file)
     return Streams(state, command, notes=tuple(notes), episode=episode.number, files=files)

@@ -133,10 +133,11 @@ def short(kind: str) -> str:
 
 
 class Bag:
-    """An open bag: its topics with their types and counts, and its messages."""
+    """An open bag: its topics with their types and counts, when it begins [ns], and its messages."""
 
     def __init__(self, path: Path, reader: AnyReader) -> None:
         self.path = path
+        self.begin = int(reader.start_time)
         self._reader = reader
         self.types = {c.topic: c.msgtype for c in reader.connections}
         self.counts: dict[str, int] = {}

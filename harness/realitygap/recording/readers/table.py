@@ -1,5 +1,6 @@
 """CSV and Parquet tables, one row per sample."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -111,8 +112,7 @@ class Table:
             command = self._joints("command", stem=recorded, required=False)
             if command is None:
                 command = self._joints("command", required=True)
-            assert motion is not None
-            kind = "position" if motion.meaning == "position" else "effort"
+            kind = self.request.command_signal
         if command is None:
             return {}
         enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
@@ -174,9 +174,9 @@ class Table:
 
     def _of_joint(self, stem: str, joint: str) -> str | None:
         """The column of one joint's signal."""
-        options = [stem] if len(self.request.joints) == 1 else []
-        options += [form.format(stem, joint) for form in FORMS]
-        return next((name for name in options if name in self.frame), None)
+        if len(self.request.joints) == 1 and stem in self.frame:
+            return stem
+        return column_of(stem, joint, self.frame.columns)
 
     def _columns(self, names: list[str], key: str, count: int) -> Array:
         if len(names) != count:
@@ -202,3 +202,10 @@ class Table:
 
 
 FORMS = ("{0}_{1}", "{1}_{0}", "{0}.{1}", "{0}/{1}")
+"""How the column of one joint's signal is called."""
+
+
+def column_of(stem: str, joint: str, columns: Iterable[str]) -> str | None:
+    """The column that holds a signal of a joint; None where there is none."""
+    there = set(columns)
+    return next((name for form in FORMS if (name := form.format(stem, joint)) in there), None)

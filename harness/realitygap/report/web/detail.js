@@ -49,10 +49,16 @@ function detailHead(cells) {
   out.push(element("dl", { class: "facts" }, facts));
   if (s.mean <= floorOf(s)) out.push(element("p", { class: "verdict same" }, `${SAME} from the recording: the gap is not above its floors.`));
   if (s.cells > 1) out.push(element("p", { class: "hint" }, `Mean of ${s.cells} recordings; the curves are those of ${recordingText(cells[0])}.`));
-  const traces = cells.filter((c) => data.cells[c].trace);
-  if (traces.length === 1) out.push(element("p", { class: "hint" }, element("a", { href: data.cells[traces[0]].trace }, "Trace (MCAP)"),
-    " for PlotJuggler, Foxglove or Rerun, if it lies beside this page."));
+  const traces = cells.filter((c) => data.cells[c].whole);
+  if (traces.length === 1) out.push(traceLinks(data.cells[traces[0]]));
   return out;
+}
+
+// The files with the cell's traces; they lie beside the page, if anywhere.
+function traceLinks(cell) {
+  const whole = element("a", { href: cell.whole }, "Parquet"), viewed = cell.trace ? element("a", { href: cell.trace }, "MCAP") : null;
+  return element("p", { class: "hint" }, "Traces beside this page: ", whole, " (every step, for pandas, Polars, DuckDB)",
+    ...(viewed ? [", ", viewed, " (PlotJuggler, Foxglove, Rerun)"] : []), ".");
 }
 
 function recordingText(cell) {

@@ -19,6 +19,7 @@ from realitygap.robot.effects.motor import (
     TORQUE_SPEED_LIMIT,
     VOLTAGE_SAG,
 )
+from realitygap.robot.effects.payload import PAYLOAD
 from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
 from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
@@ -51,6 +52,7 @@ EFFECTS: dict[str, Effect] = {
         GROUND_FRICTION,
         SOFT_GROUND,
         VELOCITY_FILTER,
+        PAYLOAD,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""

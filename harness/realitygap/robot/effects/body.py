@@ -16,7 +16,8 @@ from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
 from realitygap.robot.plant import Plant
 
 
-def _moves(plant: Plant, index: int) -> str | None:
+def moves(plant: Plant, index: int) -> str | None:
+    """For effects on a link that moves."""
     if index == 0 and not plant.model.floating:
         return f"link {plant.model.links[0].name} is fixed to the world and does not move; expected another link"
     return None
@@ -49,7 +50,7 @@ LINK_MASS = Effect(
     signals=("position", "effort"),
     own=_own_mass,
     apply=_mass,
-    possible=_moves,
+    possible=moves,
     scaled=_heavier,
     page=Page(
         physics="Cables, screws, batteries and paint are not in the drawing. The inertia about the centre of mass "
@@ -86,7 +87,7 @@ CENTER_OF_MASS = Effect(
     signals=("position", "effort"),
     own=_own_com,
     apply=_com,
-    possible=_moves,
+    possible=moves,
     scaled=_shifted,
     page=Page(
         physics="Where the mass sits, in the frame of the link: drawings assume evenly filled parts. The inertia "
@@ -112,7 +113,7 @@ def _has_inertia(plant: Plant, index: int) -> str | None:
     link = plant.model.links[index]
     if not np.trace(link.inertia) > 0:
         return f"link {link.name} is a point mass without inertia to scale; expected an <inertia> above zero"
-    return _moves(plant, index)
+    return moves(plant, index)
 
 
 LINK_INERTIA = Effect(

@@ -34,6 +34,7 @@ COMMAND_DELAY = Effect(
         "rotor_inertia (lag only where it accelerates), clocks that are not aligned.",
         source="Dynamixel e-manual, return delay time and communication; Flemming 2019, chapter 4.",
     ),
+    unseen_when_followed="no command is followed",
 )
 
 
@@ -69,11 +70,14 @@ CONTROLLER_GAIN = Effect(
     page=Page(
         physics="The servo's answer to a position error: firmware units are easily misread, and a robot may run with "
         "other gains than its notes say. The unit follows the servo: `gain` in duty/rad of a dc servo, `kp` in "
-        "N·m/rad of a pid servo, and the drive's `gain` of a cascade, which scales both of its loops.",
-        equation="dc: duty = gain·(command − q); pid: τ = gain·(command − q) + …",
+        "N·m/rad of a pid servo, and the drive's `gain` of a cascade, which scales both of its loops, of a velocity "
+        "servo in N·m·s/rad, and of an effort servo, which has no unit.",
+        equation="dc: duty = gain·(command − q); pid: τ = gain·(command − q) + …; velocity: τ = gain·(command − ω); "
+        "effort: τ = gain·command",
         signature="Sag under load and lag in motion in proportion to 1/gain, with the same effort at rest.",
         confused_with="supply_voltage (the same until the duty is at its limit), torque_constant, "
         "load_dependent_friction.",
         source="Dynamixel e-manual, position control: duty = P/128·error/885 per encoder unit.",
     ),
+    unseen_when_followed="no servo answers a command",
 )

@@ -63,6 +63,7 @@ class Effect:
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
+        unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
         absurd: (values) -> a reason in words why these values are not this effect, or None.
     """
 
@@ -79,6 +80,7 @@ class Effect:
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
     absurd: Callable[[Values], str | None] | None = None
+    unseen_when_followed: str = ""
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

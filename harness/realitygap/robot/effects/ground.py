@@ -53,6 +53,7 @@ GROUND_FRICTION = Effect(
         source="Acosta, Yang, Posa: Validating robotics simulators on real-world impacts, IEEE RA-L 7(3), 2022.",
     ),
     dissipative=True,
+    unseen_when_followed="no contact is part of the motion",
 )
 
 
@@ -102,4 +103,5 @@ SOFT_GROUND = Effect(
         source="Gilardi, Sharf: Literature survey of contact dynamics modelling, Mech. Mach. Theory 37, 2002; the "
         "artificial grass of RoboCup fields.",
     ),
+    unseen_when_followed="no contact is part of the motion",
 )

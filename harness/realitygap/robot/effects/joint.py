@@ -32,6 +32,14 @@ def has_dc_motor(plant: Plant, index: int) -> str | None:
     return None
 
 
+def has_torque_constant(plant: Plant, index: int) -> str | None:
+    """For effects on a motor's torque per current: it drives by its voltage, or its effort was told from a current."""
+    if plant.drive["current_factor"][index] > 0:
+        return None
+    reason = has_dc_motor(plant, index)
+    return reason and f"{reason}, or a motion that is followed and whose effort has a `factor`"
+
+
 def has_rotor(plant: Plant, index: int) -> str | None:
     """For effects that part the rotor from the link."""
     if not plant.drive["armature"][index] > 0:

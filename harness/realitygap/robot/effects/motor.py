@@ -3,7 +3,15 @@
 import math
 
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
-from realitygap.robot.effects.joint import SUPPLY, anywhere, effort_scale, has_dc_motor, has_servo, speed_scale
+from realitygap.robot.effects.joint import (
+    SUPPLY,
+    anywhere,
+    effort_scale,
+    has_dc_motor,
+    has_servo,
+    has_torque_constant,
+    speed_scale,
+)
 from realitygap.robot.plant import Plant
 
 
@@ -19,7 +27,7 @@ TORQUE_CONSTANT = Effect(
     signals=("effort", "position", "velocity"),
     own=reads(torque_constant="torque_constant"),
     apply=writes(torque_constant="torque_constant"),
-    possible=has_dc_motor,
+    possible=has_torque_constant,
     scaled=_weaker_motor,
     page=Page(
         physics="What a motor gives per ampere, times the gear ratio; the same constant makes the voltage that it "
@@ -71,6 +79,7 @@ TORQUE_SPEED_LIMIT = Effect(
         confused_with="supply_voltage and voltage_sag (a dc servo's line), viscous_friction (lags at every speed).",
         source="Dynamixel e-manual, performance graphs; Flemming 2019, tables 4.4 to 4.6.",
     ),
+    unseen_when_followed="the effort is what the motion takes, not what a servo can give",
 )
 
 
@@ -112,6 +121,7 @@ SUPPLY_VOLTAGE = Effect(
         "while much current is drawn).",
         source="Dynamixel e-manual, PWM and present input voltage; Flemming 2019, tables 4.4 to 4.6.",
     ),
+    unseen_when_followed="no voltage drives the motion",
 )
 
 
@@ -145,6 +155,7 @@ VOLTAGE_SAG = Effect(
         source="Erickson, Maksimović: Fundamentals of Power Electronics, chapter 3 (a chopper is a transformer); "
         "Linden's Handbook of Batteries, internal resistance.",
     ),
+    unseen_when_followed="no voltage drives the motion",
 )
 
 MOTOR_HEATING = Effect(
@@ -155,7 +166,7 @@ MOTOR_HEATING = Effect(
     signals=("effort", "position", "velocity"),
     own=reads(loss="heating"),
     apply=writes(loss="heating"),
-    possible=has_dc_motor,
+    possible=has_torque_constant,
     page=Page(
         physics="Windings that warm up have more resistance and magnets less field: the same duty gives less torque "
         "as time goes on. A linear fall is the beginning of the exponential one.",

@@ -28,6 +28,7 @@ BACKLASH = Effect(
     ),
     excludes=("joint_compliance",),
     dissipative=True,
+    unseen_when_followed="the rotor's way across the gap was not measured",
 )
 
 
@@ -66,6 +67,7 @@ JOINT_COMPLIANCE = Effect(
         source="M. W. Spong: Modeling and control of elastic joint robots, J. Dyn. Sys., Meas., Control 109, 1987.",
     ),
     excludes=("backlash",),
+    unseen_when_followed="how far the link is behind the encoder was not measured",
 )
 
 

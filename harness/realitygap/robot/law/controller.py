@@ -3,7 +3,7 @@
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.drive import DUTY, PID
+from realitygap.robot.drive import DUTY, PID, SPEED
 
 BAND = 0.05
 """Over this last part of the velocity limit, the torque that accelerates a pid servo falls to zero."""
@@ -55,12 +55,14 @@ def duty(d, error, command):  # type: ignore[no-untyped-def]
 
 @compiled
 def loops(d, s, command, upcoming, rate, h):  # type: ignore[no-untyped-def]
-    """What a pid or cascade controller gives, as torque - back·rate, within the limits of its joint."""
+    """What a pid, cascade or velocity controller gives, as torque - back·rate, within the limits of its joint."""
     if d.kind == PID:
         before = s.goal if s.started == 1 else command
         after = command if np.isnan(upcoming) else upcoming
         torque = (d.kp + 0.5 * h * d.ki) * s.error + s.integral + d.kd * (after - before) / (2.0 * h)
         back = d.kd
+    elif d.kind == SPEED:
+        torque, back = d.gain * command, d.gain
     else:
         torque, back = d.gain * d.kv * d.kp * s.error, d.gain * d.kv
     inside = abs(torque - back * rate) < d.effort_limit

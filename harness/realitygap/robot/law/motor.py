@@ -3,7 +3,7 @@
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.drive import DC, EFFORT, NONE
+from realitygap.robot.drive import DC, EFFORT, NONE, TORQUE
 from realitygap.robot.law.controller import clipped, duty, loops
 
 
@@ -14,7 +14,8 @@ def motor_torque(d, s, command, upcoming, rate, speed, t, h):  # type: ignore[no
         return switched_off(d, s, t)
     torque, back = 0.0, 0.0
     if d.meaning == EFFORT:
-        torque = min(max(command, -d.effort_limit), d.effort_limit)
+        asked = d.gain * command if d.kind == TORQUE else command
+        torque = min(max(asked, -d.effort_limit), d.effort_limit)
     elif d.kind == DC:
         kt = d.torque_constant * max(1.0 - d.heating * t, 0.0)
         torque = kt / d.resistance * duty(d, s.error, command) * s.bus

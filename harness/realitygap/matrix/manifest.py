@@ -36,7 +36,7 @@ def write_manifest(
         motions: what was simulated.
         settings: of every cell that ran.
         failures: what became of the cells that did not, by their slug.
-        traces: names of the trace files below the folder.
+        traces: names of the MCAP files below the folder; the Parquet files lie beside them.
     """
     sources: set[Path] = set()
     notes: dict[str, list[str]] = {}

@@ -1,0 +1,91 @@
+"""`run` and `matrix`: the matrix's room makes the result folder, the report's room its page, and here they meet."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from realitygap.compare.budget import stated_budget
+from realitygap.compare.table import means
+from realitygap.files.progress import Progress
+from realitygap.matrix.collect import Collected
+from realitygap.matrix.junit import write_junit
+from realitygap.matrix.matrix import ONCE, Settings, dry_run, results
+from realitygap.matrix.matrix_file import MatrixFile, load_matrix, matrix_of
+from realitygap.report import write_report
+from realitygap.report.folder import read_folder
+from realitygap.report.sentences import sentences
+from realitygap.scenario.engine_names import engine_names
+from realitygap.scenario.file import load_scenario
+
+Said = tuple[list[str], int]
+"""The lines to print and the exit status: 1 where a budget is exceeded."""
+
+
+def run(
+    path: Path, engines: Sequence[str], out: Path, budget: Mapping[str, float], junit: Path | None, progress: Progress
+) -> Said:
+    """Run one scenario: the matrix of it alone. A budget that is given replaces the scenario's own for its signal."""
+    chosen = engine_names(engines)
+    file = load_scenario(path)
+    limits = stated_budget(file.scenario.budget) | dict(budget)
+    made = make(matrix_of(file, chosen), out, ONCE, progress)
+    return _said(made, summary(made), out, limits, junit)
+
+
+def matrix(
+    path: Path, out: Path, settings: Settings, budget: Mapping[str, float], junit: Path | None, progress: Progress
+) -> Said:
+    """Run all cells of a matrix."""
+    progress.say(f"reading {path}")
+    made = make(load_matrix(path), out, settings, progress)
+    counts = Counter(o.outcome for _, o in made.cells)
+    lines = [f"{len(made.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
+    return _said(made, lines + [s.text for s in sentences(read_folder(out))], out, budget, junit)
+
+
+def listed(path: Path, out: Path, settings: Settings) -> Said:
+    """The cells and an estimate, without running anything."""
+    return dry_run(load_matrix(path), out, settings), 0
+
+
+def make(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) -> Collected:
+    """The whole result folder of a matrix, with figures and page.
+
+    Raises:
+        InputError: for a matrix that cannot be run; nothing is written then.
+    """
+    with results(matrix, out, settings, progress) as (made, folder):
+        write_report(folder)
+    return made
+
+
+def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, float], junit: Path | None) -> Said:
+    over = made.excess(budget)
+    if junit is not None:
+        write_junit(junit, made.name, made.cells, over)
+    excess = [line for found in over.values() for line in found] + made.not_judged(budget)
+    return [*lines, *excess, f"report: {out / 'report.html'}"], int(bool(excess))
+
+
+def summary(made: Collected) -> list[str]:
+    """What failed, and the mean gap of every engine beside both floors."""
+    lines = [
+        f"{o.cell.engine}, {o.cell.recording or o.cell.scenario}: {o.outcome}: {o.note}"
+        for _, o in made.cells
+        if o.outcome != "ok"
+    ]
+    if made.gaps.empty:
+        return [*lines, "nothing was measured: no gap, traces only"]
+    good = means(made.gaps[made.gaps["outcome"] == "ok"])
+    for (group, signal, unit, engine), rows in good.groupby(["group", "signal", "unit", "engine"], sort=True):
+        lines.append(
+            f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
+            f"(noise floor {_known(rows['noise_floor'])}, numerical floor {_known(rows['numerical_floor'])})"
+        )
+    return lines
+
+
+def _known(floors: "pd.Series[float]") -> str:
+    return "unknown" if floors.isna().all() else f"{floors.mean():.2g}"

@@ -1,0 +1,73 @@
+"""The traces of a cell as files: whole as Parquet, for page, figures and whoever computes on; as MCAP for viewers."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from realitygap_engines.model.robot import Model
+
+from realitygap.compare.comparison import Comparison
+from realitygap.compare.table import Cell, slug
+from realitygap.trace.mcap import write_mcap
+from realitygap.trace.parquet import read_about, read_parquet, write_parquet
+from realitygap.trace.trace import Trace
+
+FOLDER = "traces"
+"""Below a result folder."""
+SIMULATED, MEASURED = "simulated", "measured"
+
+
+@dataclass(frozen=True)
+class JointKind:
+    """A joint as far as a comparison needs it: its name and whether it slides."""
+
+    name: str
+    prismatic: bool
+
+
+@dataclass(frozen=True)
+class CellTraces:
+    """What was simulated and measured in one cell.
+
+    Attributes:
+        cell: what was simulated.
+        joints: those of the robot, in the order of the simulated columns.
+        simulated: on every step; of repetitions, their mean on the measured clock.
+        measured: in the window, the mean of repetitions; None where nothing was.
+    """
+
+    cell: Cell
+    joints: tuple[JointKind, ...]
+    simulated: Trace
+    measured: Trace | None
+
+
+def write_traces(folder: Path, done: Comparison, model: Model) -> None:
+    """Write `traces/CELL.parquet` and `traces/CELL.mcap` below a folder, where the cell was simulated.
+
+    Of a motion that was recorded several times, the Parquet file holds every repetition's own simulation, too.
+    """
+    if done.simulated is None:
+        return
+    traces = {SIMULATED: done.simulated}
+    if done.measured is not None:
+        traces[MEASURED] = done.measured
+    path = folder / FOLDER / f"{slug(done.cell)}.parquet"
+    write_mcap(path.with_suffix(".mcap"), traces)
+    slides = [j.name for j in model.joints if j.prismatic]
+    each = {f"{SIMULATED} {name}": trace for name, trace in done.repetitions.items()}
+    write_parquet(path, traces | each, {"cell": asdict(done.cell)}, slides)
+
+
+def cell_of_traces(path: Path) -> Cell:
+    """The cell that a Parquet file is of; its traces are not read."""
+    return Cell(**read_about(path)["cell"])
+
+
+def read_traces(path: Path, signals: Sequence[str] = Trace.SIGNALS) -> CellTraces:
+    """The traces of a cell from its Parquet file; signals that are not asked for are None."""
+    about = read_about(path)
+    found = read_parquet(path, only=(SIMULATED, MEASURED), signals=signals)
+    simulated = found[SIMULATED]
+    joints = tuple(JointKind(name, name in about["slides"]) for name in simulated.joints)
+    return CellTraces(Cell(**about["cell"]), joints, simulated, found.get(MEASURED))

@@ -1,0 +1,71 @@
+"""The first scenario of bags: which topic is what."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from realitygap.files.errors import InputError
+from realitygap.init.probe import Contents, probe
+from realitygap.init.roles import Roles, roles_of
+from realitygap.init.sections import Sections, quoted, runs_of
+
+
+def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
+    """Motion, recordings and runs of bags that are built like the first one.
+
+    Raises:
+        InputError: for a bag that holds none of the robot's joints, or no pose of a robot without joints.
+    """
+    contents = probe(paths[0], joints)
+    roles = roles_of(contents)
+    if joints and roles.state is None:
+        raise InputError(
+            f"{contents.path}: no topic holds the positions of {', '.join(joints)} of {urdf}; it has "
+            f"{contents.listing}; expected a JointState with the joints' names as in the URDF"
+        )
+    if not joints and not contents.poses:
+        raise InputError(
+            f"{contents.path}: no topic holds the pose of {urdf}, which has no joints; it has {contents.listing}; "
+            "expected a PoseStamped or Odometry"
+        )
+    moving = next(iter(contents.poses + contents.imus), None)
+    told = _told(contents, roles, joints)
+    return Sections(_motion(roles), _recordings(contents, roles), runs_of(paths, out), roles.meaning, moving, told=told)
+
+
+def _motion(roles: Roles) -> list[str]:
+    if roles.command is None:
+        return ["# No command was found: motion: {recorded: TOPIC} or {keyframes: FILE} says what the servos are told."]
+    meaning = "" if roles.meaning == "position" else f", as: {roles.meaning}"
+    topic = quoted(roles.command.stream.topic)
+    return [f"motion: {{recorded: {topic}{meaning}}}  # GUESS: {roles.command.reason}"]
+
+
+def _recordings(contents: Contents, roles: Roles) -> list[str]:
+    lines = []
+    if roles.state is not None:
+        lines.append(f"  state: {quoted(roles.state.stream.topic)}  # GUESS: {roles.state.reason}")
+    if roles.effort is not None:
+        if roles.state is not None and roles.effort.stream is roles.state.stream:
+            lines.append(f"  effort: motor  # GUESS: N·m of the motor, before friction; {roles.effort.reason}")
+        else:
+            topic = quoted(roles.effort.stream.topic)
+            lines.append(f"  effort: {{topic: {topic}, measures: motor, factor: 1.0}}  # GUESS: {roles.effort.reason}")
+    found = (("pose", contents.poses), ("imu", contents.imus), ("battery", contents.batteries))
+    for key, topics in found:
+        if topics:
+            more = f"  # GUESS: there is also {', '.join(topics[1:])}" if topics[1:] else ""
+            lines.append(f"  {key}: {quoted(topics[0])}{more}")
+    return lines
+
+
+def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
+    """What was seen and not used, and what is missing."""
+    chosen = [role.stream.topic for role in (roles.state, roles.command, roles.effort) if role is not None]
+    chosen += [topics[0] for topics in (contents.poses, contents.imus, contents.batteries) if topics]
+    spare = [f"{topic} ({kind})" for topic, kind in sorted(contents.kinds.items()) if topic not in chosen]
+    told = [f"not used: {', '.join(spare)}"] if spare else []
+    if joints and roles.command is None:
+        told.append("no topic of commands was found: without motion, nothing drives the joints")
+    if joints and roles.effort is None:
+        told.append("no effort was found: torques are not compared")
+    return told

@@ -1,0 +1,88 @@
+"""Names as people write them: which of a robot's joints a column or a value belongs to, and what it measures there."""
+
+import re
+from collections.abc import Mapping, Sequence
+
+WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
+Stem = tuple[str, ...]
+"""The words of a label without those that say which joint."""
+
+
+def words(label: str) -> Stem:
+    """The words and numbers of a label, in lower case: `shoulderPan_pos1` is shoulder, pan, pos, 1."""
+    return tuple(word.lower() for word in WORD.findall(label))
+
+
+def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str, str]]:
+    """What is there for every joint: stem to joint to label. A label names a joint by its name or by its number.
+
+    Numbers count from 0 or from 1 in the robot's order, or are those in the joints' own names. A robot with one joint
+    needs no name.
+    """
+    named: dict[Stem, dict[str, str]] = {}
+    numbered: dict[Stem, dict[int, str]] = {}
+    for label in labels:
+        parts = words(label)
+        joint, rest = _named(parts, joints)
+        numbers = [part for part in parts if part.isdigit()]
+        if joint is not None:
+            named.setdefault(rest, {}).setdefault(joint, label)
+        elif numbers:
+            place = len(parts) - 1 - parts[::-1].index(numbers[-1])
+            stem = parts[:place] + parts[place + 1 :]
+            numbered.setdefault(stem, {}).setdefault(int(numbers[-1]), label)
+        if joint is None and len(joints) == 1:
+            named.setdefault(parts, {}).setdefault(joints[0], label)
+    for stem, found in numbered.items():
+        ordered = _in_order(found, joints)
+        if ordered is not None:
+            named.setdefault(stem, ordered)
+    return {stem: found for stem, found in named.items() if len(found) == len(joints)}
+
+
+def _named(parts: Stem, joints: Sequence[str]) -> tuple[str | None, Stem]:
+    """The joint whose words stand in a label, and what is left of the label; the longest name wins."""
+    best: tuple[str | None, Stem] = None, parts
+    longest = 0
+    for joint in joints:
+        own = words(joint)
+        for i in range(len(parts) - len(own) + 1):
+            if own and parts[i : i + len(own)] == own and len(own) > longest:
+                longest, best = len(own), (joint, parts[:i] + parts[i + len(own) :])
+    return best
+
+
+def _in_order(found: Mapping[int, str], joints: Sequence[str]) -> dict[str, str] | None:
+    """Labels by number, given to the joints of these numbers."""
+    own = [int(numbers[-1]) if (numbers := re.findall(r"\d+", joint)) else -1 for joint in joints]
+    for expected in (own, list(range(len(joints))), list(range(1, len(joints) + 1))):
+        if len(set(expected)) == len(joints) and sorted(found) == sorted(expected):
+            return {joint: found[number] for joint, number in zip(joints, expected, strict=True)}
+    return None
+
+
+COMMAND = {"command", "commanded", "cmd", "goal", "target", "desired", "des", "reference", "ref", "setpoint", "sp"}
+MEASURED = {"measured", "meas", "actual", "act", "present", "state", "feedback", "fb", "encoder", "enc", "real"}
+QUANTITIES: dict[str, set[str]] = {
+    "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints"},
+    "velocity": {"velocity", "velocities", "vel", "qd", "dq", "qdot", "speed", "omega"},
+    "effort": {"effort", "efforts", "torque", "torques", "tau", "force", "trq", "moment"},
+    "current": {"current", "currents", "amp", "amps", "curr"},
+    "duty": {"duty", "pwm"},
+    "other": {"acceleration", "acc", "qdd", "ddq", "temperature", "temp", "voltage", "volt", "error", "err", "status"},
+}
+UNITS = {"rad", "rads", "deg", "degrees", "degree", "nm", "a", "ma", "m", "s", "ms", "v"}
+
+
+def role_of(stem: Stem) -> tuple[str, bool, bool] | None:
+    """Quantity, whether it is a command, and whether the stem says that it is measured; None for what is no signal.
+
+    A stem of no known quantity is a position where it says that it is commanded or measured.
+    """
+    said = set(stem)
+    command, measured = bool(said & COMMAND), bool(said & MEASURED)
+    kinds = [kind for kind, names in QUANTITIES.items() if said & names]
+    if "other" in kinds or (not kinds and not command and not measured):
+        return None
+    strong = [kind for kind in kinds if kind != "position"]  # joint_velocity_1 is a velocity
+    return (strong or ["position"])[0], command, measured

@@ -1,0 +1,118 @@
+"""Guesses on a robot that no file states: whether its base is fixed, and what its servos are."""
+
+import json
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from realitygap_engines.model.robot import Joint, Model
+
+from realitygap.init.sections import quoted
+from realitygap.robot.servos import written_together
+
+FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
+LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
+FULL_ERROR = 0.1  # rad: a stiff position servo gives its full effort at about this error
+KP_UNKNOWN = 50.0  # N·m/rad, for a joint without effort limit
+SUPPLY = 12.0  # V
+DAMPING_TIME = 0.005  # s: kd = kp times this, little enough for light links at 1 ms
+STS3215 = re.compile(r"so.?10[01]|lekiwi", re.IGNORECASE)
+"""What LeRobot calls robots with Feetech STS3215 servos."""
+
+
+def base_of(model: Model, fixed: str | None, moving: str | None) -> tuple[str, str]:
+    """Whether the base is fixed, floating or a free body, and why.
+
+    Args:
+        model: the robot.
+        fixed: why it must be fixed, where it must.
+        moving: a recorded stream that only a moving base has.
+    """
+    root = model.links[0].name
+    parents = {joint.parent for joint in model.joints}
+    ends = [link.name for i, link in enumerate(model.links) if i not in parents]
+    if not model.joints:
+        return "free", "the robot has no joints"
+    if fixed is not None:
+        return "fixed", fixed
+    if root.lower() in FIXED_ROOTS:
+        return "fixed", f"the root link is called {root}"
+    if moving is not None:
+        return "floating", f"{moving} was recorded, as on a robot that moves"
+    if len(ends) >= 4 or any(LEGS.search(name) for link in model.links for name in link.merged):
+        return "floating", f"the tree has {len(ends)} ends, or names of legs or wheels"
+    return "fixed", f"the tree has {len(ends)} {'end' if len(ends) == 1 else 'ends'}, no legs and no wheels"
+
+
+def servo_lines(model: Model, meaning: str, robot: str) -> list[str]:
+    """The lines of `servos`: the actuators of the robot's file, else a guess.
+
+    Args:
+        model: the robot.
+        meaning: what a recorded command is: position, duty or effort.
+        robot: what the recordings call it.
+    """
+    if model.actuators:
+        lines = ["# The actuators of the robot's file, as far as servos say them.", "servos:"]
+        lines += [f"  - {json.dumps(servo, ensure_ascii=False)}" for servo in written_together(model.actuators)]
+        return [*lines, *(f"  # {note}" for note in model.notes if note.startswith("actuator "))]
+    return [
+        "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
+        "servos:",
+        *_guessed(model.joints, meaning, robot),
+    ]
+
+
+def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
+    """The servo of a robot that is known by name, or one servo per limits of the URDF."""
+    if STS3215.search(robot) and meaning == "position":
+        return _sts3215(robot)
+    groups: dict[tuple[float, float], list[str]] = {}
+    for joint in joints:
+        groups.setdefault((joint.effort, joint.velocity), []).append(joint.name)
+    lines = []
+    for (effort, velocity), names in groups.items():
+        pattern = '"*"' if len(groups) == 1 else f"[{', '.join(map(quoted, names))}]"
+        lines.append(f"  - joints: {pattern}")
+        lines += _dc(effort, velocity) if meaning == "duty" else _pid(effort)
+    return lines
+
+
+def _sts3215(robot: str) -> list[str]:
+    """The servo of `scenarios/so101`, with its sources: published identification of a 7.4 V unit, LeRobot's P 16."""
+    return [
+        f'  - joints: "*"  # GUESS: {" ".join(robot.split())} has Feetech STS3215 servos with LeRobot\'s settings',
+        "    kind: dc",
+        "    gain: 2.64  # GUESS: duty per rad at P 16, which is 0.165 times P",
+        "    supply: 7.4  # GUESS: volts; kits of 5 to 12 V exist",
+        "    torque_constant: 1.21  # GUESS: these four are a published identification of another unit",
+        "    resistance: 2.68",
+        "    armature: 0.0284",
+        "    friction: {coulomb: 0.0524, viscous: 0.0591}",
+    ]
+
+
+def _pid(effort: float) -> list[str]:
+    bounded = bool(np.isfinite(effort))
+    kp = effort / FULL_ERROR if bounded else KP_UNKNOWN
+    why = f"the URDF's effort limit of {effort:g} at {FULL_ERROR:g} rad of error" if bounded else "no effort limit"
+    return [
+        "    kind: pid",
+        f"    kp: {kp:.3g}  # GUESS: {why}",
+        f"    kd: {kp * DAMPING_TIME:.3g}  # GUESS: {DAMPING_TIME:g} s times kp",
+    ]
+
+
+def _dc(effort: float, velocity: float) -> list[str]:
+    """A motor told its duty that stalls at the URDF's effort limit and runs free at its velocity limit."""
+    bounded = bool(np.isfinite([effort, velocity]).all())
+    stall, free = (effort, velocity) if bounded else (1.0, 10.0)
+    why = "stalls at the URDF's effort limit, runs free at its velocity limit" if bounded else "the URDF has no limits"
+    constant = SUPPLY / free
+    return [
+        "    kind: dc",
+        "    gain: 0  # the recorded command is the duty",
+        f"    supply: {SUPPLY:g}  # GUESS: volts",
+        f"    torque_constant: {constant:.3g}  # GUESS: {why}",
+        f"    resistance: {constant * SUPPLY / stall:.3g}  # GUESS: likewise",
+    ]

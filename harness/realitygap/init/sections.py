@@ -1,0 +1,44 @@
+"""What a kind of recording contributes to a first scenario."""
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Lines of a scenario file, and what they imply.
+
+    Attributes:
+        motion: the lines of `motion`.
+        recordings: the lines below `recordings`, without the runs.
+        runs: the lines below `runs`.
+        meaning: what a recorded command is: position, duty or effort.
+        moving_base: the stream that only a robot with a moving base has.
+        robot: what the recording calls the robot.
+        told: sentences for the terminal: what was seen and not used, and what is missing.
+    """
+
+    motion: list[str]
+    recordings: list[str]
+    runs: list[str]
+    meaning: str = "position"
+    moving_base: str | None = None
+    robot: str = ""
+    told: list[str] = field(default_factory=list)
+
+
+def runs_of(recordings: list[Path], out: Path) -> list[str]:
+    """One run per file or folder."""
+    return [f"    - {{path: {quoted(relative(path, out))}}}" for path in recordings]
+
+
+def relative(path: Path, folder: Path) -> str:
+    """A path as a scenario in a folder writes it."""
+    return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
+
+
+def quoted(text: str) -> str:
+    """Text as YAML writes it safely."""
+    return json.dumps(text, ensure_ascii=False)

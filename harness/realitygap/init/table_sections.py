@@ -1,0 +1,148 @@
+"""The first scenario of a table: which column is what, by the names that people give them."""
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from realitygap.files.errors import InputError
+from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
+from realitygap.init.sections import Sections, quoted, runs_of
+from realitygap.recording.readers.table import FORMS, column_of, load
+from realitygap.scenario.schema import Columns
+
+TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
+TIME_UNITS = {"s", "sec", "secs", "seconds", "ms", "us", "ns", "stamp"}
+NOT_SI = {"deg": "rad", "degree": "rad", "degrees": "rad", "ms": "s", "us": "s", "ns": "s", "ma": "A"}
+DEFAULTS = {"time": "time", "command": "command", "position": "position", "velocity": "velocity", "effort": "effort"}
+Column = str | dict[str, str]
+"""A column by its stem, or by joint."""
+
+
+def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
+    """Motion, recordings and runs of tables that are built like the first one.
+
+    Raises:
+        InputError: for a table without time, or without the position of every joint of the robot.
+    """
+    path = paths[0]
+    frame = load(path)
+    labels = list(frame.columns)
+    time = _time(path, frame)
+    chosen, meaning = _roles([label for label in labels if label != time], joints) if joints else ({}, "position")
+    if joints and "position" not in chosen:
+        raise InputError(
+            f"{path}: no column holds the position of {', '.join(joints)} of {urdf}; it has {', '.join(labels)}; "
+            "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it"
+        )
+    columns = {"time": time} | chosen
+    current = _current(chosen)
+    told = _told(labels, columns, joints)
+    if current:
+        told.append("the effort is a current: recordings.effort.factor is N·m per A, which the table does not say")
+    if "command" not in columns and joints:
+        told.append("no column of commands was found: without motion, nothing drives the joints")
+    lines = _columns(columns)
+    if "effort" in columns:
+        unit = "{measures: motor, factor: 1.0}" if current else "motor"
+        why = "N·m per A is not in the table" if current else "of the motor, before friction, in N·m or N"
+        lines.append(f"  effort: {unit}  # GUESS: {why}")
+    return Sections(_motion(columns, meaning), lines, runs_of(paths, out), meaning=meaning, told=told)
+
+
+def _time(path: Path, frame: pd.DataFrame) -> str:
+    """The column of time: by its name, or the only one that always rises."""
+    labels = list(frame.columns)
+    for option in TIME:
+        for label in labels:
+            parts = words(label)
+            if parts and parts[0] == option and set(parts[1:]) <= TIME_UNITS:
+                return label
+    rising = [label for label in labels if len(frame) > 2 and (frame[label].diff().iloc[1:] > 0).all()]
+    if len(rising) == 1:
+        return rising[0]
+    raise InputError(f"{path}: has no column of time; it has {', '.join(labels)}; expected one named time, in s")
+
+
+def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Column], str]:
+    """The columns of position, velocity, effort and command, and what the command is."""
+    stems = {_bare(stem): found for stem, found in by_stem(labels, joints).items()}
+    roles = {stem: role for stem in stems if (role := role_of(stem)) is not None}
+    columns: dict[str, Column] = {}
+    for key in ("position", "velocity", "effort", "current"):
+        found = [s for s, (kind, command, _) in roles.items() if kind == key and not command]
+        if found and (key != "current" or "effort" not in columns):
+            best = max(found, key=lambda s: (s == (key,), roles[s][2], -len(s)))  # plain names, then what says measured
+            columns["effort" if key == "current" else key] = _written(stems[best], labels, joints)
+    for kind, meaning in (("position", "position"), ("duty", "duty"), ("effort", "effort")):
+        found = [s for s, (k, command, _) in roles.items() if k == kind and (command or kind == "duty")]
+        if found:
+            best = min(found, key=len)
+            columns["command"] = _written(stems[best], labels, joints)
+            return columns, meaning
+    return columns, "position"
+
+
+def _bare(stem: Stem) -> Stem:
+    kept = tuple(word for word in stem if word not in UNITS)
+    return kept or stem
+
+
+def _written(found: dict[str, str], labels: Sequence[str], joints: Sequence[str]) -> Column:
+    """The column as short as a scenario can say it: a stem where a reader finds every joint's column by it."""
+    if len(joints) == 1:
+        return found[joints[0]]
+    for form in FORMS:
+        before, after = form.format("", joints[0]), form.format(joints[0], "")
+        name = found[joints[0]].removesuffix(before).removeprefix(after)
+        if name and all(column_of(name, joint, labels) == found[joint] for joint in joints):
+            return name
+    return found
+
+
+def _motion(columns: Mapping[str, Column], meaning: str) -> list[str]:
+    if "command" not in columns:
+        return [
+            "# No command was found: motion: {recorded: COLUMN} or {keyframes: FILE} says what the servos are told."
+        ]
+    name = columns["command"]
+    kind = "" if meaning == "position" else f", as: {meaning}"
+    return [f"motion: {{recorded: {quoted(name) if isinstance(name, str) else 'command'}{kind}}}"]
+
+
+def _columns(columns: Mapping[str, Column]) -> list[str]:
+    """The `columns` that are not called as a scenario expects by itself."""
+    lines = []
+    for key, name in columns.items():
+        if isinstance(name, dict):
+            inner = ", ".join(f"{quoted(j)}: {quoted(c)}" for j, c in name.items())
+            lines.append(f"    {key}: {{{inner}}}  # GUESS: by their names")
+        elif name != DEFAULTS[key]:
+            lines.append(f"    {key}: {quoted(name)}  # GUESS: by its name")
+    return ["  columns:", *lines] if lines else []
+
+
+def _current(columns: Mapping[str, Column]) -> bool:
+    name = columns.get("effort")
+    label = name if isinstance(name, str) else next(iter(name.values())) if name else ""
+    role = role_of(words(label))
+    return role is not None and role[0] == "current"
+
+
+def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
+    used = set()
+    for name in columns.values():
+        stems = [name] if isinstance(name, str) else list(name.values())
+        used |= {form.format(stem, joint) for stem in stems for joint in joints for form in FORMS} | set(stems)
+    expected = Columns().model_dump(exclude={*DEFAULTS, "base_angular_axes"}).values()
+    known = {name for names in expected for name in ([names] if isinstance(names, str) else names)}
+    spare = [
+        label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
+    ]
+    told = [f"not used: {', '.join(spare)}"] if spare else []
+    for label in labels:
+        wrong = [word for word in words(label)[1:] if word in NOT_SI] if label in used else []
+        if wrong:
+            told.append(f"{label} says {wrong[0]}; a table is read in {NOT_SI[wrong[0]]}: convert it")
+    return told

@@ -1,0 +1,67 @@
+"""A load that is fixed to a link: its mass and its place are one finding."""
+
+import math
+
+from realitygap.robot.effects.body import moves
+from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
+from realitygap.robot.plant import Plant
+
+WHERE = 10.0
+"""A load lies no further than this from the link's frame [m]."""
+
+
+def _own(plant: Plant, index: int) -> dict[str, float]:
+    return dict(zip(("mass", "x", "y", "z"), plant.payloads.get(index, (0.0, 0.0, 0.0, 0.0)), strict=True))
+
+
+def _apply(plant: Plant, indices: list[int], values: Values) -> None:
+    for i in indices:
+        if values["mass"] > 0:
+            plant.payloads[i] = (values["mass"], values["x"], values["y"], values["z"])
+        else:
+            plant.payloads.pop(i, None)
+
+
+def _first(plant: Plant, index: int) -> dict[str, float]:
+    """A tenth of what moves with the link, at its centre of mass."""
+    links, carried = plant.model.links, {index}
+    for i, joint in enumerate(plant.model.joints):
+        if joint.parent in carried:
+            carried.add(i + 1)
+    link = links[index]
+    x, y, z = (float(v) for v in link.com)
+    return {"mass": max(0.1 * sum(links[i].mass for i in carried), 0.2 * link.mass), "x": x, "y": y, "z": z}
+
+
+def _nothing(values: Values) -> str | None:
+    return None if math.isfinite(values["mass"]) and values["mass"] > 0 else "nothing would be loaded"
+
+
+PAYLOAD = Effect(
+    name="payload",
+    changes="model",
+    sits_at="link",
+    parameters=(
+        Parameter("mass", "kg", 0.0, 1000.0, 0.5, absent=0.0),
+        *(Parameter(axis, "m", -WHERE, WHERE, 0.0, absent=0.0, default=0.0, shape=True) for axis in "xyz"),
+    ),
+    signals=("position", "effort"),
+    own=_own,
+    apply=_apply,
+    possible=moves,
+    scaled=_first,
+    page=Page(
+        physics="A tool, a gripper, a battery or whatever the robot carries, which the model of the robot does not "
+        "have: a point mass at a place in the frame of the link that it is fixed to. What size it has turns too little "
+        "to be told from a point.",
+        equation="m → m + mass; c → (m·c + mass·(x, y, z))/(m + mass); inertia by the parallel-axis theorem",
+        signature="More effort and sag at every joint before the link, in proportion to its lever, at rest and in "
+        "motion; none at the joints behind it.",
+        confused_with="link_mass (the same where the load sits at the link's own centre of mass), center_of_mass "
+        "(moves the lever and no weight), a payload on the next link (until the joint between them turns).",
+        source="Atkeson, An, Hollerbach: Estimation of inertial parameters of manipulator loads and links, Int. J. "
+        "Robotics Research 5(3), 1986; Mamedov, Mikhel: Practical aspects of model-based collision detection, Front. "
+        "Robotics AI 7, 2020.",
+    ),
+    absurd=_nothing,
+)

@@ -1,0 +1,29 @@
+"""The sections of a scenario on what surrounds the robot: the ground, and how time is stepped."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from realitygap.scenario.section import Count, NotNegative, Positive, Section
+
+
+class GroundSpec(Section):
+    """A ground by its numbers."""
+
+    friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
+    stiffness: Positive | None = Field(default=None, description="per contact point [N/m]; rigid where absent")
+    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m]")
+
+
+GROUNDS = {
+    "none": None,
+    "flat": GroundSpec(friction=0.8),
+    "grass": GroundSpec(friction=0.8, stiffness=3000.0, damping=100.0),
+}
+
+
+class PhysicsSpec(Section):
+    """How to simulate."""
+
+    step_rate: Positive = Field(default=1000.0, description="steps per second [Hz]")
+    solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")

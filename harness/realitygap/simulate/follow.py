@@ -1,0 +1,120 @@
+"""Motions that are followed: the effort that a measured motion takes, without integrating anything over time."""
+
+import time as clock
+from dataclasses import dataclass, field
+
+import numpy as np
+import realitygap_engines as engines
+from realitygap_engines import Physics, State
+from realitygap_engines.law.dynamics import Dynamics
+
+from realitygap.files.errors import InputError
+from realitygap.robot.drive_inverse import motor_efforts
+from realitygap.robot.plant import Plant
+from realitygap.simulate.rollout import Rollout, sensed
+from realitygap.simulate.smooth import Smoothed, smooth
+from realitygap.trace.trace import Array, Trace
+
+LEAST = 1e-3
+"""The share of its torque constant that a hot motor keeps at least."""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A measured motion: readings (t, n) of the joints at times (t,), smoothed when that is first asked for."""
+
+    time: Array
+    position: Array
+    _kept: dict[float, Smoothed] = field(default_factory=dict, repr=False, compare=False)
+
+    def smoothed(self, wider: float = 1.0) -> Smoothed:
+        """The motion with its derivatives, by `simulate.smooth`, with so many times the chosen bandwidths."""
+        if wider not in self._kept:
+            self._kept[wider] = smooth(self.time, self.position, wider=wider)
+        return self._kept[wider]
+
+    def told(self, joints: list[str]) -> str:
+        """A sentence on how the derivatives were got, and how well they are known."""
+        found = self.smoothed()
+        moved = np.flatnonzero(found.bandwidth > 0)
+        if not moved.size:
+            return "followed: no joint moves"
+        band, error = found.bandwidth[moved], np.sqrt(np.mean(found.error[2][:, moved] ** 2, axis=0))
+        worst = int(np.argmax(error))
+        return (
+            f"followed: velocities and accelerations by a quintic smoothing spline of {band.min():.3g} to "
+            f"{band.max():.3g} Hz; standard error of the acceleration up to {error[worst]:.2g} rad/s² or m/s² "
+            f"({joints[moved[worst]]})"
+        )
+
+
+def check_clear(plant: Plant, followed: Followed, start: State) -> None:
+    """Make sure that no moving link of a fixed robot comes to the ground, where there is one.
+
+    Raises:
+        InputError: where one does, because what the ground does to it was not measured.
+    """
+    if plant.ground is None:
+        return
+    dynamics = Dynamics(plant.model)
+    moving = dynamics.point_end >= 0
+    base = np.concatenate([start.base_position, start.base_quaternion, np.zeros(6)])
+    still = np.zeros(len(plant.model.joints))
+    for time, position in zip(followed.time, followed.smoothed().value[0], strict=True):
+        dynamics.update(position + plant.drive["offset"], still, base, np.zeros(3))
+        if (dynamics.height[moving] < 0.0).any():
+            raise InputError(
+                f"ground: the robot touches it at {time:.2f} s; expected `ground: none`, as what it does to a motion "
+                "that is followed was not measured"
+            )
+
+
+def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_joint: bool, wider: float) -> Rollout:
+    """What a measured motion takes in one engine: positions and velocities as smoothed, efforts at the same stamps.
+
+    Args:
+        engine: whose inverse dynamics is used.
+        plant: the robot with its drives; its base is fixed.
+        followed: the measured motion.
+        start: tells where the base stands.
+        of_joint: whether the trace's effort is the torque on the joint (after friction) or of the motor.
+        wider: the share of the chosen bandwidths to smooth with: 2 in place of half the step, for a numerical floor.
+
+    Raises:
+        Unsupported: where the engine cannot express the plant.
+    """
+    began = clock.perf_counter()
+    motion, n = followed.smoothed(wider), len(plant.model.joints)
+    reading, velocity, acceleration = motion.value
+    position = reading + plant.drive["offset"]
+    model = plant.machine().with_armature(np.zeros(n))
+    with engines.load(engine).open(model, Physics()) as simulation:
+        load = simulation.inverse_dynamics(start, position, velocity, acceleration)
+        settings = dict(simulation.settings)
+    for law in plant.efforts:
+        load -= np.array([law(float(t), q, w) for t, q, w in zip(motion.time, position, velocity, strict=True)])
+    motor, joint = np.empty_like(load), np.empty_like(load)
+    motor_efforts(plant.drive, position, velocity, acceleration, motion.error[1], load, motor, joint)
+    effort = joint if of_joint else motor * _reported(plant, motion.time - motion.time[0])
+    seen = sensed(velocity, plant.velocity_lag, np.diff(motion.time, prepend=motion.time[0])) * plant.velocity_scale
+    trace = Trace(motion.time, tuple(plant.model.joint_names), position=reading, velocity=seen, effort=effort)
+    settings |= {
+        "motion": "followed: inverse dynamics at the measured stamps, no integration over time",
+        "smoother": "quintic smoothing spline, likeliest bandwidth",
+        "bandwidth [Hz]": ", ".join(
+            f"{j} {b:.2f}" for j, b in zip(plant.model.joint_names, motion.bandwidth, strict=True)
+        ),
+    }
+    return Rollout(trace, len(motion.time), clock.perf_counter() - began, settings)
+
+
+def _reported(plant: Plant, time: Array) -> Array:
+    """What an effort that is told from a current shows, over what the motor gives. Shape (t, n).
+
+    The current is effort/torque constant, and the scenario's factor turns it back as if the constant were the factor.
+    """
+    drive = plant.drive
+    known = (drive["current_factor"] > 0) & (drive["torque_constant"] > 0)
+    ratio = np.where(known, drive["current_factor"] / np.where(known, drive["torque_constant"], 1.0), 1.0)
+    left = np.maximum(1.0 - np.outer(time, np.where(known, drive["heating"], 0.0)), LEAST)
+    return np.asarray(ratio / left)

@@ -1,0 +1,55 @@
+"""The effects as functions: each makes what a scenario would say, and checks it at once."""
+
+import inspect
+
+import pytest
+from realitygap.files.errors import InputError
+from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effects.library import effects
+from realitygap.robot.effects.place import values
+from realitygap.simulate.effect_bench import bench
+
+EVERY = pytest.mark.parametrize("effect", EFFECTS.values(), ids=list(EFFECTS))
+
+
+@EVERY
+def test_every_effect_has_a_function_that_says_it(effect: Effect) -> None:
+    size = effect.first_size(*bench(effect))
+    spec = getattr(effects, effect.name)("knee", **size)
+    assert (spec.effect, spec.target) == (effect.name, "knee")
+    assert values(effect, spec) == size
+
+
+@EVERY
+def test_every_function_tells_what_it_takes(effect: Effect) -> None:
+    make = getattr(effects, effect.name)
+    target, *rest = inspect.signature(make).parameters.values()
+    assert target.name == "target"
+    assert [p.name for p in rest] == [p.name for p in effect.parameters]
+    assert all(f"{p.name}: " in make.__doc__ for p in effect.parameters)
+    needed = {p.name for p in rest if p.default is inspect.Parameter.empty}
+    assert needed == {p.name for p in effect.parameters if p.default is None}
+
+
+def test_they_are_listed() -> None:
+    assert set(EFFECTS) == set(dir(effects))
+    assert all(name in repr(effects) for name in EFFECTS)
+
+
+def test_an_effect_that_is_not_there() -> None:
+    with pytest.raises(AttributeError, match=r"no effect colomb_friction; known: .*; did you mean coulomb_friction\?"):
+        effects.colomb_friction  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ({}, "torque is missing; it has torque"),
+        ({"force": 0.1}, r"unknown parameter force; it has torque \[N·m\]"),
+        ({"torque": -1.0}, "torque is -1 N·m; expected 0 to"),
+        ({"torque": "0.1 N·m"}, "expected a number in N·m"),
+    ],
+)
+def test_what_is_wrong_is_told_at_once(parameters: dict[str, float], sentence: str) -> None:
+    with pytest.raises(InputError, match=f"effect coulomb_friction: .*{sentence}|{sentence}"):
+        effects.coulomb_friction("elbow", **parameters)

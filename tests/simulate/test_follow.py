@@ -1,0 +1,229 @@
+"""A motion that is followed takes the effort that drove it: laws over every effect and engine, and closed forms."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import realitygap_engines as engines
+from realitygap.files.errors import InputError
+from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effects.place import place
+from realitygap.robot.plant import Plant
+from realitygap.robot.suspicion import may_be_suspected
+from realitygap.scenario.effort import effort_factors
+from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema import EffectSpec, EffortStream, Scenario
+from realitygap.simulate.effect_bench import arm, planted
+from realitygap.simulate.effect_bench import simulate as driven
+from realitygap.simulate.experiment import experiments, simulate
+from realitygap.simulate.follow import Followed, follow
+from realitygap.simulate.start import start_state
+from realitygap.trace.trace import Array, Trace
+from realitygap_engines import GRAVITY
+
+ENGINES = engines.available()
+CURRENT = ("torque_constant", "motor_heating")
+"""Effects that change what is told from a current."""
+MEANT = [
+    e
+    for e in EFFECTS.values()
+    if not e.unseen_when_followed
+    and e.name not in CURRENT
+    and e.changes in ("model", "torque")
+    and e.possible(arm(), 1 if e.sits_at == "link" else 0) is None
+]
+
+
+def followed(plant: Plant, time: Array, position: Array, engine: str = "mujoco", *, wider: float = 1.0) -> Trace:
+    start = start_state(plant, position[0])
+    return follow(engine, plant, Followed(time, position), start, of_joint=False, wider=wider).trace
+
+
+def swing(time: Array) -> Array:
+    return np.array([np.sin(3 * time), 3 * np.cos(3 * time), -9 * np.sin(3 * time)])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_an_arm_takes_what_the_closed_form_says(engine: str) -> None:
+    """Gravity, inertia, rotor, viscous friction, ripple and a constant effort; friction where it moves."""
+    plant, time = arm(), np.arange(0.0, 3.0, 0.002)
+    d = plant.drive
+    d["constant"], d["ripple"], d["ripple_periods"] = 0.3, 0.1, 5.0
+    q, v, a = swing(time)
+    effort = followed(plant, time, q[:, None], engine).effort
+    assert effort is not None
+    link = 0.5 * 0.15**2 + 1e-3
+    smooth = (link + 0.0266) * a + 0.5 * GRAVITY * 0.15 * np.sin(q) - 0.3 + 0.1 * np.sin(5 * q) + 0.02 * v
+    inner = np.abs(v) > 0.1
+    inner[:50] = inner[-50:] = False
+    np.testing.assert_allclose(effort[inner, 0], (smooth + 0.05 * np.sign(v))[inner], rtol=0, atol=2e-3)
+
+
+@pytest.mark.parametrize("name", [e.name for e in MEANT])
+def test_what_is_planted_in_a_driven_motion_is_the_effort_of_the_followed_one(name: str) -> None:
+    """Followed, the motion that a servo drove takes the effort that its motor gave, with the effect and only so."""
+    plant = planted(EFFECTS[name])
+    trace = driven(plant)
+    assert trace.position is not None
+    assert trace.effort is not None
+    assert trace.velocity is not None
+    moving = (np.abs(trace.velocity[:, 0]) > 0.2) & (trace.time > 0.05) & (trace.time < 1.45)
+    gap = []
+    for candidate in (plant, arm()):
+        found = followed(candidate, trace.time, trace.position).effort
+        assert found is not None
+        gap.append(float(np.sqrt(np.mean((found - trace.effort)[moving] ** 2))))
+    assert gap[0] < 0.01, "N·m, of efforts of 1 N·m"
+    assert gap[1] > 2 * gap[0]
+
+
+def test_friction_is_not_claimed_where_nothing_moves() -> None:
+    plant, time = arm(), np.arange(0.0, 2.0, 0.01)
+    resting = 0.5 + 1e-5 * np.random.default_rng(0).normal(size=(len(time), 1))
+    effort = followed(plant, time, resting).effort
+    assert effort is not None
+    held = 0.5 * GRAVITY * 0.15 * math.sin(0.5)
+    assert abs(float(np.mean(effort)) - held) < 0.01
+    assert np.abs(effort - held).max() <= 0.05 + 0.02
+
+
+@pytest.mark.parametrize(("effect", "field"), [("torque_constant", "torque_constant"), ("motor_heating", "heating")])
+def test_an_effort_told_from_a_current_shows_the_torque_constant(effect: str, field: str) -> None:
+    """current = effort/constant, and the scenario's factor makes an effort of it as if the constant were the factor."""
+    plant, time = arm(), np.arange(0.0, 3.0, 0.005)
+    plant.drive["kind"], plant.drive["current_factor"], plant.drive["torque_constant"] = 0, 2.0, 2.0
+    plain = followed(plant, time, swing(time)[0][:, None]).effort
+    value = {"torque_constant": 2.5, "heating": 0.1}[field]
+    name = EFFECTS[effect].parameters[0].name
+    changed = place(plant, [EffectSpec(effect=effect, target="hinge", **{name: value})])
+    found = followed(changed, time, swing(time)[0][:, None]).effort
+    assert plain is not None
+    assert found is not None
+    expected = plain * (2.0 / 2.5 if effect == "torque_constant" else 1 / (1 - 0.1 * time[:, None]))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_load_dependent_friction_solves_for_the_effort_that_it_is_part_of() -> None:
+    plant, time = arm(), np.arange(0.0, 2.0, 0.01)
+    plant.drive["load"] = 0.4
+    q, v, _ = swing(time)
+    effort, base = (followed(p, time, q[:, None]).effort for p in (plant, arm()))
+    assert effort is not None
+    assert base is not None
+    inner = slice(10, -10)
+    side = np.sign(v)[inner]
+    frictionless = arm()
+    frictionless.drive["coulomb"] = frictionless.drive["static"] = frictionless.drive["viscous"] = 0.0
+    frictionless.drive["armature"] = 0.0
+    transmitted = followed(frictionless, time, q[:, None]).effort
+    assert transmitted is not None
+    extra = side * 0.4 * 0.5 * np.abs(effort + transmitted)[inner, 0]
+    moving = np.abs(v)[inner] > 0.1
+    np.testing.assert_allclose((effort - base)[inner, 0][moving], extra[moving], rtol=0, atol=1e-6)
+
+
+def test_a_wider_band_moves_the_effort_by_less_than_noise_would() -> None:
+    plant, time = arm(), np.arange(0.0, 3.0, 0.005)
+    noisy = swing(time)[0][:, None] + 1e-4 * np.random.default_rng(0).normal(size=(len(time), 1))
+    narrow, wide = (followed(plant, time, noisy, wider=w).effort for w in (1.0, 2.0))
+    assert narrow is not None
+    assert wide is not None
+    assert 1e-4 < np.abs(wide - narrow).mean() < 0.1
+
+
+INERTIA = '<inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/>'
+URDF = f"""<robot name="arm">
+<link name="base"><inertial><mass value="1"/>{INERTIA}</inertial></link>
+<link name="arm"><inertial><origin xyz="0 0 -0.15"/><mass value="0.5"/>{INERTIA}</inertial>
+<collision><origin xyz="0 0 -0.15"/><geometry><sphere radius="0.02"/></geometry></collision></link>
+<joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><origin xyz="0 0 0.1"/>
+<axis xyz="0 1 0"/></joint></robot>"""
+SCENARIO = """
+name: followed
+robot: {urdf: arm.urdf, base: fixed}
+motion: {followed: true}
+recordings: {effort: motor, runs: [{path: run.csv, use: train}]}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    time = np.cumsum(np.random.default_rng(0).uniform(0.008, 0.012, 400))
+    q = swing(time)[0]
+    effort = 0.5 * GRAVITY * 0.15 * np.sin(q)
+    rows = "\n".join(f"{t},{x},{e}" for t, x, e in zip(time, q, effort, strict=True))
+    (tmp_path / "run.csv").write_text("time,position,effort\n" + rows)
+    (tmp_path / "arm.urdf").write_text(URDF)
+    return tmp_path
+
+
+def written(folder: Path, text: str = SCENARIO) -> Path:
+    path = folder / "scenario.yaml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_scenario_gives_a_trace_at_the_measured_stamps(folder: Path, engine: str) -> None:
+    (found,) = experiments(load_scenario(written(folder)))
+    assert found.recording is not None
+    measured = found.recording.trace
+    trace = simulate(found, engine).trace
+    assert measured.position is not None
+    assert trace.position is not None
+    assert trace.effort is not None
+    np.testing.assert_array_equal(trace.time, measured.time)
+    assert np.abs(trace.position - measured.position).max() < 1e-4
+    assert trace.velocity is not None
+    assert any("smoothing spline" in note for note in found.notes)
+    finer = simulate(found, engine, step_rate=2 * found.scenario.physics.step_rate).trace
+    assert finer.effort is not None
+    assert 0 < np.abs(finer.effort - trace.effort).mean() < 0.05
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("robot:", "servos: [{joints: '*', kind: pid, kp: 1.0}]\nrobot:"), "no servo drives"),
+        (("base: fixed", "base: floating"), "expected fixed"),
+        (("effort: motor, ", ""), "recordings.effort: found none"),
+        (("robot:", "effects: [{effect: backlash, target: hinge, angle: 0.1}]\nrobot:"), "rotor"),
+        (("robot:", "ground: flat\nrobot:"), "touches it at"),
+        (("{followed: true}", "{followed: true, recorded: position}"), "one of recorded, keyframes and followed"),
+    ],
+)
+def test_what_has_no_place_beside_a_followed_motion_is_told(folder: Path, change: tuple[str, str], told: str) -> None:
+    with pytest.raises(InputError, match=told) as error:
+        experiments(load_scenario(written(folder, SCENARIO.replace(*change))))
+    assert "scenario.yaml" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_effect_on_what_drives_is_not_suspected(folder: Path) -> None:
+    file = load_scenario(written(folder))
+    (found,) = experiments(file)
+    model = found.plant.model
+    suspected = {e.name for e in EFFECTS.values() if may_be_suspected(file.scenario, model, e.name, _target(e))}
+    assert not suspected & {"command_delay", "controller_gain", "backlash", "supply_voltage", "soft_ground"}
+    assert suspected >= {"coulomb_friction", "viscous_friction", "payload", "link_mass", "torque_constant", "base_tilt"}
+
+
+def _target(effect: Effect) -> str:
+    return {"joint": "hinge", "link": "arm"}.get(effect.sits_at, effect.sits_at)
+
+
+def test_a_factor_may_differ_by_joint(tmp_path: Path) -> None:
+    joints, here = ("shoulder_pan", "shoulder_lift", "wrist"), tmp_path / "s.yaml"
+    stream = EffortStream(factor={"shoulder_*": 12.0, "*": 10.0})
+    np.testing.assert_array_equal(effort_factors(stream, joints, here), [12, 12, 10])
+    np.testing.assert_array_equal(effort_factors(EffortStream(factor=2.0), joints, here), [2, 2, 2])
+    for factor, told in (({"elbow": 1.0, "*": 2.0}, "elbow matches no joint"), ({"wrist": 1.0}, "shoulder_pan")):
+        with pytest.raises(InputError, match=told):
+            effort_factors(EffortStream(factor=factor), joints, here)
+
+
+def test_the_schema_knows_it() -> None:
+    scenario = Scenario.model_validate({"name": "x", "robot": {"urdf": "x.urdf"}, "motion": {"followed": True}})
+    assert scenario.follows
+    assert scenario.effort_measures == "none"
