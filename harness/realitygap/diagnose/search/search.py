@@ -71,14 +71,18 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         say: told what is being done.
     """
     limit = needed(len(everyone))
-    changes, seen = tuple(told), set[frozenset[Suspect]]()
+    changes, seen, grows = tuple(told), set[frozenset[Suspect]](), True
     for _ in range(ROUNDS):
         round_ = Round(simulations, changes, everyone, limit, say)
-        seen.add(frozenset(c.suspect for c in round_.now.fit.changes))
-        following = round_.grown()
+        here = frozenset(c.suspect for c in round_.now.fit.changes)
+        grows = grows and here not in seen  # what was dropped here once would only be added again
+        seen.add(here)
+        following = round_.grown() if grows else None
         if following is None:
             following = round_.exchanged(keep=[c.suspect for c in told])
-        if following is None or frozenset(c.suspect for c in following.fit.changes) in seen:
+            if following is not None and len(following.fit.changes) == len(here):
+                following = None if frozenset(c.suspect for c in following.fit.changes) in seen else following
+        if following is None:
             break
         changes = following.fit.changes
         say("; ".join(told_change(c) for c in changes))
