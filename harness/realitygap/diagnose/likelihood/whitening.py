@@ -18,8 +18,8 @@ from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import Array
 
-LONGEST = 0.25
-"""The share of a motion up to which autocorrelation is looked for."""
+LONGEST = 0.5
+"""Samples further apart than this [s] are two facts: a servo's position loop has answered by then."""
 FADED = 0.05
 """Autocorrelation below this is noise of its own estimate."""
 
@@ -80,17 +80,19 @@ def facts(channels: Sequence[Channel], residual: Array) -> Array:
     for channel in channels:
         n = len(channel.time)
         part = residual[at : at + n] / np.hypot(channel.noise, channel.slow)
-        found.setdefault(channel.key, []).append(_lasting(part[np.isfinite(part)]))
+        rate = (n - 1) / (channel.time[-1] - channel.time[0])
+        lasting = _lasting(part[np.isfinite(part)], int(LONGEST * rate))
+        found.setdefault(channel.key, []).append(min(lasting, max(LONGEST * rate, 1.0)))
         at += n
     return np.array([1.0 / np.mean(found[c.key]) for c in channels])
 
 
-def _lasting(value: Array) -> float:
+def _lasting(value: Array, longest: int) -> float:
     """The integrated autocorrelation time of a series in samples, at least 1; about zero, as a gap is no mean."""
     power = float(value @ value)
     total = 1.0
     if power > 0.0:
-        for lag in range(1, int(LONGEST * len(value))):
+        for lag in range(1, min(longest, len(value) - 1)):
             rho = float(value[:-lag] @ value[lag:]) / power
             if rho < FADED:
                 break

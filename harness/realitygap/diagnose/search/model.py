@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Imperfections, Scored, score
+from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
 from realitygap.robot.drive import Array
 
 SETTLE = 3
@@ -64,6 +64,10 @@ class Ground:
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""
         return score(self.channels, found, self.wrong)
+
+    def sharp(self, found: Fit) -> Metric:
+        """The metric in which moves from a fit are looked for."""
+        return sharp(self.channels, found, self.wrong).metric
 
     def fit(self, changes: Sequence[Change], metric: Metric) -> Scored | None:
         """Changes fitted in a metric, with their evidence; None where they cannot be simulated, or where the values

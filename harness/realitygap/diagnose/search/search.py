@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start
-from realitygap.diagnose.candidates.suspects import fitted
+from realitygap.diagnose.candidates.suspects import fitted, richer
 from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, residual, residuals
@@ -98,11 +99,21 @@ def needed(suspects: int) -> float:
     return float(np.log(max(suspects, 1))) + SURE
 
 
-def simpler(a: Suspect, b: Suspect) -> bool:
-    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table."""
+def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
+    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table.
+
+    On a linear axis without a stated armature, inertia is the link's mass.
+    """
     order = list(EFFECTS)
-    keys = [(len(fitted(s.kind)), order.index(s.effect)) for s in (a, b)]
-    return keys[0] < keys[1]
+
+    def place(suspect: Suspect) -> tuple[int, float]:
+        joints, drive = problem.plant.model.joints, problem.plant.drive
+        linear = suspect.effect == "rotor_inertia" and all(
+            joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
+        )
+        return len(fitted(suspect.kind)), order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
+
+    return place(a) < place(b)
 
 
 class Round:
@@ -126,26 +137,35 @@ class Round:
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.blocks)
         self.now = ground.score(self.now.fit)
+        self.look = ground.sharp(self.now.fit)
         say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
         linear = self._linear(self.now.fit.residual, self.blocks)
         self.promised = self._followed(linear.promises())
 
     def grown(self) -> Scored | None:
-        """The best model with one more finding, or several; None where none gains enough."""
+        """The best model with one more finding, several, or a richer shape; None where none gains enough.
+
+        What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
+        """
         accepted = list(self.now.fit.changes)
-        ways = [[p.block.start.first] for p in self.promised[:BEAM] if p.gain > 0]
+        ways = [([*accepted, p.block.start.first], self.limit) for p in self.promised[:BEAM] if p.gain > 0]
         several = self._linear(self.now.fit.residual, [p.block for p in self.promised]).several(self.limit)
         if len(several) > 1:
-            ways.append([p.block.start.first for p in several])
-        best: Scored | None = None
-        for way in ways:
-            scored = self.ground.fit([*accepted, *way], self.now.metric)
+            ways.append(([*accepted, *(p.block.start.first for p in several)], self.limit * len(several)))
+        for k, change in enumerate(accepted):
+            shaped = richer(self.simulations.problem.plant, change)
+            if shaped is not None and change.free and shaped.free != change.free:
+                ways.append(([*accepted[:k], shaped, *accepted[k + 1 :]], SURE))
+        best, most = None, 0.0
+        for way, needs in ways:
+            scored = self.ground.fit(way, self.look)
             if scored is None:
                 continue
             gain = scored.evidence - self.now.evidence
-            self.say(f"  {'; '.join(told_change(c) for c in scored.fit.changes[len(accepted) :])}: {gain:+.1f}")
-            if gain > self.limit * len(way) and (best is None or scored.evidence > best.evidence):
-                best = scored
+            new = [c for c in scored.fit.changes if c.suspect not in {a.suspect for a in accepted}]
+            self.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
+            if gain - needs > most:
+                best, most = scored, gain - needs
         return best
 
     def exchanged(self, keep: Sequence[Suspect]) -> Scored | None:
@@ -170,7 +190,8 @@ class Round:
                 continue
             self.rivals[change.suspect] = self._rivals(change, rest, alone)
             for rival in self.rivals[change.suspect]:
-                ahead = rival.behind < -EQUAL or (rival.behind < EQUAL and simpler(rival.suspect, change.suspect))
+                equal = rival.behind < EQUAL and simpler(self.simulations.problem, rival.suspect, change.suspect)
+                ahead = rival.behind < -EQUAL or equal
                 if ahead and (best is None or rival.scored.evidence > best.evidence):
                     best = rival.scored
         return best
@@ -193,15 +214,16 @@ class Round:
                 chosen.setdefault(p.block.suspect, p)
         out = []
         for suspect, p in chosen.items():
-            scored = self.ground.fit([*rest, p.change], self.now.metric)
+            scored = self.ground.fit([*rest, p.change], self.look)
             if scored is not None:
                 out.append(compare(self.ground.channels, self.now, scored, suspect))
                 self.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
         return sorted(out, key=lambda r: r.behind)
 
     def _linear(self, left: np.ndarray, blocks: Sequence[Block], at: Scored | None = None) -> Linear:
-        at = at or self.now
-        return Linear(at.metric, left, at.fit.slope, blocks)
+        if at is None:
+            return Linear(self.look, left, self.now.fit.slope, blocks)
+        return Linear(self.ground.sharp(at.fit), left, at.fit.slope, blocks)
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
         """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
