@@ -154,9 +154,9 @@ def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(told, tmp_p
     assert "3.00 → 1.05" in words
     assert "DART" in words
     assert "Drake cannot express it, or failed" in words
-    assert "viscous friction at elbow : its own fit differs" in words
+    assert "viscous friction at elbow : its own fit is behind by 0.4 in evidence" in words
     assert "velocity of shoulder: 1.00 → 1.40 °/s" in words
-    assert "controller gain at elbow: makes most held-out runs worse" in words
+    assert "it gains 2.0 in evidence over something else" in words
     assert ("Something else is missing" in words) == (verdict == "partly explained")
 
 
@@ -166,7 +166,7 @@ def test_nothing_named_promises_no_mended_model(told, tmp_path, verdict):
     assert not [link for link in page.links if link.startswith("revised/")]
     assert "simulated after" not in words
     assert ("Nothing is missing" in words) == (verdict == "no gap")
-    assert ("no effect brings it down enough" in words) == (verdict == "unexplained")
+    assert ("no effect explains it better than something else would" in words) == (verdict == "unexplained")
 
 
 def test_the_same_diagnosis_is_the_same_page(told, tmp_path):

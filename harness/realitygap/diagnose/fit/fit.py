@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import least_squares
 
-from realitygap.diagnose.candidates.suspects import neutral, sizes
+from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -21,8 +21,11 @@ STEP, CONTACT_STEP = 0.05, 0.15
 body, where contacts that come and go make small differences tell nothing but that."""
 CLOSE = 2e-3
 """A fit ends where a step would change the parameters by less than this share."""
-PRIOR = 1e-2
-"""Pull towards the first guess per size, so that a parameter without influence stays where it is."""
+SLAB = 4.0
+"""Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
+neither negligible nor absurd."""
+LOOSE = 10.0
+"""The same for shapes and stiffnesses, about their first guess."""
 WORST = 1e6
 """The residual of a simulation that failed, in standard deviations."""
 
@@ -37,6 +40,7 @@ class Fit:
         residual: stacked, of the training motions. Shape (m,).
         slope: change of the residual per size of each value. Shape (m, p).
         size: of every value, in its unit. Shape (p,).
+        prior: how far each value is from where its prior expects it, in standard deviations. Shape (p,).
     """
 
     changes: tuple[Change, ...]
@@ -44,6 +48,7 @@ class Fit:
     names: tuple[tuple[int, str], ...] = ()
     slope: Array = field(default_factory=lambda: np.zeros((0, 0)))
     size: Array = field(default_factory=lambda: np.zeros(0))
+    prior: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def value(self) -> Array:
@@ -56,25 +61,32 @@ class Space:
 
     def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
         self.changes = list(changes)
-        names, scale, low, high, first = [], [], [], [], []
+        names, scale, low, high, first, expected, width = [], [], [], [], [], [], []
         for i, change in enumerate(self.changes):
             size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
             for name in change.free:
                 p, value = change.suspect.kind.parameter(name), change.parameters[name]
                 names.append((i, name))
-                far = abs(value) if p.logarithmic or not np.isfinite(zero[name]) else size[name]
-                scale.append(max(far, 1e-12))
+                plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
+                scale.append(max(size[name] if plain else abs(value), 1e-12))
+                expected.append(zero[name] if plain else value)
+                width.append(SLAB if plain else LOOSE)
                 low.append(p.low)
                 high.append(p.high)
                 first.append(min(max(value, p.low), p.high))
         self.names = tuple(names)
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
         self.first = np.array(first) / self.scale
+        self.expected, self.width = np.array(expected) / self.scale, np.array(width)
         self.step = CONTACT_STEP if problem.plant.model.floating else STEP
 
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the scaled values."""
         return self.low / self.scale, self.high / self.scale
+
+    def prior(self, x: Array) -> Array:
+        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,)."""
+        return np.asarray((x - self.expected) / self.width)
 
     def at(self, x: Array) -> tuple[Change, ...]:
         """The changes at scaled values."""
@@ -124,16 +136,16 @@ def fit(
     failed = np.full(len(metric(np.zeros(len(before)))), WORST)
     slopes: dict[bytes, Array] = {}
 
-    def whole(x: Array) -> Array:
+    def residuals_at(x: Array) -> Array:
         r = residual(simulations, space.at(x), train)
-        return np.concatenate([failed if r is None else metric(r), PRIOR * (x - space.first)])
+        return np.concatenate([failed if r is None else metric(r), space.prior(x)])
 
     def jacobian(x: Array) -> Array:
         slopes[x.tobytes()] = slope(simulations, space, x, train, coarse)
-        return np.vstack([metric(slopes[x.tobytes()]), PRIOR * np.eye(len(x))])
+        return np.vstack([metric(slopes[x.tobytes()]), np.diag(1.0 / space.width)])
 
     solution = least_squares(
-        whole, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget, xtol=CLOSE, ftol=1e-6, gtol=1e-10,
+        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget, xtol=CLOSE, ftol=1e-6, gtol=1e-10,
         x_scale=np.maximum(np.abs(space.first), 0.3),
     )  # fmt: skip
     x = solution.x
@@ -141,7 +153,7 @@ def fit(
     if after is None:
         return None
     last = slopes[x.tobytes()] if x.tobytes() in slopes else slope(simulations, space, x, train, coarse)
-    return Fit(space.at(x), after, space.names, last, space.scale)
+    return Fit(space.at(x), after, space.names, last, space.scale, space.prior(x))
 
 
 def slope(simulations: Simulations, space: Space, x: Array, train: Sequence[int], coarse: Sequence[float]) -> Array:

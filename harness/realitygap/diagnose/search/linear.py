@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change, clash
+from realitygap.diagnose.fit.fit import SLAB
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.search.evidence import SLAB
 from realitygap.robot.drive import Array
 
 
@@ -123,6 +123,8 @@ class Linear:
         free = [k for i in numbers for k in self.places[i] if self.blocks[i].start.kind != "whole"]
         if free:
             g = self.gram[np.ix_(free, free)]
+            inside = np.isin(at, free)
+            gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
             gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
         return gain, x
 
