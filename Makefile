@@ -1,6 +1,7 @@
 # Needs nothing but Python 3.11 or newer with venv and pip; every other tool is put into .venv from requirements.lock.
 
 SCENARIO ?= scenarios/demo/scenario.yaml
+SEEDS    ?= 1 6
 USABLE   := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
 PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c '$(USABLE)' 2>/dev/null && echo $$p && break; done)
 PYTEST   ?= -n 2 --dist worksteal --durations=15
@@ -40,8 +41,8 @@ types: $(READY)  ## mypy, strict
 check: lint types test  ## lint, types and tests
 
 .PHONY: blind
-blind: $(READY)  ## diagnose the whole blind suite and write results/reference/blind.csv (hours)
-	$(BIN)/python tests/planted/run.py --reference results/reference
+blind: $(READY)  ## diagnose the whole suite of planted truths, one open and one sealed seed (many hours)
+	$(BIN)/python tests/planted/run.py $(SEEDS:%=--seed %) --reference results/reference
 
 .PHONY: bench
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine

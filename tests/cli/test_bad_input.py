@@ -217,7 +217,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     "URDF empty": (file("arm.urdf", ""), "arm.urdf: is not well-formed XML"),
     "URDF cut off": (cut("arm.urdf", 0.5), "arm.urdf: is not well-formed XML"),
     "URDF with entities": (file("arm.urdf", ENTITIES), "arm.urdf: found XML entities"),
-    "xacro": (file("arm.urdf", "<robot><xacro:if/></robot>"), "arm.urdf: is a xacro file, not a URDF"),
+    "xacro": (file("arm.urdf", "<robot><xacro:if/></robot>"), "arm.urdf: is a xacro file"),
     "mass nan": (text('<mass value="', '<mass value="nan" was="'), "mass value is 'nan'"),
     "inertia that no body has": (text('ixx="', 'ixx="9" was="'), "which no body has"),
     "link that touches nothing": (changed(robot__contact_links=["foot"]), "has no link foot"),

@@ -127,7 +127,8 @@ SERVOS = {
     '<position joint="j" kp="40"/>': ("pid", 40, 0, np.inf),
     '<general joint="j" gainprm="40" biastype="affine" biasprm="0 -40 -2"/>': ("cascade", 40, 2, np.inf),
     '<pid joint="j" kp="40" kv="2" forcerange="-5 5"/>': ("pid", 40, 2, 5),
-    '<motor joint="j" gear="2" ctrlrange="-4 4"/>': ("pid", 0, 0, 8),
+    '<velocity joint="j" kv="3" gear="2"/>': ("velocity", 0, 12, np.inf),
+    '<motor joint="j" gear="2" ctrlrange="-4 4"/>': ("effort", 0, 0, 8),
     f'<dcmotor joint="j" {MOTOR} controller="40 0 0 0 0 12"/>': ("pid", 40, 0, np.inf),
     f'<dcmotor joint="j" {MOTOR.replace("pos", "voltage")} ctrlrange="-12 12"/>': ("dc", 0, 1.5**2 / 2.5, np.inf),
 }
@@ -143,6 +144,8 @@ def test_an_actuator_is_a_servo_with_mujocos_force(actuator: str, tmp_path: Path
     values = servo.values
     stiffness, damping = {
         "pid": lambda v: (v["kp"], v.get("kd", 0.0)),
+        "velocity": lambda v: (0.0, v["gain"]),
+        "effort": lambda _: (0.0, 0.0),
         "cascade": lambda v: (v["gain"] * v["kv"] * v["kp"], v["gain"] * v["kv"]),
         "dc": lambda v: (
             v["gain"] * v["supply"] * v["torque_constant"] / v["resistance"],
@@ -161,7 +164,7 @@ def test_an_actuator_is_a_servo_with_mujocos_force(actuator: str, tmp_path: Path
 
 
 LOST = {
-    '<velocity joint="j" kv="3"/>': "regulates velocity",
+    '<velocity joint="j" kv="3"/>': "it takes velocities",
     '<intvelocity joint="j" kp="3" actrange="-1 1"/>': "dynamics integrator are no servo",
     '<general joint="j" dyntype="filter" dynprm="0.05" gainprm="4" biastype="affine" biasprm="1 -4 0"/>': (
         "filter of 0.05 s is left out"

@@ -228,7 +228,7 @@ FILES = {
     "external entity": (OUTSIDE.encode(), "found XML entities"),
     "xacro": (
         b'<robot xmlns:xacro="x"><xacro:include filename="a"/></robot>',
-        "is a xacro file, not a URDF; expand it",
+        "is a xacro file",
     ),
 }
 

@@ -1,4 +1,4 @@
-"""The blind cases: planted truths in recordings of a foreign plant, as scenario folders that a team could have written.
+"""The cases of the suite: planted truths in recordings of a foreign plant, as scenario folders that a team would write.
 
     python tests/planted/cases.py --out DIR [--only single] [--robot pendulum] [--first 20] [--seed 1]
 
@@ -12,51 +12,36 @@ import shutil
 import sys
 import zlib
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import motions
 import numpy as np
 import planted
 import yaml
 from catalogue import COUNTS, Case, catalogue
-from foreign import Foreign, Motion, simulate
-from imperfections import clock_error, imperfect
-from motions import Command
-from planted import Planted
-from recorder import Recording, Sensing, clock, disturbance, record, reported_velocity, write_bag, write_csv
+from foreign import Foreign, Motion
+from imperfections import besides, clock_error, imperfect
+from plants import Hidden, Run, Truth, command, limits, measure, moved, perform, sane, sized, visibility
+from recorder import Recording, Sensing, clock, disturbance, record, write_bag, write_csv
 from robots import BUILDERS, Robot
 
-VISIBLE = 4.0
-"""A single effect moves the recordings by at least this, in root mean square over the noise."""
 KINDS = [*COUNTS, "humanoid"]
 Make = Callable[[Path], dict[str, Any]]
-
-
-@dataclass
-class Run:
-    """One recorded motion."""
-
-    motion: str
-    use: str
-    seed: int
-    length: float
-    repetitions: int = 1
-    gain: float = 1.0
-    load: float = 1.0
-    sent: list[Command] = field(default_factory=list)
 
 
 def plan(robot: Robot, effects: list[str], rng: np.random.Generator) -> list[Run]:
     """Train and held-out motions: three to five seconds each, one of them repeated."""
     seeds = [int(x) for x in rng.integers(1, 2**31, 8)]
     free = not robot.prismatic and len(robot.joints) == 1
-    train = ["steps", "sines", "triangle"] + (["lift_and_drop"] if free and rng.random() < 0.6 else [])
+    dropped = free and (rng.random() < 0.6 or "motor_braking" in effects)
+    train = ["steps", "sines", "triangle"] + (["lift_and_drop"] if dropped else [])
     held = list(rng.permutation(["steps", "sines", "chirp", "sine", "triangle"])[:2])
     if set(held) <= {"chirp", "triangle"}:
         held[0] = "steps"
+    if "motor_braking" in effects:
+        held[1] = "lift_and_drop"
     runs = [Run(m, "train", seeds[i], float(rng.choice([4.0, 4.5, 5.0]))) for i, m in enumerate(train)]
     runs += [Run(str(m), "held_out", seeds[4 + i], float(rng.choice([4.0, 5.0]))) for i, m in enumerate(held)]
     runs[int(rng.integers(2))].repetitions = int(rng.choice([2, 3]))
@@ -71,108 +56,53 @@ def plan(robot: Robot, effects: list[str], rng: np.random.Generator) -> list[Run
     return runs
 
 
-def _still(command: Command, robot: Robot) -> np.ndarray:
-    return np.asarray(command.value[0])
-
-
-def _perform(plant: Foreign, robot: Robot, run: Run, sent: Command, noise: np.ndarray | None) -> Motion:
-    return simulate(plant, sent.time, sent.value, sent.enabled, _still(sent, robot), run.length, noise)
-
-
-def _plant(
-    robot: Robot,
-    run: Run,
-    truths: list[tuple[str, int, float, int]],
-    outside: tuple[str, int, int] | None,
-    nearly: int | None = None,
-):
-    """The plant of one run with what is planted, and the truths; draws are the same in every run.
-
-    `nearly` is the seed of what keeps its laws nearly right; without it they are exact.
-    """
-    plant = robot.plant(run.gain, run.load)
-    told = [planted.plant(e, plant, robot, j, size, np.random.default_rng(s)) for e, j, size, s in truths]
-    other = None
-    if outside:
-        name, j, s = outside
-        other = planted.OUTSIDE[name](plant, robot, j, np.random.default_rng(s))
-    if nearly is not None:
-        imperfect(plant, robot, nearly)
-    robot.bristles(plant)
-    return plant, told, other
-
-
-def _measure(robot: Robot, runs: list[Run], sensing: Sensing) -> list[Motion]:
-    """Simulate the perfect model; sets the robot's typical torque and speed."""
-    n = len(robot.joints)
-    robot.torque, robot.speed, robot.peak, robot.fastest = np.ones(n), np.ones(n), np.ones(n), np.ones(n)
-    clean = []
-    for run in runs:
-        plant, _, _ = _plant(robot, run, [], None)
-        clean.append(_perform(plant, robot, run, _command(robot, run, sensing), None))
-    moving = [(m.effort, m.velocity) for m, r in zip(clean, runs, strict=True) if r.motion != "lift_and_drop"]
-    effort, velocity = (np.concatenate(x) for x in zip(*moving, strict=True))
-    robot.torque, robot.speed = np.sqrt(np.mean(effort**2, axis=0)), np.sqrt(np.mean(velocity**2, axis=0))
-    robot.peak, robot.fastest = np.max(np.abs(effort), axis=0), np.max(np.abs(velocity), axis=0)
-    return clean
-
-
-def _command(robot: Robot, run: Run, sensing: Sensing) -> Command:
-    return motions.command(run.motion, len(robot.joints), robot.reach, sensing.rate, run.length, run.seed)
-
-
-def visibility(robot: Robot, plant: Foreign, motion: Motion, clean: Motion, sensing: Sensing) -> float:
-    """How far an effect moves one recording: root mean square over the sensor's noise."""
-    sigma = np.hypot(sensing.position_noise, 0.29) * sensing.quantum
-    parts = [(motion.reading - clean.reading) / sigma]
-    speed = reported_velocity(plant, motion)[::5] - clean.velocity[::5]
-    parts.append(speed / (1.04 * sensing.velocity_noise * robot.speed))
-    if sensing.effort:
-        parts.append((motion.effort - clean.effort) / (sensing.effort_noise * robot.torque))
-    return max(float(np.sqrt(np.mean(np.square(x), axis=0)).max()) for x in parts)
-
-
 def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     """Write one case and its truth; returns the truth."""
     rng = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
     nearly = zlib.crc32(f"{seed} {case.name}".encode()) if case.laws == "nearly" else None
+    effects = [e for e, _ in case.effects]
     while True:
         robot = BUILDERS[case.robot](rng)
+        if "friction_ripple" in effects and not robot.friction["coulomb"]:
+            continue  # nothing would ripple
         sensing = replace(case.sensing, quantum=robot.quantum, clock=0.0 if nearly is None else clock_error(nearly))
-        runs = plan(robot, [e for e, _ in case.effects], rng)
-        clean = _measure(robot, runs, sensing)
-        truths = _sized(case, robot, runs, clean, sensing, rng)
+        runs = plan(robot, effects, rng)
+        clean = measure(robot, runs, sensing)
+        truths = _truths(case, robot, runs, clean, sensing, nearly, rng)
         j = int(rng.integers(len(robot.joints)))
         outside = (case.outside, j, int(rng.integers(2**31))) if case.outside else None
-        plants = [_plant(robot, run, truths, outside, nearly) for run in runs]
-        if truths is not None and _sane(robot, runs, plants, sensing):
+        hidden = Hidden(tuple(truths), outside, nearly)
+        if sane(robot, runs, hidden, sensing):
             break
     folder = out / "cases" / case.name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    entries = _write_runs(robot, runs, [p for p, _, _ in plants], sensing, folder, rng)
+    plants = [hidden.plant(robot, run)[0] for run in runs]
+    entries = _write_runs(robot, runs, plants, sensing, folder, rng)
     scenario = _scenario(case, robot, sensing, entries)
     (folder / "robot.urdf").write_text(robot.urdf())
     for load in {r.load for r in runs} - {1.0}:
         (folder / f"robot_load_{load:g}.urdf").write_text(robot.urdf(load))
     (folder / "scenario.yaml").write_text(yaml.safe_dump(scenario, sort_keys=False, allow_unicode=True))
-    told: list[Planted] = plants[0][1]
-    seen = []
-    for t in truths:
-        alone = _plant(robot, runs[0], [t], None)[0]
-        motion = _perform(alone, robot, runs[0], _command(robot, runs[0], sensing), None)
-        seen.append(round(visibility(robot, alone, motion, clean[0], sensing), 2))
+    _, told, other = hidden.plant(robot, runs[0])
+
+    def seen(alone: Hidden) -> float:
+        return round(visibility(robot, *moved(robot, runs[0], alone, sensing), clean[0], sensing), 2)
+
+    uneven = [] if nearly is None else imperfect(robot.plant(), robot, nearly)
     truth = {
         "case": case.name,
         "kind": case.kind,
         "robot": case.robot,
         "truth": [
-            {**asdict(x), "size": t[2], "visibility": v, "twins": planted.twins(x, robot)}
-            for x, t, v in zip(told, truths, seen, strict=True)
+            {**asdict(x), "size": t.size, "visibility": seen(Hidden((t,))), "twins": planted.twins(x, robot)}
+            | ({} if nearly is None else {"twins": planted.twins(x, robot) + _as_it_is(x, robot)})
+            for x, t in zip(told, truths, strict=True)
         ],
-        "outside": plants[0][2],
+        "outside": other,
         "tolerated": [["velocity_filter", j] for j in [*robot.joints, "*"]] if sensing.velocity == "difference" else [],
-        "laws": _laws(robot, runs, nearly, clean, sensing),
+        "laws": "exact" if nearly is None else {"visibility": seen(Hidden(nearly=nearly)), "joints": uneven},
+        "besides": [] if nearly is None else besides(uneven),
         "sensing": asdict(sensing),
         "joints": robot.joints,
     }
@@ -181,47 +111,39 @@ def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     return truth
 
 
-def _laws(robot: Robot, runs: list[Run], nearly: int | None, clean: list[Motion], sensing: Sensing):
-    """What keeps the laws nearly right, and how far it alone moves the recordings."""
-    if nearly is None:
-        return "exact"
-    plant = _plant(robot, runs[0], [], None)[0]
-    told = imperfect(plant, robot, nearly)
-    robot.bristles(plant)
-    motion = _perform(plant, robot, runs[0], _command(robot, runs[0], sensing), None)
-    return {"visibility": round(visibility(robot, plant, motion, clean[0], sensing), 2), "joints": told}
+def _as_it_is(truth: planted.Planted, robot: Robot) -> list[list[str]]:
+    """Dry friction of a machine whose friction differs by direction is named no worse in the richer form."""
+    joints = robot.joints if truth.target == "*" else [truth.target]
+    return [["direction_friction", j] for j in joints] if truth.effect == "coulomb_friction" else []
 
 
-def _sized(case: Case, robot: Robot, runs: list[Run], clean: list[Motion], sensing: Sensing, rng: np.random.Generator):
+def _truths(
+    case: Case,
+    robot: Robot,
+    runs: list[Run],
+    clean: list[Motion],
+    sensing: Sensing,
+    nearly: int | None,
+    rng: np.random.Generator,
+) -> list[Truth]:
     """Where each effect sits and its size, made larger until the recordings show it."""
-    truths = []
+    least = limits(robot, runs, clean, sensing, nearly)
+    n, truths = len(robot.joints), []
     for effect, size in case.effects:
-        j = int(rng.integers(len(robot.joints)))
-        s = int(rng.integers(2**31))
         full = size * (2.0 if case.family == "half" else 1.0)
-        loud = replace(sensing, effort=True)
-        for _ in range(5):
-            seen = 0.0
-            for run, base in zip(runs, clean, strict=True):
-                plant, _, _ = _plant(robot, run, [(effect, j, full, s)], None)
-                motion = _perform(plant, robot, run, _command(robot, run, sensing), None)
-                seen = max(seen, visibility(robot, plant, motion, base, loud))
-                if seen > VISIBLE:
-                    break
-            if seen > VISIBLE:
-                break
-            full *= 1.4
-        truths.append((effect, j, full * (0.5 if case.family == "half" else 1.0), s))
+        if case.family != "several":
+            places: list[int | None] = [int(rng.integers(n))]
+        else:
+            places = [None] if effect in case.shared and n > 1 else list(range(n))
+        for place in places:
+            truth, shown = sized(
+                Truth(effect, place, full, int(rng.integers(2**31))), robot, runs, clean, sensing, least
+            )
+            if case.family == "half":
+                truth = replace(truth, size=0.5 * truth.size)
+            if shown or case.family != "several":  # a vertical joint does not feel an offset
+                truths.append(truth)
     return truths
-
-
-def _sane(robot: Robot, runs: list[Run], plants: list[Any], sensing: Sensing) -> bool:
-    """Whether every motion stays within the joint's range."""
-    for run, (plant, _, _) in zip(runs, plants, strict=True):
-        motion = _perform(plant, robot, run, _command(robot, run, sensing), None)
-        if not np.all(np.isfinite(motion.reading)) or np.abs(motion.reading).max() > 3.0:
-            return False
-    return True
 
 
 def _write_runs(
@@ -235,9 +157,9 @@ def _write_runs(
         for repetition in range(run.repetitions):
             stem = f"{run.motion}_{names[run.motion]}" + (f"_rep{repetition + 1}" if run.repetitions > 1 else "")
             entries.append(_entry(robot, run, stem))
-            sent = clock(_command(robot, run, sensing), sensing, rng)
+            sent = clock(command(robot, run, sensing), sensing, rng)
             noise = disturbance(robot, sensing, run.length + 1.6, rng)
-            motion = _perform(plant, robot, run, sent, noise)
+            motion = perform(plant, run, sent, noise)
             taken: Recording = record(plant, robot, motion, sent, sensing, int(rng.integers(2**31)))
             if len(robot.joints) == 1:
                 write_csv(taken, folder / f"{stem}.csv")

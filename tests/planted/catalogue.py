@@ -3,8 +3,10 @@
 import zlib
 from dataclasses import dataclass, field, replace
 
+import firmware
 import numpy as np
 import planted
+from outside import OUTSIDE
 from recorder import Sensing
 from robots import BUILDERS, ONE_JOINT, TWO_LINKS
 
@@ -20,11 +22,27 @@ FAMILIES = (
     ("velocity_filter",),
 )
 """Effects of one family do much the same; several at once are taken from several families."""
-COUNTS = {"single": 78, "half": 44, "pair": 30, "triple": 12, "nothing": 24, "outside": 20}
-COUNTS |= {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
-COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12}
+SEVERAL = (
+    ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "direction_friction"),
+    ("viscous_friction",),
+    ("torque_constant", "controller_gain"),
+    ("joint_offset", "cable_spring"),
+    ("backlash", "joint_compliance"),
+    ("rotor_inertia",),
+    ("command_delay",),
+)
+"""What a robot lacks at every joint at once: one of each family at most."""
+SHARED = {"command_delay": 0.8, "torque_constant": 0.6, "controller_gain": 0.6, "joint_offset": 0.0}
+"""How often one value holds for all joints, where the same servo sits in each; of other effects, `SHARED_ELSE`."""
+SHARED_ELSE = 0.4
+ORDINARY = {"single": 78, "half": 44, "pair": 30, "triple": 12, "nothing": 24, "outside": 20, "several": 15}
 NEARLY = "nearly_"
 """Kinds of this prefix plant the same as without it, on machines whose laws are only nearly right."""
+FIRMWARE = {"single": 24, "half": 12, "nearly_single": 12, "nearly_half": 12}
+"""So many of a kind, behind the others, have effects of firmware and fittings."""
+COUNTS = ORDINARY | {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
+COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12, "nearly_several": 15}
+COUNTS |= {kind: COUNTS[kind] + more for kind, more in FIRMWARE.items()}
 
 
 @dataclass(frozen=True)
@@ -35,7 +53,8 @@ class Case:
         name: of its folder.
         kind: one of `COUNTS`.
         robot: one of `robots.BUILDERS`.
-        effects: (effect, size) each; their joints are drawn.
+        effects: (effect, size) each; their joints are drawn, or are all of them (`several`).
+        shared: effects that have one value for all joints.
         outside: a truth that is no effect, or empty.
         sensing: the recorder.
     """
@@ -44,6 +63,7 @@ class Case:
     kind: str
     robot: str
     effects: tuple[tuple[str, float], ...] = ()
+    shared: frozenset[str] = frozenset()
     outside: str = ""
     sensing: Sensing = field(default_factory=Sensing)
 
@@ -65,16 +85,9 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
     count, family = COUNTS[kind], kind.removeprefix(NEARLY)
     cases: list[Case] = []
     if family in ("single", "half"):
-        turn = 0
-        while len(cases) < count:
-            for i, effect in enumerate(rng.permutation(list(planted.EFFECTS))):
-                robot = kinds[(i + turn) % len(kinds)]
-                while not _sits(effect, robot):
-                    robot = kinds[int(rng.integers(len(kinds)))]
-                size = (1.0, 1.5, 0.7)[turn % 3] * (0.5 if family == "half" else 1.0)
-                sensing = Sensing(rate=100.0, effort=False) if family == "half" else Sensing()
-                cases.append(_named(len(cases), kind, robot, ((str(effect), size),), sensing))
-            turn += 1
+        more = FIRMWARE[kind]
+        cases = _singles(kind, list(planted.EFFECTS), 0, count - more, rng)
+        cases += _singles(kind, list(firmware.EFFECTS), count - more, count, rng)
     elif family in ("pair", "triple"):
         for k in range(count):
             robot = kinds[k % 4]
@@ -97,17 +110,44 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
                 velocity="difference" if k % 8 == 5 else "measured",
             )
             cases.append(_named(k, kind, kinds[k % 5], (), sensing))
+    elif family == "outside":
+        for k in range(count):
+            robot = kinds[(k + k // 4) % 4]
+            cases.append(replace(_named(k, kind, robot, (), Sensing()), outside=list(OUTSIDE)[k % 4]))
     else:
         for k in range(count):
-            outside = list(planted.OUTSIDE)[k % 4]
-            robot = kinds[(k + k // 4) % 4]
-            cases.append(replace(_named(k, kind, robot, (), Sensing()), outside=outside))
-    return cases[:count]
+            cases.append(_several(k, kind, ("planar", "arm", "pendulum", "skew", "arm")[k % 5], rng))
+    return cases
+
+
+def _singles(kind: str, effects: list[str], first: int, last: int, rng: np.random.Generator) -> list[Case]:
+    """Cases with one effect each, numbered from `first` to before `last`."""
+    cases: list[Case] = []
+    turn, half = 0, kind.endswith("half")
+    kinds = [*ONE_JOINT[:2], *TWO_LINKS, ONE_JOINT[2]]
+    while len(cases) < last - first:
+        for i, effect in enumerate(rng.permutation(effects)):
+            robot = kinds[(i + turn) % len(kinds)]
+            while not _sits(effect, robot):
+                robot = kinds[int(rng.integers(len(kinds)))]
+            size = (1.0, 1.5, 0.7)[turn % 3] * (0.5 if half else 1.0)
+            sensing = Sensing(rate=100.0, effort=False) if half else Sensing()
+            cases.append(_named(first + len(cases), kind, robot, ((str(effect), size),), sensing))
+        turn += 1
+    return cases[: last - first]
+
+
+def _several(k: int, kind: str, robot: str, rng: np.random.Generator) -> Case:
+    """Three to five effects at every joint."""
+    families = sorted(rng.permutation(len(SEVERAL))[: int(rng.integers(3, 6))])
+    chosen = [str(rng.choice(SEVERAL[f])) for f in families]
+    shared = frozenset(e for e in chosen if rng.random() < SHARED.get(e, SHARED_ELSE))
+    return replace(_named(k, kind, robot, tuple((e, 1.0) for e in chosen), Sensing()), shared=shared)
 
 
 def _named(k: int, kind: str, robot: str, effects: tuple[tuple[str, float], ...], sensing: Sensing) -> Case:
     """A case whose name tells nothing about its truth."""
-    return Case(f"{kind}_{k:03d}_{robot}", kind, robot, effects, "", sensing)
+    return Case(f"{kind}_{k:03d}_{robot}", kind, robot, effects, sensing=sensing)
 
 
 def _sits(effect: str, robot: str) -> bool:

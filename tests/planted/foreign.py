@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 import numba
 import numpy as np
 from chain import Array, Chain, inverse_dynamics
-from drivetrain import OVER_SUPPLY, hold_commands, joint_efforts
+from drivetrain import at_rest, joint_efforts
 from numpy.typing import NDArray
+from servo import BALANCE, take_commands
 
 STEP = 20e-6
 EVERY = 10
@@ -25,7 +26,7 @@ class Foreign:
         chain: the bodies.
         drive: Shape (n,) of `DRIVE`.
         sag: resistance of the supply that all servos share [Ω].
-        sag_law: `drivetrain.OVER_SUPPLY` or `drivetrain.ONE_WAY`.
+        sag_law: `servo.BALANCE` or `servo.ONE_WAY`.
         velocity_time, velocity_scale: the reported velocity's low-pass [s] and scale. Shape (n,).
         dropout: joint, start and end [s] of a motor that does not pull; joint -1 is none.
         push: effort [N·m], period [s] and width [s] of a push on each joint. Shape (n, 3).
@@ -34,7 +35,7 @@ class Foreign:
     chain: Chain
     drive: NDArray[np.void]
     sag: float = 0.0
-    sag_law: int = OVER_SUPPLY
+    sag_law: int = BALANCE
     velocity_time: Array = field(default_factory=lambda: np.zeros(0))
     velocity_scale: Array = field(default_factory=lambda: np.zeros(0))
     dropout: tuple[int, float, float] = (-1, 0.0, 0.0)
@@ -104,6 +105,7 @@ def simulate(
     _run(
         *plant.chain.arrays(),
         drive,
+        at_rest(start.astype(float), command[0]),
         plant.sag,
         plant.sag_law,
         times + settle,
@@ -143,26 +145,20 @@ def _solve(M, b, n):
 @numba.njit(cache=True)
 def _run(
     prismatic, axis, origin, turn, mass, com, inertia, gravity,
-    drive, sag, sag_law, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
+    drive, state, sag, law, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
     q, settle, h, steps, out,
 ):  # fmt: skip
     n = mass.size
-    w = np.zeros(n)
-    rotor, rotor_w = q.copy(), np.zeros(n)  # of joints with two masses
-    z, integral, through = np.zeros(n), np.zeros(n), np.zeros(n)
-    link_torque = np.zeros(n)  # what the transmission gives to the link
-    pointer, live = np.zeros(n, np.int64), np.ones(n, np.bool_)
-    held, fresh, feed = command[0].copy(), np.full(n, -1.0), np.zeros(n)
-    motor, applied, noise = np.zeros(n), np.zeros(n), np.zeros(n)
+    w, noise = np.zeros(n), np.zeros(n)
     R, wrench = np.zeros((n, 3, 3)), np.zeros((n, 6))
     M, bias, column, unit, still = np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n)
     calm = np.zeros(3)
     bus = drive[0].supply
     for step in range(steps + 1):
         t = step * h
-        hold_commands(drive, times, command, enabled, t, pointer, held, fresh, feed, live)
+        take_commands(drive, state, times, command, enabled, t, settle, h)
         if out_joint >= 0 and out_off <= t < out_on:
-            live[out_joint] = False
+            state[out_joint].live = 0
         place = min(t / 1e-3, disturbance.shape[0] - 1.001)
         cell = int(place)
         for j in range(n):
@@ -173,17 +169,14 @@ def _run(
             k = step // EVERY
             for j in range(n):
                 soft = drive[j].stiffness > 0.0
-                out[0, k, j] = (rotor[j] if soft else q[j]) - drive[j].offset
-                out[1, k, j] = rotor_w[j] if soft else w[j]
+                out[0, k, j] = (state[j].rotor if soft else q[j]) - drive[j].offset
+                out[1, k, j] = state[j].rotor_w if soft else w[j]
                 out[3, k, j] = q[j]
-        bus = joint_efforts(
-            drive, sag, sag_law, bus, held, feed, live, noise, t - settle, h,
-            q, w, rotor, rotor_w, z, integral, through, link_torque, motor, applied,
-        )  # fmt: skip
-        if step % EVERY == 0:
-            out[2, step // EVERY] = motor
+        bus = joint_efforts(drive, state, sag, law, bus, noise, t - settle, h, q, w)
         inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, gravity, q, w, still, R, wrench, bias)
         for j in range(n):
+            if step % EVERY == 0:
+                out[2, step // EVERY, j] = state[j].motor
             unit[j] = 1.0
             inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, calm, q, still, unit, R, wrench, column)
             unit[j] = 0.0
@@ -191,11 +184,11 @@ def _run(
                 M[i, j] = column[i]
             if not (drive[j].backlash > 0.0 or drive[j].stiffness > 0.0):
                 M[j, j] += drive[j].armature
-            bias[j] = applied[j] - bias[j]
+            bias[j] = state[j].applied - bias[j]
         _solve(M, bias, n)
         for j in range(n):
             d = drive[j]
             if not (d.backlash > 0.0 or d.stiffness > 0.0):
-                link_torque[j] = applied[j] - d.armature * bias[j]
+                state[j].link = state[j].applied - d.armature * bias[j]
             w[j] += h * bias[j]
             q[j] += h * w[j]

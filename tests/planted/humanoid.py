@@ -15,6 +15,7 @@ from chain import Chain
 from drivetrain import drives
 from foreign import Foreign, Motion
 from motions import Command
+from outside import OUTSIDE
 from planted import Planted
 from recorder import Sensing, clock, disturbance, record, reported_velocity, write_bag
 from robots import Link, Robot, _rounded
@@ -203,7 +204,7 @@ def generate(plan: Plan, out: Path, seed: int = 1) -> dict[str, Any]:
     other = None
     if plan.outside:
         j = robot.joints.index("left_shoulder_pitch" if plan.outside == "push" else "right_elbow")
-        other = planted.OUTSIDE[plan.outside](h.plant, robot, j, np.random.default_rng(inner[-1]))
+        other = OUTSIDE[plan.outside](h.plant, robot, j, np.random.default_rng(inner[-1]))
     robot.bristles(h.plant)
     folder = out / "cases" / plan.name
     shutil.rmtree(folder, ignore_errors=True)

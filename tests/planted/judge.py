@@ -1,27 +1,36 @@
-"""The judge: scores a diagnosis against its sealed truth by the rules of DESIGN.md.
+"""The judge: scores a diagnosis against its sealed truth by the rules of DESIGN.md."""
 
-A name is right where effect and target are the truth's, where the truth stands among the first three of the named
-effect's `cannot_tell_from`, or where the named effect is an exact twin of the truth that stands before it in the table.
-"""
-
-import fnmatch
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matching import is_right, match, same, spread
+from same_law import as_told
 
-LISTED = 3
-"""So many of `cannot_tell_from` count."""
-SHAPES = ("phase", "exponent", "static_coefficient", "velocity")
+SHAPES = ("phase", "static_coefficient", "velocity", "acceleration", "beyond", "share", "rest", "damping")
 """Parameters without a size of their own: their error is not counted."""
+BENT = ("stribeck_friction", "load_dependent_friction")
+"""Laws whose exponent is a shape too."""
+UNNAMED = "effort_map"
+"""A shape under no law's name: right where what is missing is outside the list."""
+VARIABLES = {"position": "angle", "velocity": "speed"}
+TURN = 2 * np.pi
 VECTORS = {"center_of_mass": ("x", "y", "z"), "base_tilt": ("roll", "pitch")}
 
 
 @dataclass(frozen=True)
 class Score:
-    """The score of one case; `None` where a rule does not apply."""
+    """The score of one case; `None` where a rule does not apply.
+
+    Attributes:
+        listed, unlisted: truths among the named effects and all that these cannot be told from, and those that are not.
+        fitted, covered: parameters of right names with a 95 % interval, and those whose interval holds the truth.
+        besides: wrong names that are true of the machine, but only what keeps its laws nearly right.
+        truths, names, names_right: counted at each joint.
+        variables_right: outside the list: whether an unnamed effort depends on the right variables.
+    """
 
     case: str
     kind: str
@@ -38,42 +47,15 @@ class Score:
     held_out_before: float | None
     held_out_after: float | None
     gap_removed: float | None
-
-
-def places(target: Any, joints: list[str]) -> frozenset[str]:
-    """What a target means: the joints that its patterns match, or its own name for a link, the base or the ground."""
-    patterns = [target] if isinstance(target, str) else [str(x) for x in target]
-    matched = [j for j in joints if any(fnmatch.fnmatchcase(j, p) for p in patterns)]
-    return frozenset(matched or patterns)
-
-
-def same(named: dict[str, Any], effect: str, target: Any, joints: list[str]) -> bool:
-    """Whether a name is an effect at a target."""
-    return named["effect"] == effect and places(named["target"], joints) == places(target, joints)
-
-
-def is_right(finding: dict[str, Any], truth: dict[str, Any], joints: list[str]) -> bool:
-    """Whether a finding counts as the truth."""
-    names = [finding, *finding.get("cannot_tell_from", [])[:LISTED]]
-    if any(same(n, truth["effect"], truth["target"], joints) for n in names):
-        return True
-    return any(same(finding, effect, target, joints) for effect, target in truth["twins"])
-
-
-def match(findings: list[dict[str, Any]], truths: list[dict[str, Any]], joints: list[str]) -> list[int | None]:
-    """The truth that each finding stands for, each at most once: plain names before alternatives."""
-    out: list[int | None] = [None] * len(findings)
-    left = set(range(len(truths)))
-    for plain in (True, False):
-        for i, finding in enumerate(findings):
-            for k in sorted(left) if out[i] is None else []:
-                t = truths[k]
-                ok = same(finding, t["effect"], t["target"], joints) if plain else is_right(finding, t, joints)
-                if ok:
-                    out[i] = k
-                    left.discard(k)
-                    break
-    return out
+    listed: int
+    unlisted: int
+    fitted: int
+    covered: int
+    besides: int
+    truths: int
+    names: int
+    names_right: int
+    variables_right: bool | None
 
 
 def parameter_error(finding: dict[str, Any], truth: dict[str, Any]) -> float | None:
@@ -86,10 +68,43 @@ def parameter_error(finding: dict[str, Any], truth: dict[str, Any]) -> float | N
         names = VECTORS[truth["effect"]]
         apart = np.array([told.get(k, 0.0) - true.get(k, 0.0) for k in names])
         return float(np.linalg.norm(apart) / np.linalg.norm([true.get(k, 0.0) for k in names]))
-    names = tuple(k for k in true if k not in SHAPES and true[k] != 0)
+    names = tuple(k for k in true if not _shape(truth["effect"], k) and true[k] != 0)
     if any(k not in told for k in names):
         return float("inf")
     return float(np.mean([abs(told[k] - true[k]) / abs(true[k]) for k in names])) if names else None
+
+
+def _shape(effect: str, parameter: str) -> bool:
+    return (parameter in SHAPES and effect != "motor_braking") or (parameter == "exponent" and effect in BENT)
+
+
+def coverage(finding: dict[str, Any], truth: dict[str, Any]) -> tuple[int, int]:
+    """Fitted parameters of a right name, and those whose interval holds the truth; a shape that is held is not fitted.
+
+    A phase is the same one turn on.
+    """
+    fitted = covered = 0
+    if finding["effect"] != truth["effect"]:
+        return 0, 0
+    for name, told in finding["parameters"].items():
+        if name not in truth["parameters"] or told.get("low") is None or told.get("high") is None:
+            continue
+        low, high, true = float(told["low"]), float(told["high"]), float(truth["parameters"][name])
+        if low == high and (_shape(truth["effect"], name) or name == "periods"):
+            continue
+        around = [true + k * TURN for k in (-2, -1, 0, 1, 2)] if name == "phase" else [true]
+        fitted += 1
+        covered += any(low <= x <= high for x in around)
+    return fitted, covered
+
+
+def variables(findings: list[dict[str, Any]], outside: dict[str, Any]) -> bool | None:
+    """Whether an unnamed effort was found that depends on what the planted one depends on, and on nothing else."""
+    if "variables" not in outside:
+        return None
+    told = [f.get("variables") or f["parameters"]["variables"] for f in findings if f["effect"] == UNNAMED]
+    told = [t["value"] if isinstance(t, dict) else t for t in told]
+    return bool(told) and all(sorted(t) == sorted(VARIABLES[v] for v in outside["variables"]) for t in told)
 
 
 def judge(truth: dict[str, Any], diagnosis: dict[str, Any] | None) -> Score:
@@ -98,10 +113,27 @@ def judge(truth: dict[str, Any], diagnosis: dict[str, Any] | None) -> Score:
     failed = diagnosis is None
     found = [] if diagnosis is None else list(diagnosis["findings"])
     tolerated = [f for f in found if any(same(f, e, t, joints) for e, t in truth["tolerated"])]
-    findings = [f for f in found if f not in tolerated]
+    if truth["outside"]:
+        tolerated += [f for f in found if f["effect"] == UNNAMED]
+    findings = as_told([f for f in found if f not in tolerated], truths)
+    at_places, truths_there = spread(findings, joints), spread(truths, joints)
+    right = sum(m is not None for m in match(at_places, truths_there, joints))
+    if truth["kind"].endswith("several"):
+        findings, truths = at_places, truths_there
     matched = match(findings, truths, joints)
     wrong, missed = matched.count(None), len(truths) - sum(m is not None for m in matched)
     errors = [parameter_error(f, truths[m]) for f, m in zip(findings, matched, strict=True) if m is not None]
+    held = [coverage(f, truths[m]) for f, m in zip(findings, matched, strict=True) if m is not None]
+    words = [n for f in findings for n in (f, *f.get("cannot_tell_from", []))]
+    listed = sum(
+        any(same(n, t["effect"], t["target"], joints) for n in words)
+        or any(same(n, e, place, joints) for n in words for e, place in t["twins"])
+        for t in truths
+    )
+    besides = sum(
+        m is None and any(same(f, e, place, joints) for e, place in truth.get("besides", []))
+        for f, m in zip(findings, matched, strict=True)
+    )
     known = [e for e in errors if e is not None]
     gap = (diagnosis or {}).get("gap", {}).get("held_out") or {}
     before, after = gap.get("before"), gap.get("after")
@@ -115,7 +147,7 @@ def judge(truth: dict[str, Any], diagnosis: dict[str, Any] | None) -> Score:
         truth["case"],
         truth["kind"],
         truth["robot"],
-        "; ".join(f"{t['effect']} @ {t['target']}" for t in truths)
+        "; ".join(f"{t['effect']} @ {t['target']}" for t in truth["truth"])
         or (truth["outside"]["what"] if truth["outside"] else "nothing"),
         "; ".join(f"{f['effect']} @ {_shown(f['target'])}" for f in found),
         "failed" if diagnosis is None else str(diagnosis["verdict"]),
@@ -128,6 +160,15 @@ def judge(truth: dict[str, Any], diagnosis: dict[str, Any] | None) -> Score:
         before,
         after,
         removed,
+        listed,
+        len(truths) - listed,
+        sum(f for f, _ in held),
+        sum(c for _, c in held),
+        besides,
+        len(truths_there),
+        len(at_places),
+        right,
+        variables(found, truth["outside"] or {}),
     )
 
 

@@ -1,19 +1,15 @@
-"""What is planted: every effect of DESIGN.md on a foreign plant, and truths outside the list.
+"""What is planted: every effect of DESIGN.md on a foreign plant. Those of firmware and fittings are in `firmware`.
 
 Parameters are totals, as in DESIGN.md. `size` scales the departure from the model: 1 is plain, 0.5 is half of it.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
+import firmware
 import numpy as np
+from draws import Plant, Rng, Values, factor, sign
 from foreign import Foreign
 from robots import Robot, _rounded
-
-Rng = np.random.Generator
-Values = dict[str, float]
-Plant = Callable[[Foreign, Robot, int, float, Rng], Values]
 
 TABLE = (
     "coulomb_friction",
@@ -40,6 +36,19 @@ TABLE = (
     "ground_friction",
     "soft_ground",
     "velocity_filter",
+    "payload",
+    "dead_band",
+    "joint_stop",
+    "command_profile",
+    "effort_limit",
+    "direction_friction",
+    "friction_ripple",
+    "cable_spring",
+    "motor_braking",
+    "current_lag",
+    "gain_law",
+    "servo_rate",
+    "effort_map",
 )
 """The effects in the order of DESIGN.md's table: among exact twins the first is named."""
 
@@ -51,15 +60,6 @@ class Planted:
     effect: str
     target: str
     parameters: Values
-
-
-def _sign(rng: Rng) -> float:
-    return 1.0 if rng.random() < 0.5 else -1.0
-
-
-def _factor(rng: Rng, size: float) -> float:
-    """A wrong value in the model: 18 to 30 per cent off at size 1."""
-    return max(0.4, 1.0 + _sign(rng) * rng.uniform(0.18, 0.30) * size)
 
 
 def coulomb_friction(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
@@ -117,7 +117,7 @@ def rotor_inertia(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values
 
 def _wrong(name: str) -> Plant:
     def plant(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
-        total = _rounded(p.drive[name][j] * _factor(rng, size))
+        total = _rounded(p.drive[name][j] * factor(rng, size))
         p.drive[name][j] = total
         return {name: total}
 
@@ -125,14 +125,14 @@ def _wrong(name: str) -> Plant:
 
 
 def supply_voltage(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
-    total = _rounded(p.drive["supply"][0] * _factor(rng, size))
+    total = _rounded(p.drive["supply"][0] * factor(rng, size))
     p.drive["supply"] = total  # all servos hang on it
     return {"supply": total}
 
 
 def controller_gain(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
     name = "kp" if r.servo["kind"] == "pid" else "gain"
-    total = _rounded(p.drive[name][j] * _factor(rng, size))
+    total = _rounded(p.drive[name][j] * factor(rng, size))
     p.drive[name][j] = total
     return {"gain": total}
 
@@ -158,7 +158,7 @@ def command_delay(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values
 
 
 def joint_offset(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
-    angle = _rounded(_sign(rng) * size * rng.uniform(0.05, 0.12))
+    angle = _rounded(sign(rng) * size * rng.uniform(0.05, 0.12))
     p.drive["offset"][j] = angle
     return {"angle": angle}
 
@@ -178,13 +178,13 @@ def motor_heating(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values
 
 
 def constant_effort(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
-    effort = _rounded(_sign(rng) * size * rng.uniform(0.08, 0.18) * r.torque[j])
+    effort = _rounded(sign(rng) * size * rng.uniform(0.08, 0.18) * r.torque[j])
     p.drive["constant"][j] = effort
     return {"effort": effort}
 
 
 def link_mass(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
-    total = _rounded(p.chain.mass[j] * _factor(rng, size))
+    total = _rounded(p.chain.mass[j] * factor(rng, size))
     p.chain.mass[j] = total
     return {"mass": total}
 
@@ -193,8 +193,8 @@ def center_of_mass(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Value
     """Along the link by some of its length, and to a side that its joint feels."""
     length = r.links[j].length
     com = p.chain.com[j].copy()
-    com[2] += _sign(rng) * size * rng.uniform(0.10, 0.18) * length
-    com[0] += _sign(rng) * size * rng.uniform(0.05, 0.10) * length
+    com[2] += sign(rng) * size * rng.uniform(0.10, 0.18) * length
+    com[0] += sign(rng) * size * rng.uniform(0.05, 0.10) * length
     p.chain.com[j] = _rounded(com)
     return dict(zip("xyz", map(float, p.chain.com[j]), strict=True))
 
@@ -207,10 +207,10 @@ def link_inertia(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
 
 def base_tilt(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
     """About the first joint's axis, and about the other horizontal one where a second joint feels it."""
-    pitch = _rounded(_sign(rng) * size * rng.uniform(0.05, 0.12))
+    pitch = _rounded(sign(rng) * size * rng.uniform(0.05, 0.12))
     roll = 0.0
     if r.kind == "skew" and rng.random() < 0.7:
-        roll = _rounded(_sign(rng) * size * rng.uniform(0.08, 0.15))
+        roll = _rounded(sign(rng) * size * rng.uniform(0.08, 0.15))
         pitch = pitch if rng.random() < 0.5 else 0.0
     x = np.array([[1, 0, 0], [0, np.cos(roll), -np.sin(roll)], [0, np.sin(roll), np.cos(roll)]])
     y = np.array([[np.cos(pitch), 0, np.sin(pitch)], [0, 1, 0], [-np.sin(pitch), 0, np.cos(pitch)]])
@@ -248,9 +248,11 @@ EFFECTS: dict[str, Plant] = {
     "base_tilt": base_tilt,
     "velocity_filter": velocity_filter,
 }
-BODY = ("link_mass", "center_of_mass", "link_inertia")
+"""Laws of bodies, motors and friction."""
+EVERY = {**EFFECTS, **firmware.EFFECTS}
+BODY = ("link_mass", "center_of_mass", "link_inertia", "payload")
 SUPPLY = ("supply_voltage", "voltage_sag")
-MOTOR = ("torque_constant", "motor_heating", *SUPPLY)
+MOTOR = ("torque_constant", "motor_heating", "motor_braking", *SUPPLY)
 
 
 UNSEEN_BEHIND_A_VELOCITY_LOOP = (
@@ -261,6 +263,10 @@ UNSEEN_BEHIND_A_VELOCITY_LOOP = (
     "link_inertia",
     "joint_compliance",
     "torque_speed_limit",
+    "payload",
+    "effort_limit",
+    "current_lag",
+    "gain_law",
 )
 """On a horizontal linear drive: it has no gravity and no duty, and its loop hides the rest."""
 
@@ -268,6 +274,8 @@ UNSEEN_BEHIND_A_VELOCITY_LOOP = (
 def fits(effect: str, robot: Robot) -> bool:
     """Whether an effect can sit on a robot and be seen there."""
     kind = robot.servo["kind"]
+    if effect == "motor_braking" and len(robot.joints) > 1:
+        return False  # nobody lets an arm fall onto itself
     if kind == "cascade":
         return effect not in (*MOTOR, *UNSEEN_BEHIND_A_VELOCITY_LOOP)
     return kind == "dc" or effect not in MOTOR
@@ -286,8 +294,18 @@ def target_of(effect: str, robot: Robot, j: int) -> str:
 
 def plant(effect: str, plant_: Foreign, robot: Robot, j: int, size: float, rng: Rng) -> Planted:
     """Plant one effect and tell its truth."""
-    values = EFFECTS[effect](plant_, robot, j, size, rng)
+    values = EVERY[effect](plant_, robot, j, size, rng)
     return Planted(effect, target_of(effect, robot, j), {k: float(v) for k, v in values.items()})
+
+
+def plant_everywhere(effect: str, plant_: Foreign, robot: Robot, size: float, seed: int) -> Planted:
+    """Plant one effect with the same values at every joint, of the size that suits their mean."""
+    n = len(robot.joints)
+    typical = {k: np.full(n, np.mean(getattr(robot, k))) for k in ("torque", "speed", "peak", "fastest")}
+    mean, values = replace(robot, **typical), {}
+    for j in range(n):
+        values = EVERY[effect](plant_, mean, j, size, np.random.default_rng(seed))
+    return Planted(effect, "*", {k: float(v) for k, v in values.items()})
 
 
 def twins(truth: Planted, robot: Robot) -> list[list[str]]:
@@ -305,33 +323,3 @@ def twins(truth: Planted, robot: Robot) -> list[list[str]]:
         if truth.effect == "base_tilt" and not truth.parameters["roll"]:
             out = [["joint_offset", first]]
     return out
-
-
-# Outside the list: what no effect explains. Each returns words for the truth file.
-
-
-def dropout(p: Foreign, r: Robot, j: int, rng: Rng) -> dict[str, Any]:
-    start = rng.uniform(1.0, 2.2)
-    p.dropout = (j, start, start + rng.uniform(0.25, 0.5))
-    return {"what": "a motor drops out", "joint": r.joints[j], "from": p.dropout[1], "to": p.dropout[2]}
-
-
-def push(p: Foreign, r: Robot, j: int, rng: Rng) -> dict[str, Any]:
-    p.push = np.zeros((len(r.joints), 3))
-    period, width = rng.uniform(0.5, 0.9), rng.uniform(0.06, 0.15)
-    p.push[j] = (_sign(rng) * rng.uniform(0.6, 1.0) * r.torque[j], period, width)
-    return {"what": "a periodic push", "joint": r.joints[j], "period": period}
-
-
-def dead_band(p: Foreign, r: Robot, j: int, rng: Rng) -> dict[str, Any]:
-    p.drive["dead_band"][j] = rng.uniform(0.03, 0.06) * r.reach
-    return {"what": "a dead band in the controller", "joint": r.joints[j], "width": float(p.drive["dead_band"][j])}
-
-
-def joint_stop(p: Foreign, r: Robot, j: int, rng: Rng) -> dict[str, Any]:
-    p.drive["stop"][j] = rng.uniform(0.3, 0.5) * r.reach
-    p.drive["stop_stiffness"][j] = 100.0 * r.peak[j] / r.reach
-    return {"what": "an unmodelled joint stop", "joint": r.joints[j], "angle": float(p.drive["stop"][j])}
-
-
-OUTSIDE = {"dropout": dropout, "push": push, "dead_band": dead_band, "joint_stop": joint_stop}

@@ -8,6 +8,7 @@ import drivetrain
 import foreign
 import numpy as np
 from chain import GRAVITY, Chain
+from servo import CASCADE, DC, PID
 
 QUANTUM = 2 * np.pi / 4096
 
@@ -79,12 +80,12 @@ class Robot:
             inertia,
         )
         drive = drivetrain.drives(n)
-        kinds = {"dc": drivetrain.DC, "pid": drivetrain.PID, "cascade": drivetrain.CASCADE}
+        kinds = {"dc": DC, "pid": PID, "cascade": CASCADE}
         drive["kind"] = kinds[self.servo["kind"]]
         for key, value in self.servo.items():
             if key != "kind":
                 drive[key] = value
-        if drive["kind"][0] != drivetrain.DC:
+        if drive["kind"][0] != DC:
             drive["effort_limit"], drive["velocity_limit"] = self.limits
         drive["gain" if self.servo["kind"] != "pid" else "kp"] *= gain
         drive["coulomb"] = drive["static"] = self.friction["coulomb"]
@@ -281,12 +282,42 @@ def skew(rng: np.random.Generator) -> Robot:
     return _two(rng, "skew", np.round(axis, 9))
 
 
+def arm(rng: np.random.Generator) -> Robot:
+    """Six joints on one supply, hung from a ceiling: pan, shoulder, elbow, wrist pitch, wrist roll, tool.
+
+    The axes are those of small arms with servos such as the SO-101; the data sheet knows no friction.
+    """
+    servo, stall = _dc(rng)
+    lengths = np.array([0.06, 0.12, 0.12, 0.07, 0.05, 0.08]) * rng.uniform(0.85, 1.15)
+    shares = np.array([0.3, 0.3, 0.22, 0.14, 0.12, 0.1]) * rng.uniform(0.8, 1.2, 6)
+    links = ["pan", "upper_arm", "forearm", "wrist", "hand", "tool"]
+    # stretched out from the shoulder, the arm needs a fifth to a third of the stall torque
+    ends = np.cumsum(lengths[1:])
+    lever = float(shares[1:] @ (ends - 0.5 * lengths[1:]))
+    scale = rng.uniform(0.2, 0.33) * stall / (GRAVITY * lever)
+    aside = _rounded(rng.uniform(0.2, 0.35) * lengths[5])  # the tool is held aside, so that the wrist's roll feels it
+    bodies = [_rod(name, m * scale, length, 0.3) for name, m, length in zip(links, shares, lengths, strict=True)]
+    bodies[5].com[0] = aside
+    y, z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    return Robot(
+        "arm",
+        ["pan_joint", "shoulder_joint", "elbow_joint", "wrist_pitch", "wrist_roll", "tool_joint"],
+        bodies,
+        np.array([z, y, y, y, z, y]),
+        False,
+        servo,
+        {"coulomb": 0.0, "viscous": 0.0},
+        (_rounded(stall), _rounded(servo["supply"] / servo["torque_constant"])),
+    )
+
+
 BUILDERS: dict[str, Callable[[np.random.Generator], Robot]] = {
     "pendulum": pendulum,
     "geared": geared,
     "slide": slide,
     "planar": planar,
     "skew": skew,
+    "arm": arm,
 }
 ONE_JOINT = ("pendulum", "geared", "slide")
 TWO_LINKS = ("planar", "skew")

@@ -1,7 +1,8 @@
-"""Run the blind suite: generate the cases, diagnose each with the command, judge, and write the tables.
+"""Run the suite: generate the cases, diagnose each with the command, judge, and write the tables.
 
-    python tests/planted/run.py [--only single] [--robot pendulum] [--first 20] [--jobs 1] [--engine mujoco]
+    python tests/planted/run.py [--only single] [--robot pendulum] [--first 20] [--seed 1 --seed 6] [--generate]
 
+Of even seeds, no case is shown: what they total says whether what odd seeds taught holds for cases nobody looked into.
 Cases that are there already, and diagnoses that are done, are kept: an interrupted run goes on where it stopped.
 """
 
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import judge
@@ -27,6 +29,14 @@ def say(text: str) -> None:
     """A line on the terminal, at once."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()
+
+
+def generate(chosen: list[tuple[str, Make]], work: Path) -> None:
+    """Write the cases that are not there."""
+    for name, make in chosen:
+        if not (work / "truth" / f"{name}.json").is_file():
+            make(work)
+            say(name)
 
 
 def diagnose(name: str, make: Make, work: Path, engines: list[str], limit: float, again: bool) -> judge.Score:
@@ -50,15 +60,23 @@ def diagnose(name: str, make: Make, work: Path, engines: list[str], limit: float
     return judge.read(truth, written)
 
 
-def report(scores: list[judge.Score], work: Path, reference: Path) -> None:
-    """Write `blind.csv`, the confusion matrix and the table of goals, and show the latter."""
+def sealed(seed: int) -> bool:
+    """Whether nobody looks into the cases of a seed: of even ones only totals are told."""
+    return seed % 2 == 0
+
+
+def report(scores: list[judge.Score], seconds: dict[str, float], reference: Path, name: str, closed: bool) -> None:
+    """Write the tables of some seeds under a name, and show their totals; of sealed ones nothing else is written."""
     reference.mkdir(parents=True, exist_ok=True)
-    summary.write_scores(scores, reference / "blind.csv")
-    summary.write_confusion(scores, reference)
-    rows = summary.goals(scores, summary.read_seconds(work / "diagnoses"))
-    say("")
-    for row in [("", "goal", "reached"), *rows]:
-        say(f"{row[0]:50s} {row[1]:>8s}   {row[2]}")
+    summary.write_kinds(scores, reference / f"{name}_kinds.csv")
+    if not closed:
+        summary.write_scores(scores, reference / f"{name}.csv")
+        summary.write_confusion(scores, reference, name)
+    say(f"\n{name}: {len(scores)} cases" + (", sealed" if closed else ""))
+    for row in [("", "goal", "reached"), *summary.goals(scores, seconds)]:
+        say(f"{row[0]:52s} {row[1]:>8s}   {row[2]}")
+    for kind in summary.by_kind(scores):
+        say("; ".join(f"{k} {v}" for k, v in kind.items() if v != "-"))
 
 
 def main() -> None:
@@ -76,28 +94,31 @@ def main() -> None:
     parser.add_argument(
         "--generate", action="store_true", help="write the cases and their truths, and diagnose nothing"
     )
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, action="append", help="even ones are sealed: nobody looks into their cases")
     args = parser.parse_args()
-    work = args.work.absolute()
-    chosen = [c for kind in args.only or KINDS for c in makers(kind, args.seed, args.robot)[: args.first]]
-    if args.generate:
-        for name, make in chosen:
-            if not (work / "truth" / f"{name}.json").is_file():
-                make(work)
-                say(name)
-        return
-    if args.done:
-        chosen = [c for c in chosen if (work / "diagnoses" / c[0] / "diagnosis.json").is_file()]
-
-    def one(item: tuple[str, Make]) -> judge.Score:
-        score = diagnose(*item, work, args.engine, args.limit, args.again)
-        mark = "ok   " if score.exact else ("FAIL " if score.verdict == "failed" else "WRONG")
-        say(f"{mark} {score.case}: {score.truth} -> {score.named or 'nothing'} ({score.verdict})")
-        return score
-
-    with ThreadPoolExecutor(args.jobs) as pool:
-        scores = list(pool.map(one, chosen))
-    report(scores, work, (args.reference or work).absolute())
+    results: dict[bool, tuple[list[judge.Score], dict[str, float]]] = {}
+    for seed in args.seed or [1]:
+        work = args.work.absolute() / f"seed_{seed}"
+        work.mkdir(parents=True, exist_ok=True)
+        chosen = [c for kind in args.only or KINDS for c in makers(kind, seed, args.robot)[: args.first]]
+        if args.generate:
+            generate(chosen, work)
+            continue
+        if args.done:
+            chosen = [c for c in chosen if (work / "diagnoses" / c[0] / "diagnosis.json").is_file()]
+        closed = sealed(seed)
+        scores, seconds = results.setdefault(closed, ([], {}))
+        with ThreadPoolExecutor(args.jobs) as pool:
+            todo = [(name, make, work, args.engine, args.limit, args.again) for name, make in chosen]
+            for score in pool.map(lambda case: diagnose(*case), todo):
+                scores.append(replace(score, case=f"{seed}/{score.case}"))
+                if not closed:
+                    mark = "ok   " if score.exact else ("FAIL " if score.verdict == "failed" else "WRONG")
+                    say(f"{mark} {score.case}: {score.truth} -> {score.named or 'nothing'} ({score.verdict})")
+        seconds |= {f"{seed}/{k}": v for k, v in summary.read_seconds(work / "diagnoses").items()}
+    for closed, (scores, seconds) in sorted(results.items()):
+        name = "blind_sealed" if closed else "blind"
+        report(scores, seconds, (args.reference or args.work).absolute(), name, closed)
 
 
 if __name__ == "__main__":

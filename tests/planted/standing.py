@@ -14,6 +14,7 @@ import numba
 import numpy as np
 from foreign import Foreign, Motion
 from motions import Command
+from servo import take_commands
 
 STEP = 2e-4
 RIGID = (2e5, 150.0)
@@ -148,10 +149,7 @@ def simulate(
     _stand(model, data, feet[0], points)
     times = sent.time + settle
     q, w = data.qpos[7:], data.qvel[6:]
-    rotor, rotor_w, z, integral, through, link, motor, applied, noise = (np.zeros(n) for _ in range(9))
-    rotor[:] = q
-    pointer, live = np.zeros(n, np.int64), np.ones(n, np.bool_)
-    held, fresh, feed = sent.value[0].copy(), np.full(n, -1.0), np.zeros(n)
+    noise, state = np.zeros(n), drivetrain.at_rest(q, sent.value[0])
     anchor, touching, wrench = np.zeros((2, 4, 2)), np.zeros((2, 4), np.bool_), np.zeros((2, 6))
     rigid = np.array([not (d["backlash"] > 0 or d["stiffness"] > 0) for d in drive])
     soft = np.array([d["stiffness"] > 0 for d in drive])
@@ -161,31 +159,28 @@ def simulate(
     ground = robot.ground
     for k in range(steps + 1):
         t = k * STEP
-        drivetrain.hold_commands(drive, times, sent.value, sent.enabled, t, pointer, held, fresh, feed, live)
+        take_commands(drive, state, times, sent.value, sent.enabled, t, settle, STEP)
         if dead >= 0 and off <= t - settle < on:
-            live[dead] = False
+            state["live"][dead] = 0
         if disturbance is not None:
             noise[:] = disturbance[min(round(t / 1e-3), len(disturbance) - 1)]
         if plant.push is not None and t > settle:
             period = np.where(plant.push[:, 1] > 0, plant.push[:, 1], 1.0)
             noise += np.where((t - settle) % period < plant.push[:, 2], plant.push[:, 0], 0.0)
         mujoco.mj_step1(model, data)
-        shaft = np.where(soft, rotor, q)
-        out[0, k], out[1, k], out[3, k] = shaft - drive["offset"], np.where(soft, rotor_w, w), q
+        shaft = np.where(soft, state["rotor"], q)
+        out[0, k], out[1, k], out[3, k] = shaft - drive["offset"], np.where(soft, state["rotor_w"], w), q
         height[k] = data.qpos[2]
-        bus = drivetrain.joint_efforts(
-            drive, plant.sag, plant.sag_law, bus, held, feed, live, noise, t - settle, STEP,
-            q, w, rotor, rotor_w, z, integral, through, link, motor, applied,
-        )  # fmt: skip
-        out[2, k] = motor
-        data.qfrc_applied[6:] = applied
+        bus = drivetrain.joint_efforts(drive, state, plant.sag, plant.sag_law, bus, noise, t - settle, STEP, q, w)
+        out[2, k] = state["motor"]
+        data.qfrc_applied[6:] = state["applied"]
         _ground(
             points, data.xpos[feet], data.xmat[feet].reshape(2, 3, 3), data.xipos[feet], data.cvel[feet],
             data.subtree_com[1], ground.friction, ground.stiffness, ground.damping, anchor, touching, wrench,
         )  # fmt: skip
         data.xfrc_applied[feet] = wrench
         mujoco.mj_step2(model, data)
-        link[:] = np.where(rigid, applied - drive["armature"] * data.qacc[6:], link)
+        state["link"] = np.where(rigid, state["applied"] - drive["armature"] * data.qacc[6:], state["link"])
         if disturbance is None:
             noise[:] = 0.0
     time = np.arange(steps + 1) * STEP - settle

@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
@@ -318,3 +319,19 @@ def test_a_bag_with_a_missing_file(tmp_path, write_bag):
     shutil.move(path / "run.mcap", tmp_path / "elsewhere.mcap")
     with pytest.raises(InputError, match=r"the bag cannot be read .*missing"):
         read_recording(path, scenario(), ["a"], file=FILE)
+
+
+@pytest.mark.parametrize("suffix", ["gz", "zst"])
+@pytest.mark.parametrize("form", FORMS)
+def test_a_packed_bag_is_the_same_and_one_that_was_cut_off_is_told(form, suffix, tmp_path, write_bag):
+    path = write_bag(tmp_path / "run.bag" if form == "bag" else tmp_path / "run", form, two_joints())
+    file = path if form == "bag" else next(path.glob(f"*.{form}"))
+    packed = tmp_path / f"run.{form}.{suffix}"
+    with pa.output_stream(str(packed), compression={"gz": "gzip", "zst": "zstd"}[suffix]) as target:
+        target.write(file.read_bytes())
+    whole, again = (read_recording(p, scenario(), ["a", "b"], file=FILE) for p in (path, packed))
+    np.testing.assert_array_equal(again.trace.position, whole.trace.position)
+    np.testing.assert_array_equal(again.trace.command, whole.trace.command)
+    packed.write_bytes(packed.read_bytes()[:-20])
+    with pytest.raises(InputError, match=rf"run.{form}.{suffix}: cannot be unpacked"):
+        read_recording(packed, scenario(), ["a", "b"], file=FILE)

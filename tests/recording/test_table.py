@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow as pa
 import pytest
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
@@ -165,3 +166,90 @@ def test_files_that_are_not_tables(name, data, tmp_path):
     path.write_bytes(data)
     with pytest.raises(InputError, match=r"run\.\w+: is not a table .*expected columns with a header line"):
         read_recording(path, scenario(), ["elbow"], file=FILE)
+
+
+def rendered(frame, separator, point, *, end="", comment="", header=None):
+    """A table as text, as spreadsheets and loggers write it."""
+    rows = [separator.join(header or frame.columns) + end]
+    rows += [separator.join(repr(float(v)).replace(".", point) for v in row) + end for row in frame.to_numpy()]
+    return comment + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("separator", "point", "end", "comment"),
+    [
+        (",", ".", "", ""),
+        (";", ".", "", ""),
+        (";", ",", "", ""),
+        (";", ",", ";", ""),
+        ("\t", ".", "", ""),
+        ("\t", ",", "", ""),
+        (" ", ".", "", ""),
+        ("  ", ",", "", ""),
+        (", ", ".", "", "# logged by hand\n# 100 Hz\n"),
+        (";", ",", "", "% Messung 7\n"),
+        (",", ".", "", "\ufeff"),
+    ],
+)
+def test_the_same_motion_however_a_table_is_written(separator, point, end, comment, tmp_path):
+    path = tmp_path / "run.csv"
+    path.write_text(rendered(one_joint(), separator, point, end=end, comment=comment), encoding="utf-8")
+    trace = read_recording(path, scenario(), ["elbow"], file=FILE).trace
+    np.testing.assert_allclose(trace.time, TIME, atol=1e-12)
+    np.testing.assert_array_equal(trace.position[:, 0], TIME)
+    np.testing.assert_array_equal(trace.command[:, 0], TIME + 1)
+    np.testing.assert_array_equal(trace.velocity[:, 0], np.ones(50))
+
+
+@pytest.mark.parametrize("separator", [",", " ", ";"])
+def test_a_header_in_a_comment(separator, tmp_path):
+    path = tmp_path / "run.csv"
+    text = rendered(one_joint(), separator, ".", comment="# by numpy.savetxt\n# ")
+    path.write_text(text)
+    trace = read_recording(path, scenario(), ["elbow"], file=FILE).trace
+    np.testing.assert_array_equal(trace.position[:, 0], TIME)
+    path.write_text(text.replace("0.07" + separator, "n/k" + separator, 1))
+    with pytest.raises(InputError, match=r"(is 'n/k'|n/k).* in line 10, expected a number"):
+        read_recording(path, scenario(columns={"position": "position"}), ["elbow"], file=FILE)
+
+
+def test_a_header_with_a_sign_from_elsewhere(tmp_path):
+    path = tmp_path / "run.csv"
+    frame = one_joint().rename(columns={"position": "q [°]"})
+    path.write_bytes(rendered(frame, ";", ",").encode("latin-1"))
+    asked = scenario(columns={"position": "q [°]"})
+    np.testing.assert_array_equal(read_recording(path, asked, ["elbow"], file=FILE).trace.position[:, 0], TIME)
+
+
+PACKERS = {"gz": "gzip", "zst": "zstd"}
+
+
+def pack(path, suffix):
+    packed = path.with_name(f"{path.name}.{suffix}")
+    with pa.output_stream(str(packed), compression=PACKERS[suffix]) as target:
+        target.write(path.read_bytes())
+    path.unlink()
+    return packed
+
+
+@pytest.mark.parametrize("suffix", PACKERS)
+@pytest.mark.parametrize("kind", [".csv", ".tsv", ".parquet"])
+def test_a_packed_table_is_the_same_and_one_that_was_cut_off_is_told(suffix, kind, tmp_path):
+    plain = write(one_joint(), tmp_path / f"run{kind}")
+    whole = read_recording(plain, scenario(), ["elbow"], file=FILE).trace
+    path = pack(plain, suffix)
+    recording = read_recording(path, scenario(), ["elbow"], file=FILE)
+    assert recording.name == "run"
+    np.testing.assert_array_equal(recording.trace.position, whole.position)
+    data = path.read_bytes()
+    for share in (0.0, 0.3, 0.99):
+        path.write_bytes(data[: int(share * len(data))])
+        with pytest.raises(InputError, match=rf"run{kind}.{suffix}: (cannot be unpacked|is not a table)") as told:
+            read_recording(path, scenario(), ["elbow"], file=FILE)
+        assert "\n" not in str(told.value)
+
+
+def test_what_is_packed_in_another_way_is_told(tmp_path):
+    (tmp_path / "run.csv.zip").write_bytes(b"PK")
+    with pytest.raises(InputError, match=r"run.csv.zip: is packed in a way that is not read here; expected .gz, .zst"):
+        read_recording(tmp_path / "run.csv.zip", scenario(), ["elbow"], file=FILE)

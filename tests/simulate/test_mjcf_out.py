@@ -6,7 +6,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
-from realitygap.robot.drive import CASCADE, DC, PID, neutral_drive
+from realitygap.robot.drive import CASCADE, DC, DUTY, EFFORT, PID, SPEED, TORQUE, VELOCITY, neutral_drive
 from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.mjcf import write_mjcf
 from realitygap.robot.plant import Plant
@@ -142,10 +142,11 @@ def test_every_servo_on_a_chain_of_joints_agrees(name: str) -> None:
     assert difference(driven(name), swings()) < AGREES
 
 
-def test_a_command_that_is_a_duty_or_an_effort_agrees() -> None:
-    for meaning, size in ((1, 0.4), (2, 1.5)):
+def test_a_command_that_is_a_duty_an_effort_or_a_velocity_agrees() -> None:
+    for kind, meaning, size in ((DC, DUTY, 0.4), (DC, EFFORT, 1.5), (TORQUE, EFFORT, 1.5), (SPEED, VELOCITY, 2.0)):
         plant = driven("dc")
-        plant.drive["meaning"], plant.drive["effort_limit"] = meaning, 1.0
+        plant.drive["kind"], plant.drive["meaning"], plant.drive["gain"] = kind, meaning, 0.7
+        plant.drive["effort_limit"] = 1.0 if kind != SPEED else np.inf
         assert difference(plant, size * swings()) < AGREES
 
 

@@ -107,10 +107,15 @@ def _affine(m: Any, i: int, joint: str, gear: float, biased: bool) -> tuple[Actu
             return Actuator(joint, "pid", {"kp": kp}), lost
         return Actuator(joint, "cascade", {"gain": 1.0, "kv": kd, "kp": kp / kd}), lost
     if kd > 0:
-        return None, [*lost, "it regulates velocity, for which there is no servo, it is left out"]
+        if not np.isclose(gain, -b2):
+            lost.append(f"its control counts {gain / -b2:g} times; the scenario's commands are joint velocities")
+        return Actuator(joint, "velocity", {"gain": kd}), [
+            *lost,
+            "it takes velocities: say `as: velocity` under `motion`",
+        ]
     if not np.isclose(gain * gear, 1.0):
         lost.append(f"its control counts {gain * gear:g} times; the scenario's commands are efforts at the joint")
-    return Actuator(joint, "pid", {"kp": 0.0}), [*lost, "it takes efforts: say `as: effort` under `motion`"]
+    return Actuator(joint, "effort", {}), [*lost, "it takes efforts: say `as: effort` under `motion`"]
 
 
 def _pid(m: Any, i: int, joint: str, gear: float) -> tuple[Actuator | None, list[str]]:
@@ -170,7 +175,7 @@ def _limit(m: Any, i: int, kind: str) -> tuple[float, str | None]:
     gear, ends = abs(float(m.actuator_gear[i, 0])), []
     if m.actuator_forcelimited[i]:
         ends.append(gear * m.actuator_forcerange[i])
-    if kind == "pid" and not np.any(m.actuator_biasprm[i, :3]) and m.actuator_ctrllimited[i]:  # a motor's control
+    if kind == "effort" and m.actuator_ctrllimited[i]:
         ends.append(gear * abs(float(m.actuator_gainprm[i, 0])) * m.actuator_ctrlrange[i])
     if not ends:
         return np.inf, None

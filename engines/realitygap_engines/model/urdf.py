@@ -42,7 +42,7 @@ def read_urdf(
     Raises:
         ModelError: for a file that is not a URDF or a robot that cannot be simulated, in one sentence.
     """
-    robot = parse_urdf(path)
+    robot = parse_urdf(path, packages)
     links = {link.name: link for link in robot.links}
     children: dict[str, list[yourdfpy.Joint]] = {name: [] for name in links}
     for joint in robot.joints:

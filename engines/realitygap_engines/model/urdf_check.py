@@ -2,6 +2,7 @@
 
 import io
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,6 +12,7 @@ from defusedxml.common import DefusedXmlException
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.quiet import quiet
+from realitygap_engines.model.xacro_file import expanded, is_xacro
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 NUMBERS = {  # element -> attribute -> how many numbers
@@ -30,13 +32,13 @@ NEEDED = {"mass", "inertia", "box", "cylinder", "sphere"}
 SIZES = {"box", "cylinder", "sphere"}
 
 
-def parse_urdf(path: Path) -> yourdfpy.Robot:
-    """The links and joints of a URDF file; visuals, materials, transmissions and extensions are dropped.
+def parse_urdf(path: Path, packages: Mapping[str, Path] | None = None) -> yourdfpy.Robot:
+    """The links and joints of a URDF or xacro file; visuals, materials, transmissions and extensions are dropped.
 
     Raises:
         ModelError: for a file that is not a URDF of a tree of links, in one sentence.
     """
-    root = _root(path)
+    root = _root(path, packages or {})
     for other in [child for child in root if child.tag not in ("link", "joint")]:
         root.remove(other)
     for link in root.iterfind("link"):
@@ -59,15 +61,13 @@ def parse_urdf(path: Path) -> yourdfpy.Robot:
     return robot
 
 
-def _root(path: Path) -> ElementTree.Element:
+def _root(path: Path, packages: Mapping[str, Path]) -> ElementTree.Element:
     try:
         text = path.read_bytes()
     except OSError as error:
         raise ModelError(f"{path}: cannot be read ({error.strerror}); expected a URDF file") from None
-    if path.suffix == ".xacro" or b"<xacro:" in text:
-        raise ModelError(
-            f"{path}: is a xacro file, not a URDF; expand it first: xacro {path.name} > {path.name.split('.')[0]}.urdf"
-        )
+    if is_xacro(path, text):
+        text = expanded(path, packages)
     try:
         root: ElementTree.Element = defusedxml.ElementTree.fromstring(text)
     except DefusedXmlException as error:

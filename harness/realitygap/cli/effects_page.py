@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap.robot.effects import EFFECTS, Effect, Parameter
+from realitygap.robot.effects import WRITABLE, Effect, Parameter
 from realitygap.robot.effects.place import known
-from realitygap.simulate.effect_bench import bench, planted, push, signal, simulate
+from realitygap.simulate.effect_bench import bench, motion, planted, signal, simulate
 from realitygap.trace.trace import Array
 
 WIDTH = 88
@@ -19,8 +19,8 @@ DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 def table() -> str:
     """All effects, in the order in which the simpler of two explanations is preferred."""
     rows = [("effect", "sits at", "changes", "parameters")]
-    for e in EFFECTS.values():
-        listed = ", ".join(f"{p.name} [{p.unit}]" if p.unit else p.name for p in e.parameters)
+    for e in WRITABLE.values():
+        listed = ", ".join(f"{p.name} [{p.unit}]" if p.unit else p.name for p in e.parameters) or ", ".join(e.example)
         rows.append((e.name, e.sits_at, e.changes, listed))
     widths = [max(len(row[i]) for row in rows) for i in range(3)]
     lines = ["  ".join((*(cell.ljust(w) for cell, w in zip(row, widths, strict=False)), row[3])) for row in rows]
@@ -43,7 +43,7 @@ def page(name: str) -> str:
         f"changes the {effect.changes}, sits at {where}; shows in {', '.join(effect.signals)}",
         _wrapped(p.physics),
         textwrap.fill(p.equation, WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False),
-        "\n".join(_parameter(x) for x in effect.parameters),
+        *(["\n".join(_parameter(x) for x in effect.parameters)] if effect.parameters else []),
         _wrapped("In a recording: " + p.signature),
         _wrapped("Easily confused with: " + p.confused_with),
         *([f"Excludes on the same target: {', '.join(effect.excludes)}"] if effect.excludes else []),
@@ -57,9 +57,9 @@ def page(name: str) -> str:
 def signature(effect: Effect) -> tuple[str, str, Array, Array, Array]:
     """The bench without and with the effect: signal, unit, times [s] and both curves. Shape (t,)."""
     plant, _ = bench(effect)
-    before = simulate(plant, push=push(effect))
+    before = simulate(plant, what=motion(effect))
     what, unit, without = signal(effect, before)
-    return what, unit, before.time, without, signal(effect, simulate(planted(effect), push=push(effect)))[2]
+    return what, unit, before.time, without, signal(effect, simulate(planted(effect), what=motion(effect)))[2]
 
 
 def save_figure(name: str, path: Path) -> None:
@@ -85,9 +85,15 @@ def _parameter(p: Parameter) -> str:
     return f"    {p.name.ljust(18)} {p.unit.ljust(20)} {p.low:g} to {p.high:g}; neutral: {neutral}{default}"
 
 
+def _written(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_written(v) for v in value)}]"
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
 def _example(effect: Effect, size: dict[str, float]) -> str:
     target = {"joint": "left_knee", "link": "left_shank"}.get(effect.sits_at, effect.sits_at)
-    given = ", ".join(f"{name}: {value:.3g}" for name, value in size.items())
+    given = ", ".join(f"{name}: {_written(value)}" for name, value in size.items())
     return f"{{effect: {effect.name}, target: {target}, {given}}}"
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
 from realitygap.init.roles import Roles, roles_of
-from realitygap.init.sections import Sections, quoted, runs_of
+from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
 
 
 def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
@@ -33,11 +33,15 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
 
 
 def _motion(roles: Roles) -> list[str]:
+    if roles.command is None and roles.effort is not None:
+        return [FOLLOWED]
     if roles.command is None:
         return ["# No command was found: motion: {recorded: TOPIC} or {keyframes: FILE} says what the servos are told."]
     meaning = "" if roles.meaning == "position" else f", as: {roles.meaning}"
     topic = quoted(roles.command.stream.topic)
-    return [f"motion: {{recorded: {topic}{meaning}}}  # GUESS: {roles.command.reason}"]
+    order = f", joints: [{', '.join(map(quoted, roles.order))}]" if roles.order else ""
+    between = ", held: false" if roles.command.stream.goal else ""
+    return [f"motion: {{recorded: {topic}{meaning}{order}{between}}}  # GUESS: {roles.command.reason}"]
 
 
 def _recordings(contents: Contents, roles: Roles) -> list[str]:
@@ -65,7 +69,7 @@ def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
     spare = [f"{topic} ({kind})" for topic, kind in sorted(contents.kinds.items()) if topic not in chosen]
     told = [f"not used: {', '.join(spare)}"] if spare else []
     if joints and roles.command is None:
-        told.append("no topic of commands was found: without motion, nothing drives the joints")
+        told.append(NOTHING_DRIVES.format("topic") if roles.effort is None else AS_FOLLOWED.format("topic"))
     if joints and roles.effort is None:
         told.append("no effort was found: torques are not compared")
     return told

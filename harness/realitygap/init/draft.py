@@ -133,12 +133,8 @@ def _text(
         lines.append(f"  packages: {{{inner}}}")
     lines.append(f"  base: {base}  {GUESS}{reason}")
     if model.joints:
-        lines += [
-            "",
-            *servo_lines(model, sections.meaning, sections.robot),
-            "",
-            *sections.motion,
-        ]
+        servos = [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot)]
+        lines += [*servos, "", *sections.motion]
     ground = "none" if base == "fixed" else "flat"
     lines += ["", f"ground: {ground}  {GUESS}flat, grass, or friction, stiffness and damping by numbers"]
     hint = f"  # {HINT}" if len(sections.runs) > 1 else ""

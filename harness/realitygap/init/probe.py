@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 
-from realitygap.recording.readers.messages import POSES, JointMessages, Layout, layout_of
+from realitygap.recording.readers.messages import NAMES, POSES, JointMessages
+from realitygap.recording.readers.ros_control import ARRAYS, collector_of
 from realitygap.recording.readers.rosbag import Bag, opened, short
+from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.trace.trace import Array
 
 
@@ -16,7 +17,8 @@ from realitygap.trace.trace import Array
 class JointStream:
     """A stream of joint values: `signals` (m, n) that hold numbers other than 0, at `time` (m,) [s].
 
-    `controller` is a stream that holds both what was asked for and what was measured.
+    `controller` is a stream that holds both what was asked for and what was measured, `goal` one whose type says that
+    it is a command. `joints` are empty where the messages name none; values are then as many as they hold.
     """
 
     topic: str
@@ -25,15 +27,19 @@ class JointStream:
     time: Array
     signals: dict[str, Array]
     controller: bool = False
+    goal: bool = False
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What is in a bag, by what it can serve as; `kinds` are the types of all its topics."""
+    """What is in a bag, by what it can serve as; `kinds` are the types of all its topics, `unnamed` the streams of
+    values whose joints no message names.
+    """
 
     path: Path
     listing: str
     joint_streams: list[JointStream] = field(default_factory=list)
+    unnamed: list[JointStream] = field(default_factory=list)
     poses: list[str] = field(default_factory=list)
     imus: list[str] = field(default_factory=list)
     batteries: list[str] = field(default_factory=list)
@@ -47,12 +53,12 @@ def probe(path: Path, joints: Sequence[str]) -> Contents:
         InputError: for a recording that cannot be read.
     """
     with opened(path) as bag:
-        layouts = {t: layout for t, kind in bag.types.items() if (layout := layout_of(kind, bag.fields(kind)))}
         kinds = {topic: short(kind) for topic, kind in bag.types.items()}
         return Contents(
             path,
             bag.listing(),
-            [s for topic, layout in sorted(layouts.items()) if (s := _stream(bag, topic, layout, joints)) is not None],
+            [found for topic in sorted(bag.types) if (found := _named(bag, topic, joints)) is not None],
+            [found for topic in sorted(bag.types) if (found := _unnamed(bag, topic)) is not None],
             sorted(t for t, kind in bag.types.items() if kind in POSES),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/Imu"),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/BatteryState"),
@@ -60,20 +66,40 @@ def probe(path: Path, joints: Sequence[str]) -> Contents:
         )
 
 
-def _stream(bag: Bag, topic: str, layout: Layout, joints: Sequence[str]) -> JointStream | None:
+def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
     """The joint values of a topic; None where it names none of the joints, then told by `listing` alone."""
-    names = attrgetter(layout.names)
-    collector: JointMessages | None = None
+    kind, fields = bag.types[topic], bag.fields(bag.types[topic])
+    names = next((name for name in NAMES if name in fields), None)
+    if names is None:
+        return None
+    controller = kind.endswith("JointTrajectoryControllerState")
+    collector: JointMessages | Trajectories | None = None
     times = []
     for _, receive, message in bag.messages({topic}):
         if collector is None:
-            found = tuple(joint for joint in joints if joint in set(names(message)))
-            collector = JointMessages(found, layout, partial=True)
+            found = tuple(joint for joint in joints if joint in set(getattr(message, names)))
+            collector = collector_of(kind, fields, found, role="state" if controller else "command")
+            if collector is None:
+                return None
         if collector.joints and collector.take(message):
             times.append(receive * 1e-9)
     if collector is None or not times:
         return None
+    time = np.array(times)
+    if isinstance(collector, Trajectories):
+        time, position = collector.sampled(time, np.arange(len(time)), None, time[-1])
+        return JointStream(topic, short(kind), collector.joints, time, {"position": position}, goal=True)
     signals, _ = collector.arrays()
     kept = {name: value for name, value in signals.items() if np.nan_to_num(value).any() or name == "position"}
-    controller = bag.types[topic].endswith("JointTrajectoryControllerState")
-    return JointStream(topic, short(bag.types[topic]), collector.joints, np.array(times), kept, controller)
+    return JointStream(topic, short(kind), collector.joints, time, kept, controller)
+
+
+def _unnamed(bag: Bag, topic: str) -> JointStream | None:
+    """The values of a topic whose messages name no joints, as many in each; None for other topics."""
+    if bag.types[topic] not in ARRAYS:
+        return None
+    found = [(receive * 1e-9, message.data) for _, receive, message in bag.messages({topic})]
+    if not found or len({len(data) for _, data in found}) > 1 or not len(found[0][1]):
+        return None
+    time, rows = zip(*found, strict=True)
+    return JointStream(topic, short(bag.types[topic]), (), np.array(time), {"position": np.array(rows, dtype=float)})

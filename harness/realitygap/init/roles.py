@@ -4,14 +4,17 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from realitygap.init.probe import Contents, JointStream
+from realitygap.recording.commands import held_at
 from realitygap.recording.delay import MOVING, mean_squared_difference
 
 STATE = re.compile(r"state|measured|feedback|actual|sensor|encoder", re.IGNORECASE)
 COMMAND = re.compile(r"command|cmd|goal|target|desired|reference|setpoint", re.IGNORECASE)
 DUTY = re.compile(r"duty|pwm", re.IGNORECASE)
 CURRENT = re.compile(r"current|amp", re.IGNORECASE)
+NOT_POSITION = re.compile(r"effort|torque|velocity|current|pwm|duty", re.IGNORECASE)
 LONGEST_LEAD = 0.5  # s
 
 
@@ -25,19 +28,23 @@ class Role:
 
 @dataclass(frozen=True)
 class Roles:
-    """The streams of a scenario; `meaning` is what the command is: position, duty or effort."""
+    """The streams of a scenario; `meaning` is what the command is: position, duty or effort. `order` are the joints of
+    a command whose messages name none.
+    """
 
     state: Role | None = None
     command: Role | None = None
     meaning: str = "position"
     effort: Role | None = None
+    order: tuple[str, ...] = ()
 
 
 def roles_of(contents: Contents) -> Roles:
     """The roles of a bag's joint streams, from their names and from what they hold."""
     streams = contents.joint_streams
     controllers = [s for s in streams if s.controller]
-    positions = [s for s in streams if "position" in s.signals and not s.controller]
+    goals = [s for s in streams if s.goal]
+    positions = [s for s in streams if "position" in s.signals and not s.controller and not s.goal]
     if not positions and controllers:
         told = Role(controllers[0], "a controller's state holds both what it measures and what it asks for")
         return Roles(told, told, effort=_effort(told.stream, streams))
@@ -46,8 +53,8 @@ def roles_of(contents: Contents) -> Roles:
     state = max(positions, key=_like_a_state)
     others = [s for s in positions if s is not state and set(s.joints) & set(state.joints)]
     leads = {s.topic: lead(s, state) for s in others}
-    unnamed = not STATE.search(state.topic) and not COMMAND.search(state.topic)
-    if unnamed and len(others) == 1 and (found := leads[others[0].topic]) is not None and found < 0:
+    bare = not STATE.search(state.topic) and not COMMAND.search(state.topic)
+    if bare and len(others) == 1 and (found := leads[others[0].topic]) is not None and found < 0:
         # names say nothing, and the one taken for the state comes first: it is the command
         state, others = others[0], [state]
         leads = {others[0].topic: -found}
@@ -56,12 +63,42 @@ def roles_of(contents: Contents) -> Roles:
     if commands:
         chosen = max(commands, key=lambda s: (bool(COMMAND.search(s.topic)), leads[s.topic] or 0.0))
         return replace(roles, command=Role(chosen, _command_reason(chosen, state, leads[chosen.topic])))
+    asked = [s for s in controllers if set(s.joints) & set(state.joints)]
+    if asked:
+        return replace(roles, command=Role(asked[0], "a controller's state holds what it asks for"))
+    if goals:
+        return replace(roles, command=Role(goals[0], "its type is that of a command"))
+    unnamed = unnamed_command(contents.unnamed, state)
+    if unnamed is not None:
+        return replace(roles, command=unnamed[0], order=unnamed[1])
     for stream in streams:
         if "position" not in stream.signals and "effort" in stream.signals and COMMAND.search(stream.topic):
             within_one = float(np.nanmax(np.abs(stream.signals["effort"]))) <= 1.0
             meaning = "duty" if within_one and DUTY.search(stream.topic) else "effort"
             return replace(roles, command=Role(stream, "its name says command, and it holds efforts"), meaning=meaning)
     return roles
+
+
+def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Role, tuple[str, ...]] | None:
+    """The stream of values without names that may command the joints of a state, and in which order.
+
+    The order is that in which the values are closest to the measured positions, over the time that both have.
+    """
+    for stream in sorted(streams, key=lambda s: not COMMAND.search(s.topic)):
+        values, measured = stream.signals["position"], state.signals["position"]
+        if values.shape[1] > measured.shape[1] or NOT_POSITION.search(stream.topic):
+            continue
+        both = (state.time >= stream.time[0]) & (state.time <= stream.time[-1])
+        if both.sum() < 2:
+            continue
+        asked = held_at(stream.time, values, state.time[both])
+        distance = ((asked[:, :, None] - measured[both][:, None, :]) ** 2).mean(axis=0)
+        _, columns = linear_sum_assignment(np.nan_to_num(distance, nan=1e9))
+        order = tuple(state.joints[j] for j in columns)
+        return Role(
+            stream, "its values name no joints; in this order they are closest to the measured positions"
+        ), order
+    return None
 
 
 def lead(command: JointStream, state: JointStream) -> float | None:
@@ -88,7 +125,8 @@ def lead(command: JointStream, state: JointStream) -> float | None:
 
 def _like_a_state(stream: JointStream) -> float:
     named = 4.0 * bool(STATE.search(stream.topic)) - 4.0 * bool(COMMAND.search(stream.topic))
-    return named + len(stream.joints) / 100.0 + ("velocity" in stream.signals) + ("effort" in stream.signals)
+    dynamic = 0.5 * stream.kind.endswith("DynamicJointState")  # a JointState holds the same
+    return named + len(stream.joints) / 100.0 + ("velocity" in stream.signals) + ("effort" in stream.signals) - dynamic
 
 
 def _state_reason(state: JointStream) -> str:

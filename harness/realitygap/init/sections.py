@@ -5,6 +5,10 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
+FOLLOWED = "motion: {followed: true}  # GUESS: no command was found, so the model has to explain the measured effort"
+NOTHING_DRIVES = "no {} of commands was found: without motion, nothing drives the joints"
+AS_FOLLOWED = "no {} of commands was found: the measured motion is followed, and the effort that it takes is compared"
+
 
 @dataclass(frozen=True)
 class Sections:
@@ -27,6 +31,11 @@ class Sections:
     moving_base: str | None = None
     robot: str = ""
     told: list[str] = field(default_factory=list)
+
+    @property
+    def followed(self) -> bool:
+        """Whether the measured motion is followed, for which there are no servos."""
+        return FOLLOWED in self.motion
 
 
 def runs_of(recordings: list[Path], out: Path) -> list[str]:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
-from realitygap.init.sections import Sections, quoted, runs_of
+from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
 from realitygap.recording.readers.table import FORMS, column_of, load
 from realitygap.scenario.schema import Columns
 
@@ -42,7 +42,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
     if current:
         told.append("the effort is a current: recordings.effort.factor is N·m per A, which the table does not say")
     if "command" not in columns and joints:
-        told.append("no column of commands was found: without motion, nothing drives the joints")
+        told.append(AS_FOLLOWED.format("column") if "effort" in columns else NOTHING_DRIVES.format("column"))
     lines = _columns(columns)
     if "effort" in columns:
         unit = "{measures: motor, factor: 1.0}" if current else "motor"
@@ -76,6 +76,8 @@ def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Colu
             best = max(found, key=lambda s: (s == (key,), roles[s][2], -len(s)))  # plain names, then what says measured
             columns["effort" if key == "current" else key] = _written(stems[best], labels, joints)
     for kind, meaning in (("position", "position"), ("duty", "duty"), ("effort", "effort")):
+        if kind == "effort" and "effort" in columns:
+            break  # both asked for and measured: a motion to follow says more than a torque that is played back
         found = [s for s, (k, command, _) in roles.items() if k == kind and (command or kind == "duty")]
         if found:
             best = min(found, key=len)
@@ -102,6 +104,8 @@ def _written(found: dict[str, str], labels: Sequence[str], joints: Sequence[str]
 
 
 def _motion(columns: Mapping[str, Column], meaning: str) -> list[str]:
+    if "command" not in columns and "effort" in columns:
+        return [FOLLOWED]
     if "command" not in columns:
         return [
             "# No command was found: motion: {recorded: COLUMN} or {keyframes: FILE} says what the servos are told."

@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.unpacked import OTHERS, PACKED, plain_name
 from realitygap.recording.assemble import assemble
 from realitygap.recording.part import part_of
 from realitygap.recording.recording import Recording
@@ -21,6 +22,7 @@ READERS = {  # file suffix, or a kind of folder -> module with read(path, reques
     ".db3": "rosbag",
     ".mcap": "rosbag",
     ".parquet": "table",
+    ".tsv": "table",
     DATASET: "lerobot",
     FOLDER: "rosbag",
 }
@@ -34,7 +36,11 @@ def reader_of(path: Path) -> str:
     """
     if not path.exists():
         raise InputError(f"{path}: does not exist; expected a bag, a bag folder, a table or a data set")
-    kind = path.suffix.lower()
+    kind = plain_name(path).suffix.lower()
+    if path.suffix.lower() in OTHERS:
+        raise InputError(
+            f"{path}: is packed in a way that is not read here; expected {', '.join(PACKED)}, or unpack it first"
+        )
     if path.is_dir():
         kind = DATASET if (path / "meta" / "info.json").exists() else FOLDER
     if kind not in READERS:
@@ -50,7 +56,8 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
     """What was measured in one recording.
 
     Args:
-        path: a rosbag 1 file, a rosbag 2 folder, a bare .mcap or .db3, a .csv, a .parquet, or a data set's folder.
+        path: a rosbag 1 file, a rosbag 2 folder, a bare .mcap or .db3, a .csv, .tsv or .parquet (all of them as .gz or
+            .zst too), or a data set's folder.
         scenario: says which topics and columns are what (with the overrides of this run applied).
         joints: the joints to keep, which is the order of all joint columns, whatever the order in the recording.
         file: the scenario file, for messages.

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from realitygap.files.unpacked import plain_name
 from realitygap.recording.outliers import Outlier
 from realitygap.trace.trace import Array, Trace
 
@@ -55,4 +56,4 @@ class Recording:
     @property
     def name(self) -> str:
         """The recording's name: that of its file or folder, without suffix."""
-        return self.path.name if self.path.is_dir() else self.path.stem
+        return self.path.name if self.path.is_dir() else plain_name(self.path).stem

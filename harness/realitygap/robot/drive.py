@@ -37,12 +37,12 @@ DRIVE = np.dtype(
         ("heating", np.float64),
         ("offset", np.float64),
         ("dead_band", np.float64),  # of the position error: half width
-        ("servo_rate", np.float64),  # at which the position error is sampled and held [Hz]; 0: continuously
+        ("servo_rate", np.float64),  # at which the position error is sampled and held [Hz]; infinite: continuously
         ("gain_exponent", np.float64),  # of the position error; 1: a gain that does not change with it
-        ("protection", np.float64),  # position error beyond which the servo cuts it to a share; 0: none
+        ("protection", np.float64),  # position error beyond which the servo cuts it to a share
         ("protection_share", np.float64),
-        ("profile_speed", np.float64),  # at which a position command is followed at most; 0: at once
-        ("profile_acceleration", np.float64),  # 0: without bound
+        ("profile_speed", np.float64),  # at which a position command is followed at most; infinite: at once
+        ("profile_acceleration", np.float64),
         ("real_limit", np.float64),  # of the motor's torque, beside `effort_limit`
         ("lag", np.float64),  # of the torque behind what the controller and the speed ask for
         ("braking", np.float64),  # share of a short circuit while the servo is off
@@ -89,6 +89,8 @@ STATE = np.dtype(
         ("aim_speed", np.float64),
         ("goal", np.float64),  # the previous command
         ("bus", np.float64),  # supply voltage after sag
+        ("heading", np.float64),  # sign of the last speed that was one, and when that changed: for effort maps
+        ("reversed", np.float64),
         ("velocity", np.float64),  # of the link, at the previous step
         ("effort", np.float64),  # of the joint law over the previous step, without the constant effort
         ("damping", np.float64),
@@ -122,6 +124,8 @@ def neutral_drive(n: int) -> NDArray[np.void]:
     drive = np.zeros(n, DRIVE)
     drive["stop_lower"] = -np.inf
     for name in ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "real_limit", "stop_upper"):
+        drive[name] = np.inf
+    for name in ("servo_rate", "protection", "profile_speed", "profile_acceleration"):
         drive[name] = np.inf
     for name in ("duty_limit", "resistance", "gain_exponent", "protection_share"):
         drive[name] = 1.0

@@ -39,7 +39,7 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
     for k in range(len(position)):
         for j in range(len(drive)):
             d, q, v = drive[j], position[k, j], velocity[k, j]
-            pull, _ = springs(d, q, v, 0.0)
+            pull, _ = springs(d, q, v, 1.0, 0.0)
             transmitted = load[k, j] - d.constant - pull
             uneven = unevenness(d, q)
             smooth = transmitted + d.armature * acceleration[k, j]

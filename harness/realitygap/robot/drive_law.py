@@ -45,7 +45,7 @@ def drive_effort(  # type: ignore[no-untyped-def]
         d, s = drive[j], state[j]
         if d.kind != NONE:
             rate = w[j] if d.stiffness == 0.0 else log[j].rotor  # of the encoder
-            s.error = position_error(d, s, command[j], log[j].encoder - d.offset, rate, t, h)
+            s.error = position_error(d, s, command[j], upcoming[j], log[j].encoder - d.offset, rate, t, h)
     supply_voltage(drive, state, command, recorded, t, log)
     for j in range(drive.size):
         d, s = drive[j], state[j]
@@ -80,7 +80,7 @@ def drive_effort(  # type: ignore[no-untyped-def]
         effort[j] = s.effort + d.constant
         damping[j] = s.damping
         if d.cable_stiffness != 0.0 or d.stop_stiffness != 0.0:
-            pull, give = springs(d, q[j], w[j], h)
+            pull, give = springs(d, q[j], w[j], inertia[j], h)
             effort[j] += pull
             damping[j] += give
         s.velocity = w[j]

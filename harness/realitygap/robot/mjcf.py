@@ -20,7 +20,7 @@ from realitygap_engines import Physics
 from realitygap_engines.model.robot import rotation_from_rpy
 from realitygap_engines.mujoco_file import Spring, mjcf_text, numbers, steps_as_adapter
 
-from realitygap.robot.drive import DC, DUTY, EFFORT, NONE, PID, POSITION, Array, neutral_drive
+from realitygap.robot.drive import DC, DUTY, EFFORT, NONE, PID, POSITION, SPEED, TORQUE, Array, neutral_drive
 from realitygap.robot.law.transmission import weight
 from realitygap.robot.plant import Plant
 
@@ -100,6 +100,8 @@ def _inside(d: np.void) -> float:
     """The damping that is part of a controller, and of an actuator in the file."""
     if d["meaning"] == EFFORT or d["kind"] in (NONE, DC):
         return 0.0
+    if d["kind"] == SPEED:
+        return float(d["gain"])
     return float(d["kd"] if d["kind"] == PID else d["gain"] * d["kv"])
 
 
@@ -119,7 +121,10 @@ def _servo(plant: Plant, i: int, name: str, h: float) -> Element | None:
         return None
     limit = float(d["effort_limit"])
     if d["meaning"] == EFFORT:
-        servo = _limited(Element("motor", name=name, joint=name), "ctrl", limit)
+        gain = float(d["gain"]) if d["kind"] == TORQUE else 1.0
+        servo = _limited(Element("general", name=name, joint=name, gainprm=numbers(gain)), "force", limit)
+    elif d["kind"] == SPEED:
+        servo = _limited(Element("velocity", name=name, joint=name, kv=numbers(d["gain"])), "force", limit)
     elif d["kind"] == DC:
         torque = float(d["torque_constant"] / d["resistance"] * d["supply"])  # of a duty of 1, at rest
         if d["meaning"] == DUTY:

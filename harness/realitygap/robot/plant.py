@@ -17,6 +17,7 @@ from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, SPEED, TORQUE, Array, neutral_drive
+from realitygap.robot.effort_map import EffortMap
 from realitygap.robot.held import held_joints
 from realitygap.robot.servos import check_command, servos_of
 from realitygap.scenario.effort import effort_factors
@@ -49,6 +50,7 @@ class Plant:
         velocity_lag, velocity_scale: low-pass time [s] and scale of the reported velocity. Shape (n,).
         base_tilt: roll and pitch of a fixed base [rad]. Shape (2,).
         efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
+        maps: efforts that depend on measured variables.
         payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
     """
 
@@ -60,6 +62,7 @@ class Plant:
     velocity_scale: Array
     base_tilt: Array
     efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+    maps: list[EffortMap] = field(default_factory=list)
     payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
 
     def copy(self) -> Plant:
@@ -68,7 +71,7 @@ class Plant:
         out.drive = self.drive.copy()
         for name in ("delay", "velocity_lag", "velocity_scale", "base_tilt"):
             setattr(out, name, getattr(self, name).copy())
-        out.efforts, out.payloads = list(self.efforts), dict(self.payloads)
+        out.efforts, out.maps, out.payloads = list(self.efforts), list(self.maps), dict(self.payloads)
         return out
 
     def passing(self, position: Array) -> tuple[Plant, list[str]]:
@@ -148,7 +151,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
             factor = np.abs(effort_factors(effort, model.joint_names, file.path))
             drive["current_factor"] = drive["torque_constant"] = factor
     taken: set[int] = set()
-    servos, notes = servos_of(scenario, model) if not scenario.follows else ([], [])
+    servos, notes = servos_of(scenario, model)
     for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
         if not matched:

@@ -14,9 +14,10 @@ from realitygap.scenario.schema import AnyServo, Scenario
 
 def servos_of(scenario: Scenario, model: Model) -> tuple[list[AnyServo], list[str]]:
     """The servos, and a sentence where they come from the robot's file."""
-    if scenario.servos or scenario.follows or not model.actuators:
+    there = [actuator for actuator in model.actuators if actuator.joint in model.joint_names]  # not of held joints
+    if scenario.servos or scenario.follows or not there:
         return scenario.servos, []
-    servos = [TypeAdapter(AnyServo).validate_python(written(actuator)) for actuator in model.actuators]
+    servos = [TypeAdapter(AnyServo).validate_python(written(actuator)) for actuator in there]
     return servos, [f"no servos in the scenario: those of {len(servos)} actuators in the robot's file are used"]
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.files.errors import InputError
+from realitygap.files.unpacked import plain_name
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.plain import plain
@@ -123,7 +124,7 @@ def _name(path: Path, scenario: Scenario) -> str:
     """What a recording is called: its file or folder without suffix, the task or number of an episode."""
     episode = scenario.recordings.episode if scenario.recordings else None
     if path.is_file() or episode is None:
-        return path.stem if path.is_file() else path.name
+        return plain_name(path).stem if path.is_file() else path.name
     return episode if isinstance(episode, str) else f"{path.name}_{episode}"
 
 

@@ -14,7 +14,7 @@ from realitygap.scenario.world import GROUNDS, GroundSpec, PhysicsSpec
 class Robot(Section):
     """The robot and how it stands at the start."""
 
-    urdf: str = Field(description="the robot's file: URDF or MJCF")
+    urdf: str = Field(description="the robot's file: URDF, xacro or MJCF")
     packages: dict[str, str] = Field(default={}, description="where `package://NAME/` lies, by NAME")
     base: Literal["floating", "fixed", "free"] = Field(
         default="floating", description="floating, fixed to the world, or a free body without joints"
@@ -129,6 +129,9 @@ class Motion(Section):
         description="what a recorded command is; a measured effort can be the command, too: `{recorded: /joint_states, "
         "as: effort}`, with the `factor` of `recordings.effort`",
     )
+    joints: list[str] | None = Field(
+        default=None, description="the joints of a command's values, in order, where messages name none (MultiArray)"
+    )
     held: bool = Field(
         default=True,
         description="recorded commands hold until the next one, as on a bus; false: they are samples of a trajectory, "
@@ -160,6 +163,7 @@ class Stream(Section):
 
     topic: str = Field(description="the topic")
     names: str | None = Field(default=None, description="field with the joint names")
+    joints: list[str] | None = Field(default=None, description="or the names themselves, where messages have none")
     position: str | None = Field(default=None, description="field with the positions")
     velocity: str | None = Field(default=None, description="field with the velocities")
     effort: str | None = Field(default=None, description="field with the efforts")
@@ -169,11 +173,13 @@ class EffortStream(Section):
     """A measured effort and its unit."""
 
     topic: str | None = Field(default=None, description="topic or column, where it is not part of the state")
+    joints: list[str] | None = Field(default=None, description="the joints of its values, where messages name none")
     measures: Literal["motor", "joint"] = Field(default="motor", description="torque of the motor, or on the joint")
-    factor: Finite | dict[str, Finite] = Field(
+    factor: Finite | Literal["fit"] | dict[str, Finite | Literal["fit"]] = Field(
         default=1.0,
         description="effort per recorded unit [N·m or N], for all joints or by patterns over joint names (the first "
-        "that matches); of a motor's current this is its drive gain",
+        "that matches); of a motor's current this is its drive gain, and `fit` leaves it to the followed motions: a "
+        "payload that only some of them carry fixes it, or else the robot's own weight",
     )
 
 
@@ -329,6 +335,13 @@ class Scenario(Section):
         """What the measured effort is of: `none`, `motor` or `joint`."""
         effort = self.recordings.effort if self.recordings is not None else "none"
         return effort if isinstance(effort, str) else effort.measures
+
+    @property
+    def effort_is_fitted(self) -> bool:
+        """Whether a factor of the measured effort is left to be fitted."""
+        effort = self.recordings.effort if self.recordings is not None else None
+        factor = effort.factor if isinstance(effort, EffortStream) else 1.0
+        return "fit" in (factor.values() if isinstance(factor, dict) else [factor])
 
     @property
     def ground_spec(self) -> GroundSpec | None:

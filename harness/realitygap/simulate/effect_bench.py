@@ -1,5 +1,8 @@
 """The benches on which an effect shows: one servo that swings an arm, and a block on the ground."""
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 import realitygap_engines as engines
 from realitygap_engines import Ground, Physics, State
@@ -15,6 +18,28 @@ from realitygap.trace.trace import Array, Trace
 
 DURATION = 2.0
 """How long the bench's motion takes [s]."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What happens on a bench.
+
+    Attributes:
+        push: how fast the block starts along x [m/s].
+        off: when the servo of the arm is switched off [s].
+    """
+
+    push: float = 0.0
+    off: float = math.inf
+
+
+def motion(effect: Effect) -> Motion:
+    """What shows an effect: a block slides to show friction, and sinks where it stands to show softness; an arm is let
+    go to show what a servo does that is off.
+    """
+    return Motion(
+        push=1.0 if effect.name == "ground_friction" else 0.0, off=0.6 if effect.name == "motor_braking" else math.inf
+    )
 
 
 def arm() -> Plant:
@@ -52,25 +77,25 @@ def command(time: Array) -> Array:
 
 
 def simulate(
-    plant: Plant, engine: str = "mujoco", *, push: float = 1.0, duration: float = DURATION, timestep: float = 1e-3
+    plant: Plant,
+    engine: str = "mujoco",
+    what: Motion = Motion(),
+    *,
+    duration: float = DURATION,
+    timestep: float = 1e-3,
 ) -> Trace:
-    """The bench's motion in one engine: the arm follows `command`, the block starts along x with `push` [m/s].
+    """The bench's motion in one engine: the arm follows `command`, the block is pushed.
 
     Raises:
         Unsupported: where the engine cannot express the plant.
     """
     time = np.arange(0.0, duration + timestep, 1e-3)
-    value = command(time) if plant.model.joints else np.zeros((len(time), 0))
+    value = np.where(time[:, None] < what.off, command(time), np.nan)[:, : len(plant.model.joints)]
     start: State = start_state(plant, np.zeros(len(plant.model.joints)))
     if plant.model.floating:
-        start.base_linear = np.array([push, 0.0, 0.0])
+        start.base_linear = np.array([what.push, 0.0, 0.0])
     with engines.load(engine).open(plant.machine(), Physics(timestep, ground=plant.ground)) as simulation:
         return rollout(simulation, plant, Commands(time, value, held=False), start, duration).trace
-
-
-def push(effect: Effect) -> float:
-    """How fast the block starts [m/s]: it slides to show friction, and sinks where it stands to show softness."""
-    return 1.0 if effect.name == "ground_friction" else 0.0
 
 
 def planted(effect: Effect, values: dict[str, float] | None = None) -> Plant:
@@ -85,7 +110,7 @@ def signal(effect: Effect, trace: Trace) -> tuple[str, str, Array]:
     """What of a trace shows the effect best: its name, unit and values. Shape (t,)."""
     if effect.sits_at == "ground":
         assert trace.base_position is not None
-        what, column = ("travel", 0) if push(effect) else ("height", 2)
+        what, column = ("travel", 0) if motion(effect).push else ("height", 2)
         return what, "mm", trace.base_position[:, column] * 1e3
     if "position" in effect.signals:
         assert trace.position is not None

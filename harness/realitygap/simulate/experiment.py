@@ -13,12 +13,13 @@ from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
-from realitygap.robot.effects import EFFECTS
-from realitygap.robot.effects.place import place
+from realitygap.robot.effects.place import known, place
 from realitygap.robot.plant import Plant, build_plant
+from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
-from realitygap.scenario.schema import DcServo, EffectSpec, RecordedSupply, Scenario
+from realitygap.scenario.schema import DcServo, EffectSpec, EffortStream, RecordedSupply, Scenario
 from realitygap.simulate.commands import Commands
+from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
 from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.follow import Followed, check_clear, follow
 from realitygap.simulate.motion import first_goals, play, read_animation
@@ -111,8 +112,38 @@ def experiments(
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
         return [_prepare(file, file.scenario, file.scenario.name, None, read, effects)]
-    chosen = [case for case in cases if any(fnmatchcase(case.name, p) for p in only)]
-    return [_prepare(file, case.scenario, case.name, case, read, effects) for case in chosen]
+    fitted = file.scenario.effort_is_fitted  # of all runs, whichever are asked for
+    chosen = [case for case in cases if fitted or any(fnmatchcase(case.name, p) for p in only)]
+    found = [_prepare(file, case.scenario, case.name, case, read, effects) for case in chosen]
+    if fitted:
+        found = _with_fitted_gains(file, found)
+    return [e for e in found if any(fnmatchcase(e.name, p) for p in only)]
+
+
+def _with_fitted_gains(file: ScenarioFile, found: Sequence[Experiment]) -> list[Experiment]:
+    """The same with the drive gains that the scenario leaves to be fitted."""
+    effort = file.scenario.recordings.effort if file.scenario.recordings is not None else None
+    names = found[0].plant.model.joint_names
+    joints = fitted_factors(effort, names, file.path) if isinstance(effort, EffortStream) else []
+    runs = []
+    for e in found:
+        if e.followed is None or e.recording is None or e.recording.trace.effort is None:
+            raise InputError(
+                f"{file.path}: recordings.effort.factor: found fit, which needs `motion: {{followed: true}}` and the "
+                f"effort in every run; expected a number"
+            )
+        runs.append(Weighed(e.plant, e.followed, e.start(), e.recording.trace.effort))
+    try:
+        gains, errors = drive_gains(runs, joints)
+    except InputError as error:
+        raise InputError(f"{file.path}: {error}") from None
+    told = ", ".join(f"{names[j]} {g:.4g} ± {d:.2g}" for j, g, d in zip(joints, gains, errors, strict=True))
+    out = []
+    for e in found:
+        assert e.recording is not None
+        plant, recording = with_gains(e.plant, e.recording, joints, gains)
+        out.append(replace(e, plant=plant, recording=recording, notes=(*e.notes, f"drive gains fitted: {told}")))
+    return out
 
 
 def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
@@ -153,7 +184,7 @@ def _prepare(
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
     commands, begin, duration = _commands(file, scenario, plant, recording)
-    followed = _followed(file, scenario, recording)
+    followed = _followed(file, scenario, recording, [*scenario.effects, *effects])
     if followed is None:
         _check_steps(file, scenario, name, duration, len(plant.model.joints))
     else:
@@ -223,12 +254,14 @@ def _commands(
     return Commands(recording.command_time - begin, recording.command, held), begin, duration
 
 
-def _followed(file: ScenarioFile, scenario: Scenario, recording: Recording | None) -> Followed | None:
+def _followed(
+    file: ScenarioFile, scenario: Scenario, recording: Recording | None, effects: Sequence[EffectSpec]
+) -> Followed | None:
     """The measured motion, where the joints are to follow it."""
     if not scenario.follows or recording is None:
         return None
-    for spec in scenario.effects:
-        reason = EFFECTS[spec.effect].unseen_when_followed
+    for spec in effects:
+        reason = known(spec.effect).unseen_when_followed
         if reason:
             raise InputError(f"{file.path}: effects: {spec.effect} where the motion is followed: {reason}; take it out")
     assert recording.trace.position is not None

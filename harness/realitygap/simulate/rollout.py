@@ -10,8 +10,11 @@ from realitygap_engines import Diverged, Simulation, State
 
 from realitygap.robot.drive import LOG, STATE, Array
 from realitygap.robot.drive_law import arrive, drive_effort
+from realitygap.robot.effort_map import packed
+from realitygap.robot.law.effort_map import add_mapped
 from realitygap.robot.plant import Plant
-from realitygap.simulate.commands import Commands, on_steps
+from realitygap.simulate.commands import Commands
+from realitygap.simulate.profile import told
 from realitygap.trace.trace import Trace
 
 TOO_FAST = 1e5
@@ -62,12 +65,13 @@ def rollout(
     q, w = np.empty((steps + 1, n)), np.empty((steps + 1, n))
     base = np.zeros((steps + 1, 13))
     log, dry = np.zeros((steps + 1, n), LOG), np.zeros((steps + 1, n))
-    command = on_steps(commands, steps, h, plant.delay)
+    command = told(commands, plant.drive, steps, h, plant.delay)
     volts = np.zeros(steps) if supply is None else np.interp(np.arange(steps) * h, *supply)
     effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
     wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
     inertia = plant.inertia()
+    mapped, (maps, numbers) = bool(plant.maps), packed(plant.maps)
 
     simulation.reset(start)
     simulation.read(q[0], w[0], base[0])
@@ -92,6 +96,8 @@ def rollout(
         for k, (c, c1, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
             t = k * h
             drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
+            if mapped:
+                add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
             for law in efforts:
                 effort += law(t, qk, wk)
             step(effort, damping, friction)
@@ -136,7 +142,9 @@ def _trace(
     effort = log["motor"][:-1] - log["emf"][:-1] * rotor
     if dry is not None:
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
-        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] - drive["viscous"] * middle)
+        turned = drive["friction_periods"] * log["encoder"][:-1] + drive["friction_phase"]
+        lean = drive["lean"] * (1 + drive["friction_ripple"] * np.sin(turned))
+        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] + lean - drive["viscous"] * middle)
     velocity = sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
     floating = plant.model.floating
     b = base[:steps]

@@ -122,15 +122,18 @@ def _beyond(plant: Plant, measured: Trace, commands: Commands, begin: float, gat
 def holding_effort(plant: Plant, position: Array) -> Array:
     """The effort [N·m or N] that holds a robot with a fixed base still at joint positions (n,). Shape (n,).
 
-    The slope of the potential energy, less a constant effort that acts already; 0 with a floating base, whose ground
-    carries an unknown part.
+    The slope of the potential energy, less what acts already (a constant effort, a cable, a stop); 0 with a floating
+    base, whose ground carries an unknown part.
     """
     model = plant.model
     if model.floating:
         return np.zeros(len(position))
     steps = SMALL * np.eye(len(position))
     slope = [_potential(plant, position + d) - _potential(plant, position - d) for d in steps]
-    effort: Array = np.array(slope) / (2 * SMALL) - plant.drive["constant"]
+    d = plant.drive
+    past = np.minimum(position - d["stop_lower"], 0.0) + np.maximum(position - d["stop_upper"], 0.0)
+    pull = d["constant"] - d["cable_stiffness"] * (position - d["cable_rest"]) - d["stop_stiffness"] * past
+    effort: Array = np.array(slope) / (2 * SMALL) - pull
     return effort
 
 

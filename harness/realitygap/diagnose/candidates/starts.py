@@ -8,8 +8,8 @@ and stops at zero is zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -18,7 +18,7 @@ from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes, whol
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
-from realitygap.robot.effects import Effect
+from realitygap.robot.effects import Effect, Parameter
 
 WHOLE_FIRST = (1.8, 0.9, 0.45, 0.2)
 WHOLE_SECOND = (1.0, 2.5)
@@ -29,8 +29,6 @@ SLIPPERIER = (0.6, 0.3, 0.15)
 """What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
 TO_BOTH_SIDES = (1.0, -1.0)
 """What the first size is multiplied by where it may have either sign: play and friction that holds answer unevenly."""
-SHAPES = ("periods", "phase", "velocity", "exponent")
-"""Parameters that only shape what others do: they are not tried on their own."""
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
 PERIODS = np.arange(1.0, 61.0, 0.25)
@@ -64,7 +62,7 @@ class Start:
     def moved(self, number: int) -> list[str]:
         """The parameters that a try moves away from neutral."""
         zero, values = dict(self.zero), self.tries[number].parameters
-        return [n for n in self.first.free if n not in SHAPES and values[n] != zero[n]]
+        return [p.name for p in sized(self.first) if values[p.name] != zero[p.name]]
 
     def at(self, amounts: Sequence[float]) -> Change:
         """The change that amounts of the tries mean, within the bounds of its parameters."""
@@ -72,8 +70,9 @@ class Start:
             return self.tries[0]
         if self.kind == "wave":
             sine, cosine = amounts
-            size = self.tries[0].parameters["amplitude"] * math.hypot(sine, cosine)
-            return self.tries[0].at({"amplitude": size, "phase": math.atan2(cosine, sine)})
+            (wave,) = sized(self.first)
+            size = self.tries[0].parameters[wave.name] * math.hypot(sine, cosine)
+            return self.tries[0].at({wave.name: min(size, wave.high), "phase": math.atan2(cosine, sine)})
         zero, values = dict(self.zero), {}
         for k, amount in enumerate(amounts):
             for name in self.moved(k):
@@ -130,6 +129,8 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
     size = sizes(problem.plant, suspect)
     first = guess(problem, suspect)
     known = tuple(zero.items())
+    if {"lower", "upper"} <= set(first.free):
+        return [Start(t, (t,), known, "whole") for t in _stops(problem, first)]
     if whole(effect):
         one, two = first.free[:2]
         grid = [(a, b) for a in WHOLE_FIRST for b in WHOLE_SECOND]
@@ -137,15 +138,15 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         return [Start(first, (t,), known, "whole") for t in tries]
     if "periods" in first.free:
         waves = _periods(problem, suspect, residual)
-        return [Start(first, _wave(first, size["amplitude"], p), known, "wave") for p in waves]
-    if not np.isfinite([zero[n] for n in first.free]).all():
-        hard = [n for n in first.free if not np.isfinite(zero[n])]
+        return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
+    hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
+    if hard:
         soft = [first.at({n: first.parameters[n] * k for n in hard}) for k in SOFTER]
         return [Start(first, (t,), known, "inverse") for t in soft]
     if effect.name == "ground_friction" and zero["coefficient"] > 0:
         slippery = [first.at({"coefficient": zero["coefficient"] * k}) for k in SLIPPERIER]
         return [Start(first, (t,), known, "linear") for t in slippery]
-    named = [n for n in first.free if n not in SHAPES]
+    named = [p.name for p in sized(first)]
     still = {n: zero[n] for n in named}
     out = []
     for factor in TO_BOTH_SIDES if signed(effect) else (1.0,):
@@ -163,8 +164,26 @@ def signed(effect: Effect) -> bool:
     return all(p.absent == 0.0 and p.low < 0.0 for p in fitted(effect))
 
 
-def _wave(first: Change, amplitude: float, periods: float) -> tuple[Change, ...]:
-    return tuple(first.at({"amplitude": amplitude, "periods": periods, "phase": p}) for p in (0.0, np.pi / 2))
+def _wave(first: Change, size: Mapping[str, float], periods: float) -> tuple[Change, ...]:
+    (wave,) = sized(first)
+    return tuple(first.at({wave.name: size[wave.name], "periods": periods, "phase": p}) for p in (0.0, np.pi / 2))
+
+
+def _stops(problem: Problem, first: Change) -> list[Change]:
+    """A stop where the recorded motion turned at the latest, on either side alone."""
+    joint, zero = first.suspect.indices[0], neutral(problem.plant, first.suspect)
+    seen = np.concatenate([problem.cases[c].value("position")[:, joint] for c in problem.of("train")])
+    ends = {"lower": float(np.nanmin(seen)), "upper": float(np.nanmax(seen))}
+    out = []
+    for end, angle in ends.items():
+        other = "upper" if end == "lower" else "lower"
+        out.append(replace(first.at({end: angle, other: zero[other]}), free=(end, "stiffness")))
+    return out
+
+
+def sized(change: Change) -> list[Parameter]:
+    """The free parameters of a change that act on their own; the others only shape what these do."""
+    return [p for p in change.suspect.kind.parameters if p.name in change.free and not p.shape]
 
 
 def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array]) -> list[float]:

@@ -52,16 +52,21 @@ def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
     return out
 
 
-OWN = ("joint_offset", "torque_ripple", "constant_effort")
+OWN = ("joint_offset", "torque_ripple", "constant_effort", "joint_stop", "cable_spring", "friction_ripple")
 """Effects whose value is each joint's own: all joints of a type do not share it."""
 ALWAYS_FREE = {
     "torque_ripple": ("amplitude", "periods", "phase"),
+    "friction_ripple": ("share", "periods", "phase"),
     "stribeck_friction": ("static", "coulomb", "velocity"),
+    "payload": ("mass", "x", "y", "z"),
 }
 """Effects that say nothing without fitting their shape too."""
 LATER = {
     "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
     "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
+    "command_profile": ("speed", "acceleration"),
+    "effort_limit": ("effort", "beyond", "share"),
+    "cable_spring": ("stiffness", "rest"),
 }
 """What is freed when an effect was found, if that helps."""
 
@@ -87,6 +92,10 @@ def richer(plant: Plant, change: Change) -> Change | None:
         half = 0.5 * values["coefficient"]
         slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
         values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
+    first = change.suspect.kind.first_size(plant, change.suspect.indices[0])
+    values |= {n: first[n] for n in free if n not in change.free and not np.isfinite(values[n])}
+    if values.get("share") == 1.0:
+        values["share"] = first["share"]
     return replace(change, values=tuple(values.items()), free=free)
 
 

@@ -68,7 +68,7 @@ class Space:
                 p, value = change.suspect.kind.parameter(name), change.parameters[name]
                 names.append((i, name))
                 plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
-                scale.append(max(size[name] if plain else abs(value), 1e-12))
+                scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
                 expected.append(zero[name] if plain else value)
                 width.append(SLAB if plain else LOOSE)
                 low.append(p.low)
@@ -145,8 +145,8 @@ def fit(
         return np.vstack([metric(slopes[x.tobytes()]), np.diag(1.0 / space.width)])
 
     solution = least_squares(
-        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget, xtol=CLOSE, ftol=1e-6, gtol=1e-10,
-        x_scale=np.maximum(np.abs(space.first), 0.3),
+        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
+        xtol=CLOSE, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
     )  # fmt: skip
     x = solution.x
     after = residual(simulations, space.at(x), train)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from realitygap.diagnose.candidates.starts import SHAPES
+from realitygap.diagnose.candidates.starts import sized
 from realitygap.diagnose.candidates.suspects import neutral, whole
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -193,10 +193,10 @@ def _nearest(tried: Sequence[tuple[float, float]]) -> tuple[float, float]:
 def _probes(problem: Problem, change: Change) -> list[tuple[Change, bool]]:
     """A change of each of its parameters alone, and whether it cannot be less than nothing, as a friction cannot."""
     effect, zero = change.suspect.kind, neutral(problem.plant, change.suspect)
-    if effect.name == "torque_ripple":
+    if "phase" in change.free:
         turned = change.parameters["phase"] + np.pi / 2
         return [(change, False), (change.at({"phase": turned}), False)]
-    moved = [n for n in change.free if n not in SHAPES and change.parameters[n] != zero[n]]
+    moved = [p.name for p in sized(change) if change.parameters[p.name] != zero[p.name]]
     one_sided = {n: not np.isfinite(zero[n]) or zero[n] <= effect.parameter(n).low for n in moved}
     if len(moved) < 2 or whole(effect):
         return [(change, whole(effect) or any(one_sided.values()))]

@@ -14,7 +14,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.result.revised_urdf import found_packages, moved_path, revised_urdf
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS
-from realitygap.robot.effects.place import place, targets
+from realitygap.robot.effects.place import known, place, targets
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile, resolve_path
 
@@ -85,11 +85,12 @@ class _Revision:
         for package, where in found_packages(urdf, known).items():
             self.packages[package] = moved_path(where, self.folder)
         mended = changed(plant, self.changes, self.problem.plant).loaded()
-        text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)])
+        text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)], known)
         if text not in self.names:
             taken = self.names.values()
-            first, others = f"robot{urdf.suffix}", (f"{urdf.stem}_{k}{urdf.suffix}" for k in range(2, 1000))
-            wanted = [first] if not taken else [urdf.name, *others]
+            stem, suffix = urdf.stem, ".urdf" if urdf.suffix == ".xacro" else urdf.suffix  # which is expanded then
+            others = [f"{stem}{suffix}", *(f"{stem}_{k}{suffix}" for k in range(2, 1000))]
+            wanted = [f"robot{suffix}"] if not taken else others
             self.names[text] = next(name for name in wanted if name not in taken)
             write_whole(self.folder / self.names[text], text)
         return self.names[text]
@@ -97,7 +98,7 @@ class _Revision:
     def _kept(self, file: ScenarioFile, plant: Plant) -> Iterator[dict[str, Any]]:
         """The effects of a scenario that no finding and no URDF replaces."""
         for spec, raw in zip(file.scenario.effects, file.raw.get("effects") or [], strict=True):
-            effect = EFFECTS[spec.effect]
+            effect = known(spec.effect)
             indices = targets(plant, effect, spec.target)
             gone = set(self.touched) if spec.effect in BODY else set()
             for change in self.changes:

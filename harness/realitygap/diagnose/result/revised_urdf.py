@@ -14,11 +14,12 @@ from realitygap_engines.model.inertial_editor import urdf_text, with_inertials
 from realitygap_engines.model.mjcf_revised import revised_mjcf
 from realitygap_engines.model.read import format_of
 from realitygap_engines.model.robot import Link
+from realitygap_engines.model.xacro_file import urdf_source
 
 PACKAGE = "package://"
 
 
-def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link]) -> str:
+def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link], packages: Mapping[str, Path] | None = None) -> str:
     """The text of a URDF, or MJCF, for another folder, with the inertials of these links.
 
     What is fixed to a link is part of it, so the inertials of the links merged into it are taken out. What a scenario
@@ -28,7 +29,7 @@ def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link]) -> str:
         return revised_mjcf(urdf, folder, links)
     bodies: dict[str, Body | None] = {name: None for link in links for name in link.merged[1:]}
     bodies |= {link.name: own_body(link) for link in links}
-    text = with_inertials(urdf_text(urdf.read_text(encoding="utf-8")), bodies)
+    text = with_inertials(urdf_text(urdf_source(urdf, packages or {})), bodies)
     root = text.root
     for mesh in root.iter("mesh"):
         name = mesh.get("filename", "")
@@ -41,7 +42,7 @@ def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link]) -> str:
 def found_packages(urdf: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
     """The packages of a URDF's meshes that are found beside or above it only, and where they lie."""
     out: dict[str, Path] = {}
-    for mesh in urdf_text(urdf.read_text(encoding="utf-8")).root.iter("mesh"):
+    for mesh in urdf_text(urdf_source(urdf, packages)).root.iter("mesh"):
         name = mesh.get("filename", "")
         package, _, rest = name.removeprefix(PACKAGE).partition("/")
         if not name.startswith(PACKAGE) or package in packages or package in out:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
+from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, fit
@@ -14,7 +15,7 @@ from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
+from realitygap.diagnose.search.evidence import Imperfections, Scored, sharp
 from realitygap.robot.drive import Array
 
 SETTLE = 3
@@ -51,19 +52,19 @@ class Ground:
         """Count facts as the residual of a fit lasts."""
         self.wrong = Imperfections(facts(self.channels, at.residual), self.wrong.responses)
 
-    def take_imperfections(self, blocks: Sequence[Block]) -> None:
-        """Let laws be wrong by a little: those that follow a straight line, at single targets."""
+    def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
+        """Let laws be wrong by a little: those that follow a straight line, at single targets, and the accepted ones."""
         chosen, seen = [self.wrong.responses[:, :0]], set()
         for block in blocks:
             alone = block.suspect.kind.sits_at != "joint" or single(block.suspect)
             if block.start.kind == "linear" and block.suspect not in seen and alone:
                 chosen.append(block.columns)
                 seen.add(block.suspect)
+        for k, (i, name) in enumerate(at.names):
+            zero = neutral(self.problem.plant, at.changes[i].suspect)
+            if not at.changes[i].suspect.kind.parameter(name).shape and np.isfinite(zero[name]):
+                chosen.append(at.slope[:, k : k + 1])
         self.wrong = Imperfections(self.wrong.facts, np.hstack(chosen))
-
-    def score(self, found: Fit) -> Scored:
-        """The evidence of a fit."""
-        return score(self.channels, found, self.wrong)
 
     def sharp(self, found: Fit) -> Metric:
         """The metric in which moves from a fit are looked for."""

@@ -135,7 +135,7 @@ class Round:
         self.now = start if done is None else ground.settled(done)
         ground.take_facts(self.now.fit)
         self.blocks = ground.responses(self.now.fit, everyone)
-        ground.take_imperfections(self.blocks)
+        ground.take_imperfections(self.now.fit, self.blocks)
         self.now = ground.score(self.now.fit)
         self.look = ground.sharp(self.now.fit)
         say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")

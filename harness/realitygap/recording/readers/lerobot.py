@@ -97,8 +97,8 @@ def _values(
     labels = folder.features[name]
     if whole.shape[1] != len(labels):
         raise InputError(f"{episode.file}: {name} holds {whole.shape[1]} values, expected {len(labels)} as in meta/")
-    dataset, motion = request.recordings.dataset, request.motion
-    angles = signal != "command" or motion is None or motion.meaning == "position"
+    dataset = request.recordings.dataset
+    quantity = request.command_signal if signal == "command" else signal
     columns = []
     for joint in request.joints:
         own = dataset.joints.get(joint, joint)
@@ -109,9 +109,9 @@ def _values(
                 f"{', '.join(map(short, labels))}; expected {{{joint}: ITS NAME THERE}}"
             )
         value = whole[:, index]
-        if angles and signal != "effort":
+        if quantity != "effort":
             scale = scale_of(dataset, request.file, joint, short(labels[index]))
-            value = scale.slope * value + (0.0 if signal == "velocity" else scale.offset)
+            value = scale.slope * value + (0.0 if quantity == "velocity" else scale.offset)
         columns.append(value)
     return np.column_stack(columns) if columns else np.empty((len(whole), 0))
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.recording.frames import rotate, unit_quaternions
-from realitygap.scenario.schema import Stream
 from realitygap.trace.trace import Array
 
 
@@ -18,14 +17,13 @@ class Refused(Exception):
 
 @dataclass(frozen=True)
 class Layout:
-    """The fields of a message with joint arrays; dots go into nested messages."""
+    """The fields of a message with joint arrays; dots go into nested messages. `names` None: they are `joints`."""
 
-    names: str
+    names: str | None
     signals: dict[str, str]
+    joints: tuple[str, ...] = ()
 
 
-# control_msgs/JointTrajectoryControllerState: what it measures and what it asks for, by the names of ROS 1 and ROS 2
-CONTROLLER_STATE = (("feedback", "actual"), ("reference", "desired"))
 NAMES = ("name", "names", "joint_names")
 SIGNALS = {
     "position": ("position", "positions"),
@@ -34,24 +32,8 @@ SIGNALS = {
 }
 
 
-def layout_of(
-    kind: str, fields: tuple[str, ...], named: Stream | None = None, *, command: bool = False
-) -> Layout | None:
-    """Where names and values stand in a message type; None where it has no such arrays.
-
-    Args:
-        kind: the message type.
-        fields: its field names.
-        named: the fields as the scenario names them, for other messages than the known ones.
-        command: whether what was asked for is wanted, of a message that has that and what was measured.
-    """
-    if named is not None and (named.names or named.position or named.velocity or named.effort):
-        chosen = {"position": named.position, "velocity": named.velocity, "effort": named.effort}
-        return Layout(named.names or "name", {k: v for k, v in chosen.items() if v is not None})
-    if kind.endswith("JointTrajectoryControllerState"):
-        part = next((p for p in CONTROLLER_STATE[command] if p in fields), None)
-        signals = {"position": "positions", "velocity": "velocities", "effort": "effort"}
-        return None if part is None else Layout("joint_names", {k: f"{part}.{v}" for k, v in signals.items()})
+def layout_of(fields: tuple[str, ...]) -> Layout | None:
+    """Where names and values stand in a message with such fields; None where it has no such arrays."""
     names = next((n for n in NAMES if n in fields), None)
     found = {signal: f for signal, options in SIGNALS.items() for f in options if f in fields}
     return Layout(names, found) if names and found else None
@@ -67,7 +49,8 @@ class JointMessages:
     def __init__(self, joints: tuple[str, ...], layout: Layout, *, partial: bool) -> None:
         self.joints = joints
         self._partial = partial
-        self._names = attrgetter(layout.names)
+        self._given = layout.joints
+        self._names = None if layout.names is None else attrgetter(layout.names)
         self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
         self._rows: dict[str, list[Array]] = {signal: [] for signal in layout.signals}
         self._present: list[NDArray[np.bool_]] = []
@@ -78,8 +61,7 @@ class JointMessages:
     def take(self, message: Any) -> bool:
         """Keep what the message says of the joints; False where it names none of them."""
         try:
-            names = tuple(self._names(message))
-            values = {signal: get(message) for signal, get in self._getters.items()}
+            names, values = self.read(message)
         except AttributeError as error:
             raise Refused(f"{error}; expected the fields that recordings.state names") from None
         order, present = self._order(names)
@@ -92,11 +74,18 @@ class JointMessages:
                 row = np.full(len(self.joints), np.nan)
             elif len(value) == len(names):
                 row = np.where(present, np.asarray(value, dtype=float)[order], np.nan)
+            elif self._given:
+                raise Refused(f"holds {len(value)} values, but {len(names)} joints are named: {', '.join(names)}")
             else:
                 raise Refused(f"names {len(names)} joints and holds {len(value)} values of {signal}")
             self._rows[signal].append(row)
         self._present.append(present)
         return True
+
+    def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
+        """The names and the values of a message, signal by signal."""
+        names = self._given if self._names is None else tuple(self._names(message))
+        return names, {signal: get(message) for signal, get in self._getters.items()}
 
     def _order(self, names: tuple[str, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         if names not in self._orders:

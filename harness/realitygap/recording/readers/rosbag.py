@@ -8,17 +8,24 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
+from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.clock import choose_clock
-from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of, layout_of
+from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of
+from realitygap.recording.readers.ros_control import NoNames, collector_of
+from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario import schema as scenario
+from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
-Collector = JointMessages | Body | Supply
+Collector = JointMessages | Trajectories | Body | Supply
+JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "effort": "recordings.effort.joints"}
+"""Streams of joint values, and the key that names their joints where the messages do not."""
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
 
 
@@ -66,6 +73,10 @@ def read(path: Path, request: Request) -> Streams:
     notes = [clock.note]
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)
+        if isinstance(topic.collector, Trajectories):
+            roles[topic.role] = _followed(f"{path}: {topic.name}", topic.collector, time, keep, roles.get("state"))
+            notes += [f"{topic.name}: {note}"] if note else []
+            continue
         signals, present = topic.collector.arrays()
         joints = topic.collector.joints if isinstance(topic.collector, JointMessages) else ()
         kept = {name: value[keep] for name, value in signals.items()}
@@ -74,6 +85,22 @@ def read(path: Path, request: Request) -> Streams:
         )
         notes += [f"{topic.name}: {n}" for n in (note, topic.collector.note) if n]
     return Streams(**roles, notes=tuple(dict.fromkeys(notes)))
+
+
+def _followed(
+    source: str, collector: Trajectories, time: Array, keep: NDArray[np.int64], state: Samples | None
+) -> Samples:
+    """The commands that a controller makes of trajectories."""
+    measured = None
+    if state is not None and "position" in state.signals:
+        clock, position = state.time, state.signals["position"]
+
+        def measured(joint: int, at: float) -> float:
+            return float(np.interp(at, clock, position[:, joint]))
+
+    end = float(time[-1] if state is None else state.time[-1])
+    times, values = collector.sampled(time, keep, measured, end)
+    return Samples(source, times, {"position": values}, collector.joints)
 
 
 def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str]]:
@@ -105,12 +132,12 @@ def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request:
     kind = bag.types[topic]
     made: Collector | None
     expected = "a BatteryState"
-    if role in ("state", "command", "effort"):
-        stream = request.recordings.state
-        named = stream if role == "state" and isinstance(stream, scenario.Stream) else None
-        layout = layout_of(kind, bag.fields(kind), named, command=role == "command")
-        made = None if layout is None else JointMessages(request.joints, layout, partial=role == "command")
-        expected = "a JointState, a JointTrajectoryControllerState or another message with arrays of names and values"
+    if role in JOINT_ROLES:
+        made = _joint_collector(bag, path, role, topic, request)
+        expected = (
+            "a JointState, JointTrajectoryControllerState, DynamicJointState, Float64MultiArray or another message "
+            "with arrays of names and values" + (", or a JointTrajectory" if role == "command" else "")
+        )
     elif role == "supply":
         made = Supply() if "voltage" in bag.fields(kind) else None
     else:
@@ -119,6 +146,27 @@ def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request:
     if made is None:
         raise InputError(f"{request.file}: {key}: {topic} in {path} is a {short(kind)}; expected {expected}")
     return made
+
+
+def _joint_collector(bag: "Bag", path: Path, role: str, topic: str, request: Request) -> Collector | None:
+    """What takes the messages of a topic of joint values; None for a type that has none."""
+    kind = bag.types[topic]
+    asked = {"state": request.recordings.state, "command": request.motion, "effort": request.recordings.effort}[role]
+    try:
+        return collector_of(
+            kind,
+            bag.fields(kind),
+            request.joints,
+            role=role,
+            stream=asked if isinstance(asked, scenario.Stream) else None,
+            given=tuple(getattr(asked, "joints", None) or ()),
+            signal={"state": "position", "command": request.command_signal, "effort": "effort"}[role],
+        )
+    except NoNames:
+        raise InputError(
+            f"{request.file}: {JOINT_ROLES[role]}: is missing; {topic} in {path} is a {short(kind)}, which names no "
+            f"joints; expected the joints of its values in their order, of {', '.join(request.joints)}"
+        ) from None
 
 
 def stamp_of(message: Any) -> int:
@@ -175,17 +223,18 @@ def opened(path: Path) -> Iterator[Bag]:
     Raises:
         InputError: for a bag that is empty or cannot be read.
     """
-    source = _storage(path)
     store = get_typestore(Stores.LATEST)
-    reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
-    _reading(path, reader.open)
-    try:
-        bag = Bag(path, reader)
-        if not sum(bag.counts.values()):
-            raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
-        yield bag
-    finally:
-        reader.close()
+    with unpacked(path) as plain:
+        source = _storage(plain)
+        reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
+        _reading(path, reader.open)
+        try:
+            bag = Bag(path, reader)
+            if not sum(bag.counts.values()):
+                raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
+            yield bag
+        finally:
+            reader.close()
 
 
 def _storage(path: Path) -> Path:

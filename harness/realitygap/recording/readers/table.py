@@ -1,4 +1,4 @@
-"""CSV and Parquet tables, one row per sample."""
+"""Tables of text (comma, semicolon, tab or white space between cells; point or comma in numbers) and Parquet."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,7 +8,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
+from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
+from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import Columns
 from realitygap.trace.trace import Array
@@ -45,15 +47,23 @@ def load(path: Path) -> pd.DataFrame:
     Raises:
         InputError: for a file that is not a table with a header and at least one row.
     """
-    try:
-        parquet = path.suffix.lower() == ".parquet"
-        frame = pd.read_parquet(path) if parquet else pd.read_csv(path, skipinitialspace=True)
-    except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
-        what = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
+    with unpacked(path) as plain:
+        try:
+            if plain.suffix.lower() == ".parquet":
+                frame, first = pd.read_parquet(plain), 2
+            else:
+                dialect = dialect_of(plain)
+                frame, first = pd.read_csv(plain, **dialect.arguments()), dialect.first_line
+        except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
+            what = " ".join(str(error).split()) or type(error).__name__
+            raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
+    frame = frame.rename(columns=lambda name: str(name).strip())
+    spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
+    frame = frame.drop(columns=spare)  # every line ended with a separator
     if frame.empty:
-        raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(map(str, frame.columns))}")
-    return frame.rename(columns=str)
+        raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
+    frame.attrs["first_line"] = first
+    return frame
 
 
 class Table:
@@ -70,13 +80,14 @@ class Table:
         time = self._column(self.columns.time, "time")
         if np.isnan(time).any():
             row = int(np.flatnonzero(np.isnan(time))[0])
-            raise InputError(f"{self.path}: {self.columns.time} is empty in line {row + 2}, expected a time in s")
+            line = self._line(row)
+            raise InputError(f"{self.path}: {self.columns.time} is empty in line {line}, expected a time in s")
         back = np.flatnonzero(np.diff(time) < 0)
         if len(back):
             row = int(back[0]) + 1
             raise InputError(
                 f"{self.path}: {self.columns.time} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
-                f"{row + 2}, expected times that increase"
+                f"{self._line(row)}, expected times that increase"
             )
         keep = np.flatnonzero(np.append(np.diff(time) > 0, True))
         dropped = len(time) - len(keep)
@@ -194,8 +205,14 @@ class Table:
         wrong = np.flatnonzero(numbers.isna() & column.notna())
         if len(wrong):
             row = int(wrong[0])
-            raise InputError(f"{self.path}: {name} is {column.iloc[row]!r} in line {row + 2}, expected a number")
+            raise InputError(
+                f"{self.path}: {name} is {column.iloc[row]!r} in line {self._line(row)}, expected a number"
+            )
         return numbers.to_numpy(dtype=float)
+
+    def _line(self, row: int) -> int:
+        """The line of the file that holds a row."""
+        return row + int(self.frame.attrs.get("first_line", 2))
 
     def _listing(self) -> str:
         return ", ".join(self.frame.columns)

@@ -3,12 +3,15 @@
 from realitygap.robot.effects.body import BASE_TILT, CENTER_OF_MASS, LINK_INERTIA, LINK_MASS
 from realitygap.robot.effects.control import COMMAND_DELAY, CONTROLLER_GAIN
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
+from realitygap.robot.effects.effort_map import EFFORT_MAP
+from realitygap.robot.effects.firmware import COMMAND_PROFILE, DEAD_BAND, GAIN_LAW, SERVO_RATE
 from realitygap.robot.effects.friction import (
     COULOMB_FRICTION,
     LOAD_DEPENDENT_FRICTION,
     STRIBECK_FRICTION,
     VISCOUS_FRICTION,
 )
+from realitygap.robot.effects.friction_shape import DIRECTION_FRICTION, FRICTION_RIPPLE
 from realitygap.robot.effects.ground import GROUND_FRICTION, SOFT_GROUND
 from realitygap.robot.effects.motor import (
     CONSTANT_EFFORT,
@@ -20,10 +23,12 @@ from realitygap.robot.effects.motor import (
     VOLTAGE_SAG,
 )
 from realitygap.robot.effects.payload import PAYLOAD
+from realitygap.robot.effects.power_stage import CURRENT_LAG, EFFORT_LIMIT, MOTOR_BRAKING
 from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
+from realitygap.robot.effects.springs import CABLE_SPRING, JOINT_STOP
 from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
-__all__ = ["EFFECTS", "Effect", "Page", "Parameter", "Values"]
+__all__ = ["EFFECTS", "EFFORT_MAP", "WRITABLE", "Effect", "Page", "Parameter", "Values"]
 
 EFFECTS: dict[str, Effect] = {
     effect.name: effect
@@ -53,6 +58,19 @@ EFFECTS: dict[str, Effect] = {
         SOFT_GROUND,
         VELOCITY_FILTER,
         PAYLOAD,
+        DEAD_BAND,
+        JOINT_STOP,
+        COMMAND_PROFILE,
+        EFFORT_LIMIT,
+        DIRECTION_FRICTION,
+        FRICTION_RIPPLE,
+        CABLE_SPRING,
+        MOTOR_BRAKING,
+        CURRENT_LAG,
+        GAIN_LAW,
+        SERVO_RATE,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""
+WRITABLE: dict[str, Effect] = {**EFFECTS, EFFORT_MAP.name: EFFORT_MAP}
+"""What a scenario can have: the effects, which have a law and a name to give, and an effort that has neither."""

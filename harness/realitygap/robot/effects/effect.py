@@ -1,8 +1,8 @@
 """What an effect is: a piece of physics that a model may lack, as an edit of the plant."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 from realitygap.robot.plant import Plant
 
@@ -57,7 +57,8 @@ class Effect:
         parameters: in the order of tables.
         signals: what it touches first.
         own: (plant, index) -> values; the index is of a joint or link, 0 for ground and base.
-        apply: (plant, indices, values) -> None, edits the plant in place; values are totals.
+        apply: (plant, indices, values) -> None, edits the plant in place; values are totals, and a parameter with a
+            default that is left out stays.
         possible: (plant, index) -> a reason in words why it cannot act there, or None.
         page: physics, equation, signature, confusions, source.
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
@@ -65,6 +66,9 @@ class Effect:
         dissipative: it can only take energy out.
         unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
         absurd: (values) -> a reason in words why these values are not this effect, or None.
+        contradiction: (values) -> what in them cannot be, and what was expected, or None.
+        read: (keys of a scenario) -> checked values, of an effect whose parameters are tables instead of numbers.
+        example: such values.
     """
 
     name: str
@@ -81,6 +85,9 @@ class Effect:
     dissipative: bool = False
     absurd: Callable[[Values], str | None] | None = None
     unseen_when_followed: str = ""
+    contradiction: Callable[[Values], str | None] | None = None
+    read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
+    example: Mapping[str, Any] = field(default_factory=dict)
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""
@@ -91,6 +98,8 @@ class Effect:
 
     def first_size(self, plant: Plant, index: int) -> dict[str, float]:
         """Values that are neither negligible nor absurd there, within bounds: for a first try and for planting."""
+        if self.read:
+            return dict(self.example)
         sizes = {p.name: p.first for p in self.parameters}
         sizes.update(self.scaled(plant, index) if self.scaled else {})
         return {p.name: min(max(sizes[p.name], p.low), p.high) for p in self.parameters}
@@ -102,10 +111,11 @@ def reads(**fields: str) -> Callable[[Plant, int], dict[str, float]]:
 
 
 def writes(**fields: str) -> Callable[[Plant, list[int], Values], None]:
-    """`apply` of an effect whose parameters are fields of the drive."""
+    """`apply` of an effect whose parameters are fields of the drive; what is left out stays."""
 
     def apply(plant: Plant, indices: list[int], values: Values) -> None:
-        for name, field in fields.items():
-            plant.drive[field][indices] = values[name]
+        for name, column in fields.items():
+            if name in values:
+                plant.drive[column][indices] = values[name]
 
     return apply

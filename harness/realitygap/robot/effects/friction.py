@@ -37,7 +37,7 @@ COULOMB_FRICTION = Effect(
         "flat spot at reversals too, but without an effort offset).",
         source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4.",
     ),
-    excludes=("stribeck_friction",),
+    excludes=("stribeck_friction", "direction_friction"),
     dissipative=True,
 )
 
@@ -104,7 +104,7 @@ STRIBECK_FRICTION = Effect(
         source="R. Stribeck 1902; Canudas de Wit, Olsson, Åström, Lischinsky, IEEE TAC 40(3), 1995 (LuGre); "
         "Armstrong-Hélouvry, Dupont, Canudas de Wit 1994.",
     ),
-    excludes=("coulomb_friction",),
+    excludes=("coulomb_friction", "direction_friction"),
     dissipative=True,
     absurd=_rising,
 )

@@ -4,7 +4,7 @@ import math
 
 from realitygap_engines import GRAVITY
 
-from realitygap.robot.drive import DC, NONE
+from realitygap.robot.drive import CASCADE, DC, NONE, PID, POSITION
 from realitygap.robot.plant import Plant
 
 SUPPLY = 12.0
@@ -20,6 +20,17 @@ def has_servo(plant: Plant, index: int) -> str | None:
     """For effects on a servo."""
     if plant.drive["kind"][index] == NONE:
         return f"joint {plant.model.joint_names[index]} has no servo; expected a joint that `servos` covers"
+    return None
+
+
+def follows_position(plant: Plant, index: int) -> str | None:
+    """For effects on what a servo does about a position error."""
+    d = plant.drive[index]
+    if d["kind"] not in (DC, PID, CASCADE) or d["meaning"] != POSITION:
+        return (
+            f"joint {plant.model.joint_names[index]} follows no position; expected a servo of kind dc, pid or cascade "
+            "and position commands"
+        )
     return None
 
 

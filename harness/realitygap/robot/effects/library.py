@@ -3,9 +3,10 @@
 import inspect
 import textwrap
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from realitygap.files.errors import did_you_mean
-from realitygap.robot.effects import EFFECTS, Effect, Parameter
+from realitygap.robot.effects import WRITABLE, Effect, Parameter
 from realitygap.robot.effects.place import values
 from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
@@ -21,20 +22,20 @@ class Effects:
     """
 
     def __getattr__(self, name: str) -> Make:
-        if name not in EFFECTS:
-            listed = ", ".join(EFFECTS)
-            raise AttributeError(f"there is no effect {name}; known: {listed}{did_you_mean(name, EFFECTS)}")
-        return _function(EFFECTS[name])
+        if name not in WRITABLE:
+            listed = ", ".join(WRITABLE)
+            raise AttributeError(f"there is no effect {name}; known: {listed}{did_you_mean(name, WRITABLE)}")
+        return _function(WRITABLE[name])
 
     def __dir__(self) -> list[str]:
-        return list(EFFECTS)
+        return list(WRITABLE)
 
     def __repr__(self) -> str:
-        return f"<effects: {', '.join(EFFECTS)}>"
+        return f"<effects: {', '.join(WRITABLE)}>"
 
 
 def _function(effect: Effect) -> Make:
-    def make(target: str | Sequence[str] = "*", **parameters: float) -> EffectSpec:
+    def make(target: str | Sequence[str] = "*", **parameters: Any) -> EffectSpec:
         kept = target if isinstance(target, str) else list(target)
         spec = EffectSpec(effect=effect.name, target=kept, **plain(parameters))
         values(effect, spec)
@@ -48,7 +49,8 @@ def _function(effect: Effect) -> Make:
 
 def _signature(effect: Effect) -> inspect.Signature:
     first = inspect.Parameter("target", inspect.Parameter.POSITIONAL_OR_KEYWORD, default="*")
-    rest = [
+    rest = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=list) for name in effect.example]
+    rest += [
         inspect.Parameter(
             p.name,
             inspect.Parameter.KEYWORD_ONLY,
@@ -63,6 +65,7 @@ def _signature(effect: Effect) -> inspect.Signature:
 def _told(effect: Effect) -> str:
     lines = [textwrap.fill(effect.page.physics, 88), "", f"    {effect.page.equation}", "", "Args:"]
     lines.append(f"    target: the {effect.sits_at}" + (", or patterns" if effect.sits_at in ("joint", "link") else ""))
+    lines += [f"    {name}: such as {value}" for name, value in effect.example.items()]
     lines += [f"    {_line(p)}" for p in effect.parameters]
     return "\n".join([*lines, "", "Raises:", "    InputError: for a parameter that it does not have, or a value."])
 

@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 
 from realitygap.files.errors import InputError, did_you_mean
-from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effects import WRITABLE, Effect
 from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
 
@@ -41,6 +41,8 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
     Raises:
         InputError: for an unknown or missing parameter, or a value that is no number or out of bounds.
     """
+    if effect.read:
+        return effect.read(spec.parameters)
     known = {p.name: p for p in effect.parameters}
     listed = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
     out: dict[str, float] = {}
@@ -61,15 +63,17 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
             if parameter.default is None:
                 raise InputError(f"effect {effect.name}: {parameter.name} is missing; it has {listed}")
             out[parameter.name] = parameter.default
+    if effect.contradiction and (reason := effect.contradiction(out)):
+        raise InputError(f"effect {effect.name}: {reason}")
     return out
 
 
 def known(name: str) -> Effect:
     """The effect of that name. Raises InputError with those there are."""
-    if name not in EFFECTS:
-        hint = did_you_mean(name, EFFECTS)
-        raise InputError(f"effects: unknown effect {name}; known: {', '.join(EFFECTS)}{hint}")
-    return EFFECTS[name]
+    if name not in WRITABLE:
+        hint = did_you_mean(name, WRITABLE)
+        raise InputError(f"effects: unknown effect {name}; known: {', '.join(WRITABLE)}{hint}")
+    return WRITABLE[name]
 
 
 def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:

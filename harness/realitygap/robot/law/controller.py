@@ -13,16 +13,16 @@ NOMINAL_ERROR = 0.1
 
 
 @compiled
-def position_error(d, s, command, reading, rate, t, h):  # type: ignore[no-untyped-def]
+def position_error(d, s, command, upcoming, reading, rate, t, h):  # type: ignore[no-untyped-def]
     """The position error as the controller takes it.
 
     Sampled and held, without what lies in its dead band, bent by its gain law, and cut where protection acts. `rate` is
     the encoder's speed.
     """
     error = command - reading
-    if d.servo_rate > 0.0 and d.servo_rate * h < 1.0:
-        error = sampled(d, s, error, rate, t, h)
-    share = 1.0 if d.protection == 0.0 or abs(error) <= d.protection else d.protection_share
+    if d.servo_rate * h < 1.0:
+        error = sampled(d, s, error, command, upcoming, rate, t, h)
+    share = d.protection_share if abs(error) > d.protection else 1.0
     if d.dead_band > 0.0:
         error = np.sign(error) * max(abs(error) - d.dead_band, 0.0)
     if d.gain_exponent != 1.0:
@@ -31,19 +31,22 @@ def position_error(d, s, command, reading, rate, t, h):  # type: ignore[no-untyp
 
 
 @compiled
-def sampled(d, s, error, rate, t, h):  # type: ignore[no-untyped-def]
+def sampled(d, s, error, command, upcoming, rate, t, h):  # type: ignore[no-untyped-def]
     """The mean over the step of an error that is sampled at `servo_rate` and held.
 
-    A sample within the step is taken at its own time: the result is a continuous function of the rate.
+    A sample within the step is taken at its own time, between the commands of the steps: the result is a continuous
+    function of the rate.
     """
     into = np.floor((t + 0.5 * h) * d.servo_rate) / d.servo_rate - (t - 0.5 * h)
     if s.started == 0:
         s.held = error
-    before = s.held
-    if into <= 0.0:
-        return before
-    s.held = error - rate * (into - 0.5 * h)
-    return (before * into + s.held * (h - into)) / h
+    elif into > 0.0:
+        before, later = s.held, into - 0.5 * h
+        other = upcoming if later > 0.0 else s.goal
+        rising = 0.0 if np.isnan(other) else abs(later) / h * (other - command)
+        s.held = error + rising - rate * later
+        return (before * into + s.held * (h - into)) / h
+    return s.held
 
 
 @compiled

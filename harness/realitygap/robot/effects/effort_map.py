@@ -1,0 +1,102 @@
+"""An effort that is measured and that no law explains."""
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from realitygap.files.errors import InputError, did_you_mean
+from realitygap.robot.effects.effect import Effect, Page
+from realitygap.robot.effects.joint import anywhere
+from realitygap.robot.effort_map import VARIABLES, EffortMap
+from realitygap.robot.plant import Plant
+
+KEYS = ("variables", "knots", "values")
+
+
+def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
+    """The checked variables, knots and values of a scenario, as tuples; of two variables, values is a row per knot.
+
+    Raises:
+        InputError: for a key, variable or number that cannot be used.
+    """
+    wrong = [k for k in given if k not in KEYS] or [k for k in KEYS if k not in given]
+    if wrong:
+        what = "unknown parameter" if wrong[0] in given else "missing parameter"
+        raise InputError(f"effect effort_map: {what} {wrong[0]}; it has {', '.join(KEYS)}")
+    names = given["variables"]
+    if not isinstance(names, list | tuple) or len(names) not in (1, 2) or len(set(map(str, names))) < len(names):
+        raise InputError(f"effect effort_map: variables is {names!r}; expected a list of one or two of {_known()}")
+    for name in names:
+        if name not in VARIABLES:
+            hint = did_you_mean(str(name), VARIABLES)
+            raise InputError(f"effect effort_map: unknown variable {name!r}; known: {_known()}{hint}")
+    knots = given["knots"]
+    if not isinstance(knots, list | tuple) or len(knots) != len(names):
+        raise InputError(f"effect effort_map: knots is {knots!r}; expected a list of numbers for each of {len(names)}")
+    grid = tuple(_numbers(k, f"knots of {n}") for k, n in zip(knots, names, strict=True))
+    for name, row in zip(names, grid, strict=True):
+        if any(b <= a for a, b in pairwise(row)):
+            raise InputError(f"effect effort_map: knots of {name} do not increase; expected increasing numbers")
+    values = given["values"]
+    if len(names) == 1:
+        rows: tuple[tuple[float, ...], ...] = (_numbers(values, "values"),)
+        expected = [1, len(grid[0])]
+    else:
+        if not isinstance(values, list | tuple):
+            raise InputError(f"effect effort_map: values is {values!r}; expected a list of rows")
+        rows = tuple(_numbers(row, "a row of values") for row in values)
+        expected = [len(grid[0]), len(grid[1])]
+    if len(rows) != expected[0] or any(len(row) != expected[1] for row in rows):
+        shape = " x ".join(str(len(k)) for k in grid)
+        raise InputError(f"effect effort_map: values do not fit the knots; expected {shape} numbers")
+    return {"variables": tuple(names), "knots": grid, "values": rows if len(names) > 1 else rows[0]}
+
+
+def _numbers(given: Any, what: str) -> tuple[float, ...]:
+    numbers = isinstance(given, list | tuple) and len(given) > 0
+    for x in given if numbers else ():
+        numbers = numbers and isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+    if not numbers:
+        raise InputError(f"effect effort_map: {what}: found {given!r}; expected a list of numbers")
+    return tuple(float(x) for x in given)
+
+
+def _known() -> str:
+    return ", ".join(f"{name} [{unit}]" for name, unit in VARIABLES.items())
+
+
+def _apply(plant: Plant, indices: list[int], values: Mapping[str, Any]) -> None:
+    two = len(values["variables"]) > 1
+    numbers = tuple(x for row in values["values"] for x in row) if two else tuple(values["values"])
+    knots = tuple(tuple(k) for k in values["knots"])
+    plant.maps += [EffortMap(j, tuple(values["variables"]), knots, numbers) for j in indices]
+
+
+EFFORT_MAP = Effect(
+    name="effort_map",
+    changes="torque",
+    sits_at="joint",
+    parameters=(),
+    signals=("position", "effort"),
+    own=lambda _plant, _index: {},
+    apply=_apply,
+    possible=anywhere,
+    read=read_map,
+    example={"variables": ("angle",), "knots": ((-0.5, 0.0, 0.5),), "values": (0.1, -0.1, 0.1)},
+    page=Page(
+        physics="An effort that the recordings show and that no law on the list explains, as a table over what it "
+        "depends on: one or two of angle, speed, error, load, reversal (the time since the last one) and supply. It "
+        "acts on the link, is linear between its knots and stays as it is at the outermost ones beyond them: it says "
+        "nothing about where nothing was measured. It has no name and tells no cause; its place and its shape are "
+        "what a mechanic may recognise.",
+        equation="τ += the value between the knots of the variables",
+        signature="Whatever it was drawn from.",
+        confused_with="every law whose effort depends on the same variables: coulomb_friction (speed), cable_spring "
+        "and torque_ripple (angle), load_dependent_friction (load and speed), gain_law (error). A law that explains "
+        "as much is the better explanation, because it holds where nothing was measured.",
+        source="Eilers, Marx: Flexible smoothing with B-splines and penalties, Statistical Science 11(2), 1996 (the "
+        "smooth functions that such tables are drawn from).",
+    ),
+    unseen_when_followed="what it depends on is taken from a motion that a servo drives",
+)

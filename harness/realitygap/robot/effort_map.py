@@ -1,0 +1,69 @@
+"""An effort that depends on one or two measured variables, as a table: what no law explains."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap.robot.drive import Array
+
+VARIABLES = {
+    "angle": "rad",
+    "speed": "rad/s",
+    "error": "rad",
+    "load": "N·m",
+    "reversal": "s",
+    "supply": "V",
+}
+"""What an effort can depend on, as it is measured, with its unit. Their order is that of the codes in `MAP`.
+
+angle, speed: what the encoder reads. error: command less reading, 0 where the servo is off. load: the torque that the
+gears hand to the link, signed. reversal: time since the encoder's speed last changed its sign, or since the beginning.
+supply: the voltage that was recorded, else the servo's bus.
+"""
+
+MAP = np.dtype(
+    [
+        ("joint", np.int64),
+        ("first", np.int64),  # codes of the variables; -1: there is no second one
+        ("second", np.int64),
+        ("rows", np.int64),  # how many knots each has
+        ("columns", np.int64),
+        ("at", np.int64),  # where its numbers begin: knots of the first, of the second, values row by row
+    ]
+)
+"""Where a map's numbers are."""
+
+
+@dataclass(frozen=True)
+class EffortMap:
+    """An effort on one joint that is linear between knots, and constant beyond the first and the last.
+
+    Attributes:
+        joint: index of the joint.
+        variables: one or two names of `VARIABLES`.
+        knots: increasing, for each variable.
+        values: effort [N·m or N] at the knots, row by row: the second variable's knots run fastest.
+    """
+
+    joint: int
+    variables: tuple[str, ...]
+    knots: tuple[tuple[float, ...], ...]
+    values: tuple[float, ...]
+
+
+def packed(maps: Sequence[EffortMap]) -> tuple[NDArray[np.void], Array]:
+    """All maps as the compiled law reads them: where each one's numbers are, shape (m,) of `MAP`, and the numbers."""
+    codes = list(VARIABLES)
+    table, numbers = np.zeros(len(maps), MAP), list[float]()
+    for row, one in zip(table, maps, strict=True):
+        second = codes.index(one.variables[1]) if len(one.variables) > 1 else -1
+        columns = one.knots[1] if len(one.knots) > 1 else (0.0,)
+        row["joint"], row["first"], row["second"] = one.joint, codes.index(one.variables[0]), second
+        row["rows"], row["columns"], row["at"] = len(one.knots[0]), len(columns), len(numbers)
+        numbers += itertools.chain(one.knots[0], columns, one.values)
+    return table, np.array(numbers)

@@ -1,0 +1,113 @@
+"""Firmware that follows position commands with a bounded speed and acceleration: a trapezoidal profile to each goal.
+
+Every command is a goal when it arrives, and the way to it is planned anew from where the profile is and how fast it
+goes: as fast as both bounds allow, to come to rest at the goal. That is worked out in continuous time, so that the
+result does not depend on the step and is a continuous function of the bounds and of the delay.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from realitygap_engines.law.compiled import compiled
+
+from realitygap.robot.drive import Array
+from realitygap.simulate.commands import Commands, on_steps
+
+PERIOD = 1e-3
+"""A trajectory that is linear between its samples is a new goal each period of a servo's own loop [s]."""
+
+
+def told(commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> Array:
+    """The mean command of each servo over every step, after its profile and its delay. Shape (steps, n).
+
+    Args:
+        commands: what is sent.
+        drive: with `profile_speed` [rad/s] and `profile_acceleration` [rad/s²]; infinite: no bound. Shape (n,).
+        steps: how many.
+        h: the length of a step [s].
+        delay: of each joint [s]. Shape (n,).
+    """
+    out = on_steps(commands, steps, h, delay)
+    edges = (np.arange(steps + 1) - 0.5) * h
+    for j in np.flatnonzero(np.isfinite(drive["profile_speed"]) | np.isfinite(drive["profile_acceleration"])):
+        time, goal = _goals(commands, int(j))
+        if not len(time):
+            continue
+        profile = phases(time, goal, float(drive["profile_speed"][j]), float(drive["profile_acceleration"][j]))
+        mean = np.diff(_integral(profile, edges - delay[j])) / h
+        out[:, j] = np.where(np.isnan(out[:, j]), np.nan, mean)
+    return out
+
+
+def _goals(commands: Commands, j: int) -> tuple[Array, Array]:
+    """When each goal of a joint arrives, and the goal. While a servo is off, its profile waits at the next command."""
+    time, goal = commands.time, commands.value[:, j]
+    if not commands.held and len(time) > 1:
+        grid = np.arange(time[0], time[-1], PERIOD)
+        time, goal = np.append(grid, time[-1]), np.append(np.interp(grid + PERIOD / 2, time, goal), goal[-1])
+    known = np.flatnonzero(np.isfinite(goal))
+    if not len(known):
+        return time[:0], goal[:0]
+    following = known[np.minimum(np.searchsorted(known, np.arange(len(goal))), len(known) - 1)]
+    return time, goal[following]
+
+
+def _integral(profile: Array, at: Array) -> Array:
+    """The integral of a profile from its beginning to each time; before it, the first position holds. Shape of `at`."""
+    start, p, v, a = profile
+
+    def over(lasting: Array, k: NDArray[np.intp]) -> Array:
+        return np.asarray(lasting * (p[k] + lasting * (v[k] / 2 + lasting * a[k] / 6)))
+
+    whole = np.concatenate([[0.0], np.cumsum(over(np.diff(start), np.arange(len(start) - 1)))])
+    k = np.maximum(np.searchsorted(start, at, side="right") - 1, 0)
+    return np.where(at < start[0], p[0] * (at - start[0]), whole[k] + over(at - start[k], k))
+
+
+@compiled
+def phases(time, goal, speed, acceleration):  # type: ignore[no-untyped-def]
+    """The profile to goals that arrive at increasing times, as phases of constant acceleration.
+
+    Returns:
+        Start [s], position [rad], speed [rad/s] and acceleration [rad/s²] of each phase; the last one rests. Shape
+        (4, phases).
+    """
+    out = np.zeros((4, 4 * len(time) + 1))
+    count, p, v = 0, goal[0], 0.0
+    lasts, pulls = np.zeros(3), np.zeros(3)
+    for i in range(len(time)):
+        now = time[i]
+        end = time[i + 1] if i + 1 < len(time) else np.inf
+        way = goal[i] - p
+        if acceleration == np.inf:
+            sign, top = np.sign(way), speed
+            lasts[:], pulls[:] = 0.0, 0.0
+            lasts[1] = abs(way) / speed
+        else:
+            beyond = way - v * abs(v) / (2.0 * acceleration)  # what is left where braking now would end
+            sign = np.sign(beyond) if beyond != 0.0 else -np.sign(v)
+            top = min(np.sqrt(max(acceleration * sign * way + 0.5 * v * v, 0.0)), speed)
+            lasts[0], lasts[2] = (top - sign * v) / acceleration, top / acceleration
+            cruise = sign * way - (2.0 * top * top - v * v) / (2.0 * acceleration)
+            lasts[1] = max(cruise, 0.0) / top if top > 0.0 else 0.0
+            pulls[0], pulls[2] = sign * acceleration, -sign * acceleration
+        arrived = True
+        for k in range(3):
+            if lasts[k] <= 0.0:
+                continue
+            if k == 1:
+                v = sign * top
+            out[0, count], out[1, count], out[2, count], out[3, count] = now, p, v, pulls[k]
+            count += 1
+            lasting = min(lasts[k], end - now)
+            p += lasting * (v + 0.5 * lasting * pulls[k])
+            v += lasting * pulls[k]
+            if lasting < lasts[k]:
+                arrived = False
+                break
+            now += lasting
+        if arrived:
+            p, v = goal[i], 0.0
+            out[0, count], out[1, count] = now, p
+            out[2, count], out[3, count] = 0.0, 0.0
+            count += 1
+    return out[:, :count]
