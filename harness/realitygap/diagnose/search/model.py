@@ -53,7 +53,7 @@ class Ground:
         self.wrong = Imperfections(facts(self.channels, at.residual), self.wrong.responses)
 
     def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
-        """Let laws be wrong by a little: those that follow a straight line, at single targets, and the accepted ones."""
+        """Let laws be wrong by a little: those that follow a straight line at single targets, and the accepted ones."""
         chosen, seen = [self.wrong.responses[:, :0]], set()
         for block in blocks:
             alone = block.suspect.kind.sits_at != "joint" or single(block.suspect)
@@ -65,6 +65,10 @@ class Ground:
             if not at.changes[i].suspect.kind.parameter(name).shape and np.isfinite(zero[name]):
                 chosen.append(at.slope[:, k : k + 1])
         self.wrong = Imperfections(self.wrong.facts, np.hstack(chosen))
+
+    def score(self, found: Fit) -> Scored:
+        """The evidence of a fit."""
+        return score(self.channels, found, self.wrong)
 
     def sharp(self, found: Fit) -> Metric:
         """The metric in which moves from a fit are looked for."""
