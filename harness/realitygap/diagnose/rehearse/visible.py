@@ -96,7 +96,7 @@ def visible(
         say: told what is being done.
     """
     problem = simulations.problem
-    look = _Look(simulations, floors)
+    look = Look(simulations, floors)
     tried: dict[Suspect, list[tuple[float, float]]] = {s: [] for s in suspects}
     factor = dict.fromkeys(suspects, 1.0)
     open_ = list(suspects)
@@ -125,7 +125,7 @@ def visible(
     return out
 
 
-class _Look:
+class Look:
     """Signatures: how changes move the training residual, whitened by the floors alone."""
 
     def __init__(self, simulations: Simulations, floors: Floors) -> None:

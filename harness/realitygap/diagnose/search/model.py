@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Imperfections, Scored, sharp
+from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
 from realitygap.robot.drive import Array
 
 SETTLE = 3
