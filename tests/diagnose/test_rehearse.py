@@ -101,7 +101,7 @@ def test_a_planted_size_lies_within_its_bounds_and_none_is_neutral(problem):
         for factor in (1e-3, 1.0, 64.0, 1e9):
             values = planted(problem, suspect, factor).parameters
             for p in effect.parameters:
-                assert p.low <= values[p.name] <= p.high
+                assert p.low <= values[p.name] <= p.high or values[p.name] == p.default
         moved = [p.name for p in effect.parameters if not p.shape and np.isfinite(zero[p.name]) and p.absent is None]
         small = planted(problem, suspect, 0.0 if moved else 1.0).parameters
         if effect.name not in ("soft_ground", "torque_speed_limit"):

@@ -85,7 +85,7 @@ def respond(
     for i, start in enumerate(tried):
         columns = [found.get((i, k)) for k in range(len(start.tries))]
         good = [c for c in columns if c is not None]
-        if len(good) == len(columns) and np.abs(good).max() > 0.0:
+        if good and len(good) == len(columns) and np.abs(good).max() > 0.0:
             out.append(Block(start, np.column_stack(good)))
     return out
 
