@@ -75,7 +75,7 @@ def fitted(effect: Effect) -> list[Parameter]:
     """The parameters that are fitted: those that act on their own."""
     free = ALWAYS_FREE.get(effect.name)
     if effect.name in LATER and free is None:
-        return [p for p in effect.parameters if not p.shape and p.default is None]
+        return [p for p in effect.parameters if not p.shape and (p.default is None or np.isinf(p.default))]
     return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
 
 

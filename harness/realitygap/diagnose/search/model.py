@@ -70,9 +70,9 @@ class Ground:
         """The evidence of a fit."""
         return score(self.channels, found, self.wrong)
 
-    def sharp(self, found: Fit) -> Metric:
-        """The metric in which moves from a fit are looked for."""
-        return sharp(self.channels, found, self.wrong).metric
+    def sharp(self, found: Fit) -> Scored:
+        """The evidence, and the metric in which moves from a fit are looked for."""
+        return sharp(self.channels, found, self.wrong)
 
     def fit(self, changes: Sequence[Change], metric: Metric) -> Scored | None:
         """Changes fitted in a metric, with their evidence; None where they cannot be simulated, or where the values

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -137,10 +137,11 @@ class Round:
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.now.fit, self.blocks)
         self.now = ground.score(self.now.fit)
-        self.look = ground.sharp(self.now.fit)
+        self.look = ground.sharp(self.now.fit).metric
         say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
         linear = self._linear(self.now.fit.residual, self.blocks)
         self.promised = self._followed(linear.promises())
+        self.promised = sorted([*self.promised, *self._jumps()], key=lambda p: -p.gain)
 
     def grown(self) -> Scored | None:
         """The best model with one more finding, several, or a richer shape; None where none gains enough.
@@ -148,7 +149,10 @@ class Round:
         What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
         """
         accepted = list(self.now.fit.changes)
-        ways = [([*accepted, p.block.start.first], self.limit) for p in self.promised[:BEAM] if p.gain > 0]
+        first: dict[Suspect, Promise] = {}
+        for p in self.promised:
+            first.setdefault(p.block.suspect, p)
+        ways = [([*accepted, p.block.start.first], self.limit) for p in list(first.values())[:BEAM] if p.gain > 0]
         several = self._linear(self.now.fit.residual, [p.block for p in self.promised]).several(self.limit)
         if len(several) > 1:
             ways.append(([*accepted, *(p.block.start.first for p in several)], self.limit * len(several)))
@@ -223,7 +227,24 @@ class Round:
     def _linear(self, left: np.ndarray, blocks: Sequence[Block], at: Scored | None = None) -> Linear:
         if at is None:
             return Linear(self.look, left, self.now.fit.slope, blocks)
-        return Linear(self.ground.sharp(at.fit), left, at.fit.slope, blocks)
+        return Linear(self.ground.sharp(at.fit).metric, left, at.fit.slope, blocks)
+
+    def _jumps(self) -> list[Promise]:
+        """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
+        before = self.ground.sharp(self.now.fit).evidence
+        out = []
+        for block in self.blocks:
+            if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
+                there = replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
+                gain = self.ground.sharp(there).evidence - before
+                if gain > 0.0:
+                    try_ = block.start.tries[0]
+                    whole = Start(try_, (try_,), block.start.zero, "whole")
+                    out.append(Promise(Block(whole, block.columns), (1.0,), gain))
+        best: dict[Suspect, Promise] = {}
+        for p in sorted(out, key=lambda p: -p.gain):
+            best.setdefault(p.block.suspect, p)
+        return list(best.values())[:BEAM]
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
         """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
