@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -9,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 
 ROOT = Path(__file__).parents[2]
 PIP = [sys.executable, "-m", "pip", "--quiet", "--no-input", "--disable-pip-version-check"]
@@ -46,17 +48,61 @@ def test_the_wheel_holds_every_file_of_the_packages(wheel: Path) -> None:
     assert wanted <= set(zipfile.ZipFile(wheel).namelist())
 
 
-def test_a_team_keeps_its_own_tests_and_scenarios(wheel: Path, tmp_path: Path) -> None:
-    site, team = tmp_path / "site", tmp_path / "team"
-    run(*PIP, "install", "--no-deps", "--target", site, wheel, cwd=tmp_path)
-    own = ("engines", "harness", "tests", "scenarios")
-    for package in own:
-        (team / package).mkdir(parents=True)
-        (team / package / "__init__.py").touch()
-    program = f"import {', '.join(own)}\nfor m in ({', '.join(own)}): print(m.__file__)"
-    # the installed project comes first, so that a name it took would win
-    found = run(sys.executable, "-c", program, cwd=tmp_path, path=os.pathsep.join(map(str, (site, team)))).split()
-    assert [Path(file).parent for file in found] == [team / package for package in own]
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The programs of an environment with nothing in it but the wheel; what it needs is borrowed from here."""
+    folder = tmp_path_factory.mktemp("environment")
+    run(sys.executable, "-m", "venv", "--without-pip", folder, cwd=folder)
+    programs = folder / "bin"
+    run(*PIP[:3], "--python", programs / "python", *PIP[3:], "install", "--no-deps", wheel, cwd=folder)
+    (site,) = folder.glob("lib/python*/site-packages")
+    (site / "borrowed.pth").write_text("\n".join(p for p in sys.path if p.endswith("-packages")))
+    return programs
+
+
+@pytest.fixture(scope="module")
+def team(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A project whose folders are called like those of this repository."""
+    folder = tmp_path_factory.mktemp("team")
+    for package in ("engines", "harness"):
+        (folder / package).mkdir()
+        (folder / package / "__init__.py").write_text("OURS = True\n")
+    (folder / "conftest.py").write_text("import engines, harness\nassert engines.OURS and harness.OURS\n")
+    (folder / "tests").mkdir()
+    (folder / "tests" / "test_own.py").write_text("import harness\n\ndef test_own(): assert harness.OURS\n")
+    for name in ("arm.urdf", "chirp_1.mcap", "triangle_1.mcap"):
+        shutil.copy(ROOT / "scenarios" / "demo" / name, folder)
+    told = yaml.safe_load((ROOT / "scenarios" / "demo" / "scenario.yaml").read_text())
+    told["recordings"]["runs"] = [{"path": "chirp_1.mcap"}, {"path": "triangle_1.mcap"}]
+    (folder / "scenario.yaml").write_text(yaml.safe_dump(told | {"budget": {"position": 5.0}}))
+    matrix = {"name": "two", "scenarios": "scenario.yaml", "engines": "mujoco", "floors": False}
+    (folder / "matrix.yaml").write_text(yaml.safe_dump(matrix))
+    return folder
+
+
+def test_it_is_the_installed_package(installed: Path, team: Path) -> None:
+    """And not the one in this repository, which every other test is about."""
+    program = (
+        "import harness, realitygap, realitygap_engines as e\nfor m in (harness, realitygap, e): print(m.__file__)"
+    )
+    own, *others = map(Path, run(installed / "python", "-c", program, cwd=team).split())
+    assert own == team / "harness" / "__init__.py"
+    assert all(file.is_relative_to(installed.parent) for file in others)
+
+
+COMMANDS = {
+    "pytest": ["python", "-m", "pytest", "-p", "no:cacheprovider", "--engines", "mujoco", "scenario.yaml", "tests"],
+    "run": ["realitygap", "run", "scenario.yaml", "--engine", "mujoco", "--out", "out"],
+    "matrix": ["realitygap", "matrix", "matrix.yaml", "-j", "2", "--out", "cells"],
+    "module": ["python", "-m", "realitygap", "schema"],
+}
+SAID = {"pytest": "3 passed", "run": "report: out/report.html", "matrix": "2 cells: 2 ok", "module": '"$schema"'}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_it_works_beside_folders_of_the_same_names(name: str, installed: Path, team: Path) -> None:
+    program, *arguments = COMMANDS[name]
+    assert SAID[name] in run(installed / program, *arguments, cwd=team)
 
 
 def lock() -> list[str]:

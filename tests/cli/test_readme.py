@@ -1,5 +1,6 @@
 """What the documents say can be typed: commands parse, targets and files exist."""
 
+import pkgutil
 import re
 import shlex
 from pathlib import Path
@@ -57,6 +58,15 @@ def test_links_lead_to_files() -> None:
     for document in DOCUMENTS:
         for link in re.findall(r"\]\(([^)#:]+)\)", text(document)):
             assert (ROOT / document).parent.joinpath(link).exists(), f"{document}: {link}"
+
+
+def test_places_in_this_repository_exist() -> None:
+    for document in ("README.md", "CONTRIBUTING.md"):
+        for path in re.findall(r"[` ]((?:engines|harness|tests|scenarios|results)/[\w./]+)", text(document)):
+            made_up = "NAME" in path or "__pycache__" in path or path.startswith(("scenarios/kick", "results/runs"))
+            assert made_up or (ROOT / path).exists(), f"{document}: {path}"
+        for module in re.findall(r"`(realitygap(?:_engines)?(?:\.\w+)*)`", text(document)):
+            pkgutil.resolve_name(module)
 
 
 def test_the_paths_of_bundled_scenarios_exist() -> None:

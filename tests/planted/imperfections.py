@@ -32,6 +32,7 @@ def imperfect(plant: Foreign, robot: Robot, seed: int) -> list[dict[str, Any]]:
     rng = np.random.default_rng([seed, 0])
     plant.chain.gravity = plant.chain.gravity * (STANDARD_GRAVITY / GRAVITY)
     plant.sag_law = ONE_WAY
+    plant.drive["rate_phase"] = np.random.default_rng([seed, 2]).random(plant.n())  # nobody starts servos in step
     return [
         {"joint": joint, **_uneven_friction(plant, robot, j, rng), **_droop(plant, robot, j, rng)}
         | {**_cable(plant, robot, j, rng), **_stiffening(plant, robot, j, rng)}

@@ -20,7 +20,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.likelihood.whitening import Whitening, channels
+from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
 from realitygap.diagnose.rehearse.planting import planted
 from realitygap.diagnose.search.exchange import ODDS
 from realitygap.robot.drive import Array
@@ -131,17 +131,22 @@ class Look:
     def __init__(self, simulations: Simulations, floors: Floors) -> None:
         self.simulations, self.coarse = simulations, floors.coarse
         self.train = simulations.problem.of("train")
-        watched = tuple(channels(simulations.problem, floors, self.train))
-        self.whitening = Whitening(watched, {}, np.ones(len(watched)))
+        self.channels = tuple(channels(simulations.problem, floors, self.train))
+        random = np.random.default_rng(0)
+        self.noise = np.concatenate([c.noise * random.standard_normal(len(c.time)) for c in self.channels])
 
     def signatures(self, changes: Sequence[Change]) -> list[Array]:
         """Of each change alone, shape (m,); zero where it cannot be simulated, which says nothing of the real robot."""
         still, *answers = residuals(self.simulations, [[], *([c] for c in changes)], self.train, self.coarse)
         assert still is not None
-        weight = np.isfinite(still).astype(float)
         columns = [np.zeros(len(still)) if a is None else np.nan_to_num(a - still) for a in answers]
-        white, _ = self.whitening(np.ascontiguousarray(np.column_stack(columns)), weight)
-        return list(white.T)
+        return [self._white(column, np.isfinite(still).astype(float)) for column in columns]
+
+    def _white(self, column: Array, weight: Array) -> Array:
+        """Whitened, with as many facts as what would be recorded has: the change and the sensors' noise."""
+        recorded = column + self.noise
+        whitening = Whitening(self.channels, {}, facts(self.channels, recorded))
+        return whitening(column[:, None], weight)[0][:, 0]
 
 
 def confusables(found: Sequence[Visible]) -> list[Confusable]:
