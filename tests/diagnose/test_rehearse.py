@@ -172,7 +172,7 @@ def test_twins_are_known_and_different_things_are_not_taken_for_each_other(seen)
 def test_a_full_search_names_what_was_planted_in_another_engine(problem, floors, seen):
     friction = seen["viscous_friction"]
     rehearsal = Rehearsal(problem, "dart", (1.0, 1.0), floors)
-    size = max(4 * friction.factor, 2.0)  # beyond what laws may be imperfect by
+    size = 6 * friction.factor  # far beyond what laws may be imperfect by, because the motion is short
     tried = searched(2, rehearsal, planted(problem, friction.suspect, size), size)
     assert tried is not None
     assert tried.outcome == "named"

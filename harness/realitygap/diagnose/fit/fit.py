@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
 from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change
@@ -21,8 +21,6 @@ STEP, CONTACT_STEP = 0.05, 0.15
 body, where contacts that come and go make small differences tell nothing but that."""
 CLOSE = 2e-3
 """A fit ends where a step would change the parameters by less than this share."""
-ELSEWHERE = (0.7, 1.4)
-"""A fit is tried again from these multiples of the newest change: friction that holds and contacts make it rough."""
 SLAB = 4.0
 """Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
 neither negligible nor absurd."""
@@ -97,13 +95,6 @@ class Space:
             values[i][name] = float(min(max(v, low), high))
         return tuple(c.at(v) for c, v in zip(self.changes, values, strict=True))
 
-    def elsewhere(self, x: Array) -> list[Array]:
-        """Where else to look: the newest change made larger and smaller about the model's own, its shape kept."""
-        last = len(self.changes) - 1
-        newest = np.array([i == last for i, _ in self.names]) & (self.width == SLAB)
-        moved = [np.where(newest, self.expected + f * (x - self.expected), x) for f in ELSEWHERE]
-        return [np.clip(y, *self.bounds()) for y in moved] if newest.any() else []
-
     def steps(self, x: Array) -> list[tuple[Array, float]]:
         """A moved vector for every value, and how far it moved."""
         out = []
@@ -153,17 +144,10 @@ def fit(
         slopes[x.tobytes()] = slope(simulations, space, x, train, coarse)
         return np.vstack([metric(slopes[x.tobytes()]), np.diag(1.0 / space.width)])
 
-    def solved(start: Array) -> OptimizeResult:
-        return least_squares(
-            residuals_at, start, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
-            xtol=CLOSE, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
-        )  # fmt: skip
-
-    solution = solved(space.first)
-    for y in space.elsewhere(solution.x):
-        there = residuals_at(y)
-        if 0.5 * float(there @ there) < solution.cost:
-            solution = min(solution, solved(y), key=lambda s: s.cost)
+    solution = least_squares(
+        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
+        xtol=CLOSE, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
+    )  # fmt: skip
     x = solution.x
     after = residual(simulations, space.at(x), train)
     if after is None:

@@ -143,10 +143,12 @@ class Look:
         return [self._white(column, np.isfinite(still).astype(float)) for column in columns]
 
     def _white(self, column: Array, weight: Array) -> Array:
-        """Whitened, with as many facts as what would be recorded has: the change and the sensors' noise."""
-        recorded = column + self.noise
-        whitening = Whitening(self.channels, {}, facts(self.channels, recorded))
-        return whitening(column[:, None], weight)[0][:, 0]
+        """Whitened, and as long as what would be recorded has facts: the change and the sensors' noise."""
+        few = facts(self.channels, column + self.noise)
+        plain, counted = (
+            Whitening(self.channels, {}, share)(column[:, None], weight)[0][:, 0] for share in (np.ones(len(few)), few)
+        )
+        return np.asarray(plain * np.linalg.norm(counted) / max(float(np.linalg.norm(plain)), 1e-30))
 
 
 def confusables(found: Sequence[Visible]) -> list[Confusable]:
