@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from realitygap.check import blamed_joints, certain
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.candidates.told import velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -62,23 +63,30 @@ def run_diagnosis(
 def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, workers: int | None = None) -> Diagnosis:
     """The same without writing anything."""
     chosen = engine_names(names)
+    warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
     with Simulations(problem, workers) as simulations:
-        return diagnose(simulations, chosen, progress.say)
+        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings))
+    result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
+    return result
 
 
-def diagnose(simulations: Simulations, names: Sequence[str], say: Say = lambda _: None) -> Diagnosis:
+def diagnose(
+    simulations: Simulations, names: Sequence[str], say: Say = lambda _: None, blamed: Collection[str] = ()
+) -> Diagnosis:
     """Find, name, add and prove.
 
     Args:
         simulations: of the problem, which says in which engine to search.
         names: engines in which findings are confirmed; the searching one may be among them.
         say: told what is being done.
+        blamed: joints where a mistake of the recordings is likely: no physics is named there.
     """
     problem = simulations.problem
     engines = [problem.engine, *(e for e in names if e != problem.engine)]
-    everyone = suspects(problem)
+    joints = problem.plant.model.joint_names
+    everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = list(dict.fromkeys(n for c in problem.cases for n in c.experiment.notes))
     told = velocity_filters(problem, everyone)
     found = search(simulations, everyone, told, say)
@@ -126,6 +134,13 @@ def diagnose(simulations: Simulations, names: Sequence[str], say: Say = lambda _
     )
     rest = changes and result.verdict != "explained"
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
+
+
+def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
+    """The joints that an effect sits at, or the joint that carries its link."""
+    if suspect.kind.sits_at == "joint":
+        return {joints[i] for i in suspect.indices}
+    return {joints[i - 1] for i in suspect.indices if suspect.kind.sits_at == "link" and i > 0}
 
 
 def _ordered(found: Found, told: Sequence[Change]) -> tuple[Change, ...]:
