@@ -86,15 +86,32 @@ class Browser:
 
     def press(self, key: str) -> None:
         """Press and release a key, as a person would."""
-        codes = {"Enter": 13, "Tab": 9, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, " ": 32}
+        codes = {
+            "+": 187,
+            "-": 189,
+            "0": 48,
+            "Enter": 13,
+            "Tab": 9,
+            "ArrowLeft": 37,
+            "ArrowUp": 38,
+            "ArrowRight": 39,
+            "ArrowDown": 40,
+            " ": 32,
+        }
         common = {"key": key, "code": key, "windowsVirtualKeyCode": codes[key]}
-        text = {"Enter": "\r", " ": " "}.get(key)
+        text = {"Enter": "\r"}.get(key, key if len(key) == 1 else None)
         self._call("Input.dispatchKeyEvent", type="keyDown", **common, **({"text": text} if text else {}))
         self._call("Input.dispatchKeyEvent", type="keyUp", **common)
 
     def move(self, x: float, y: float) -> None:
         """Move the pointer to a place in the window."""
         self._call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+
+    def drag(self, x: float, to: float, y: float) -> None:
+        """Drag with the pointer's first button along a line."""
+        for kind, at, buttons in (("mousePressed", x, 1), ("mouseMoved", (x + to) / 2, 1), ("mouseReleased", to, 0)):
+            button = {"button": "left", "buttons": buttons, "clickCount": 1}
+            self._call("Input.dispatchMouseEvent", type=kind, x=at, y=y, **button)
 
     def screenshot(self, path: Path, *, whole: bool = True) -> None:
         """Write a picture of the page or of the window."""

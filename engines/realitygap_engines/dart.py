@@ -21,6 +21,7 @@ import numpy as np
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
 STICKY = 1e6
@@ -266,13 +267,14 @@ class DartEngine(Engine):
             "joint_damping": Capability("emulated", "law.joints; DART's own is not seen by its contact solver"),
             "joint_friction": Capability("emulated", "law.joints"),
             "joint_limits": Capability("native", "rows of the contact problem, without velocity limits"),
+            "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "complementarity, exact Coulomb cones"),
             "soft_ground": Capability("emulated", "law.joints: implicit spring and damper per point, Coulomb's law"),
             "solver_iterations": Capability("native", "sweeps over the contacts, at most"),
         }
 
-    def open(self, model: Model, physics: Physics) -> DartSimulation:
-        return DartSimulation(model, physics)
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        return coupled(DartSimulation(model, physics))
 
 
 ENGINE = DartEngine()

@@ -43,6 +43,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
@@ -288,13 +289,14 @@ class DrakeEngine(Engine):
             "joint_damping": Capability("native", "implicit, in the metric of the contact problem"),
             "joint_friction": Capability("emulated", "law.joints"),
             "joint_limits": Capability("native", "constraints of the contact problem"),
+            "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", f"sap with {RIGID:g} N/m per point, damped over {RELAXATION:g} steps"),
             "soft_ground": Capability("native", "sap: linear spring and damper per point, implicit"),
             "solver_iterations": Capability("no", "iterates until converged"),
         }
 
-    def open(self, model: Model, physics: Physics) -> DrakeSimulation:
-        return DrakeSimulation(model, physics)
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        return coupled(DrakeSimulation(model, physics))
 
 
 ENGINE = DrakeEngine()

@@ -197,6 +197,7 @@ CAPABILITIES = {
     "joint_damping": "implicit viscous joint damping",
     "joint_friction": "dry joint friction that holds at rest",
     "joint_limits": "position limits",
+    "mimic_joints": "joints that are coupled to others",
     "rigid_ground": "rigid contact with dry friction of the pair",
     "soft_ground": "contact stiffness and damping per point",
     "solver_iterations": "a number of solver iterations",

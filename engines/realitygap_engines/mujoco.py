@@ -18,6 +18,7 @@ from numba import njit
 
 from realitygap_engines.engine import Capability, Engine, Ground, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
+from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 
 FRICTION_SOLREF = (0.002, 1.0)
@@ -325,13 +326,14 @@ class MujocoEngine(Engine):
             "joint_damping": Capability("native", "dof_damping, implicit in the discrete integrator"),
             "joint_friction": Capability("native", "dof_frictionloss; creeps about 1e-5 rad/s at 85 % of breakaway"),
             "joint_limits": Capability("native", "soft limits with a time constant of two steps"),
+            "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "elliptic cones, soft with a time constant of two steps"),
             "soft_ground": Capability("native", "solref from stiffness and damping"),
             "solver_iterations": Capability("native", "Newton iterations, at most"),
         }
 
-    def open(self, model: Model, physics: Physics) -> MujocoSimulation:
-        return MujocoSimulation(model, physics)
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        return coupled(MujocoSimulation(model, physics))
 
 
 ENGINE = MujocoEngine()

@@ -83,6 +83,13 @@ def mjcf_text(
         contact = SubElement(root, "contact")
         for i, pair in enumerate(spec.pairs):
             contact.append(_pair(pair, compiled, i))
+    followers = [(j.name, j.mimic) for j in model.joints if j.mimic is not None]
+    if followers:
+        equality = SubElement(root, "equality")
+    for name, mimic in followers:  # MuJoCo counts from `ref`, which takes the offsets of both encoders away
+        stiff = {"solref": numbers((2 * physics.timestep, 1.0)), "solimp": "0.9999 0.9999 0.001 0.5 2"}
+        polynomial = numbers((mimic.offset, mimic.multiplier, 0, 0, 0))
+        SubElement(equality, "joint", stiff, joint1=name, joint2=mimic.joint, polycoef=polynomial)
     if actuators:
         SubElement(root, "actuator").extend(actuators)
     indent(root)

@@ -22,6 +22,7 @@ import numpy as np
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
+from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.quaternion import Vector, cross, product, rotate
 from realitygap_engines.model.quiet import unprinted
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
@@ -320,13 +321,14 @@ class PybulletEngine(Engine):
             "joint_damping": Capability("emulated", "law.joints, exact; Bullet's own is explicit"),
             "joint_friction": Capability("emulated", "law.joints; exact, without creep"),
             "joint_limits": Capability("native", "rows of the contact problem"),
+            "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "friction cone, projected Gauss-Seidel"),
             "soft_ground": Capability("native", "contactStiffness and contactDamping of the ground"),
             "solver_iterations": Capability("native", "numSolverIterations, all of them carried out"),
         }
 
-    def open(self, model: Model, physics: Physics) -> PybulletSimulation:
-        return PybulletSimulation(model, physics)
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        return coupled(PybulletSimulation(model, physics))
 
 
 ENGINE = PybulletEngine()

@@ -190,9 +190,14 @@ BAD = {
     ),
     "planar joint": ((*ARM, joint("slide", "base", "arm", "planar")), "is planar; expected one of revolute"),
     "no type": ((*ARM, HINGE.replace('type="revolute"', "")), "joint shoulder is None; expected one of"),
-    "mimic": (
-        (*ARM, link("leg"), HINGE, joint("m", "base", "leg", content=f'{LIMIT}<mimic joint="shoulder"/>')),
-        "joint m mimics shoulder",
+    "mimic of nothing": (
+        (*ARM, joint("m", "base", "arm", content=f'{LIMIT}<mimic joint="shoulder"/>')),
+        "joint m mimics shoulder; expected one of the moving joints m",
+    ),
+    "mimic in a circle": ((*ARM, joint("m", "base", "arm", content=f'{LIMIT}<mimic joint="m"/>')), "mimics itself"),
+    "mimic that does not move": (
+        (*ARM, link("leg"), HINGE, joint("m", "base", "leg", content='<mimic joint="shoulder" multiplier="0"/>')),
+        "joint m mimics shoulder 0 times",
     ),
     "no mass at all": ((link("base", ""),), "link base moves but has no mass"),
     "moving link without mass": ((link("base"), link("arm", ""), HINGE), "link arm moves but has no mass"),

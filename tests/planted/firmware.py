@@ -38,8 +38,11 @@ def joint_stop(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
 
 def command_profile(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
     speed = _rounded(max(0.15, 1.0 - size * rng.uniform(0.4, 0.6)) * r.fastest[j])
-    acceleration = _rounded(speed / rng.uniform(0.05, 0.15)) if rng.random() < 0.5 else 0.0
-    p.drive["profile_speed"][j], p.drive["profile_acceleration"][j] = speed, acceleration
+    p.drive["profile_speed"][j] = speed
+    if rng.random() < 0.5:
+        return {"speed": speed}
+    acceleration = _rounded(speed / rng.uniform(0.05, 0.15))
+    p.drive["profile_acceleration"][j] = acceleration
     return {"speed": speed, "acceleration": acceleration}
 
 
@@ -48,7 +51,7 @@ def effort_limit(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
     effort = _rounded(max(0.25, 1.0 - size * rng.uniform(0.35, 0.5)) * r.peak[j])
     p.drive["real_limit"][j] = effort
     if rng.random() > 1 / 3:
-        return {"effort": effort, "beyond": 0.0, "share": 1.0}
+        return {"effort": effort}
     beyond, share = _rounded(rng.uniform(0.2, 0.4) * r.reach), _rounded(rng.uniform(0.3, 0.6))
     p.drive["protection"][j], p.drive["protection_share"][j] = beyond, share
     return {"effort": effort, "beyond": beyond, "share": share}

@@ -9,15 +9,18 @@ import numpy as np
 from matching import is_right, match, same, spread
 from same_law import as_told
 
-SHAPES = ("phase", "static_coefficient", "velocity", "acceleration", "beyond", "share", "rest", "damping")
+SHAPES = ("phase", "static_coefficient", "velocity", "acceleration", "beyond", "rest", "damping")
 """Parameters without a size of their own: their error is not counted."""
-BENT = ("stribeck_friction", "load_dependent_friction")
-"""Laws whose exponent is a shape too."""
+OTHER_SHAPES = {
+    "effort_limit": ("share",),
+    "stribeck_friction": ("exponent",),
+    "load_dependent_friction": ("exponent",),
+}
 UNNAMED = "effort_map"
 """A shape under no law's name: right where what is missing is outside the list."""
 VARIABLES = {"position": "angle", "velocity": "speed"}
 TURN = 2 * np.pi
-VECTORS = {"center_of_mass": ("x", "y", "z"), "base_tilt": ("roll", "pitch")}
+VECTORS = {"center_of_mass": ("x", "y", "z"), "base_tilt": ("roll", "pitch"), "payload": ("x", "y", "z")}
 
 
 @dataclass(frozen=True)
@@ -62,20 +65,21 @@ def parameter_error(finding: dict[str, Any], truth: dict[str, Any]) -> float | N
     """Relative error of the parameters that have a size; of a vector, by its length. None for another effect."""
     if finding["effect"] != truth["effect"]:
         return None
-    told = {k: float(v["value"]) for k, v in finding.get("parameters", {}).items()}
+    told = {k: float(v["value"]) for k, v in finding["parameters"].items() if v.get("value") is not None}
     true = {k: float(v) for k, v in truth["parameters"].items()}
-    if truth["effect"] in VECTORS:
-        names = VECTORS[truth["effect"]]
-        apart = np.array([told.get(k, 0.0) - true.get(k, 0.0) for k in names])
-        return float(np.linalg.norm(apart) / np.linalg.norm([true.get(k, 0.0) for k in names]))
-    names = tuple(k for k in true if not _shape(truth["effect"], k) and true[k] != 0)
-    if any(k not in told for k in names):
-        return float("inf")
-    return float(np.mean([abs(told[k] - true[k]) / abs(true[k]) for k in names])) if names else None
+    vector = VECTORS.get(truth["effect"], ())
+    errors = []
+    if vector:
+        apart = np.array([told.get(k, 0.0) - true.get(k, 0.0) for k in vector])
+        errors.append(float(np.linalg.norm(apart) / np.linalg.norm([true.get(k, 0.0) for k in vector])))
+    for k in true:
+        if k not in vector and not _shape(truth["effect"], k) and true[k] != 0:
+            errors.append(abs(told[k] - true[k]) / abs(true[k]) if k in told else float("inf"))
+    return float(np.mean(errors)) if errors else None
 
 
 def _shape(effect: str, parameter: str) -> bool:
-    return (parameter in SHAPES and effect != "motor_braking") or (parameter == "exponent" and effect in BENT)
+    return parameter in SHAPES or parameter in OTHER_SHAPES.get(effect, ())
 
 
 def coverage(finding: dict[str, Any], truth: dict[str, Any]) -> tuple[int, int]:

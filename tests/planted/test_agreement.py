@@ -39,6 +39,7 @@ def case_folder(effect: str, kind: str, folder: Path) -> tuple[planted.Planted, 
     while effect == "friction_ripple" and not robot.friction["coulomb"]:
         robot = robots.BUILDERS[kind](rng)
     run = Run(MOTION.get(effect, "sines"), "train", 5, 3.0)
+    robot.quantum = 2e-4  # of which bristles give a fifth
     plants.measure(robot, [replace(run, motion="steps")], CLEAN)
     hidden = Hidden((Truth(effect, len(robot.joints) - 1, 1.0, 11),))
     plant, (told,), _ = hidden.plant(robot, run)

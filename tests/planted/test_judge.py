@@ -186,6 +186,13 @@ def test_the_judge_measures_parameters_and_gap() -> None:
     assert judge.judge(TILT, diagnosis(tilted)).parameter_error == pytest.approx(0.1)
 
 
+def test_a_payload_is_judged_by_its_mass_and_by_its_place() -> None:
+    planted_load = {"mass": 0.2, "x": 0.03, "y": 0.0, "z": -0.04}
+    truth = {**TRUTH, "truth": [{"effect": "payload", "target": "hand", "parameters": planted_load, "twins": []}]}
+    load = found("payload", "hand", mass=0.22, x=0.03, y=0.005, z=-0.04)
+    assert judge.judge(truth, diagnosis(load)).parameter_error == pytest.approx(0.5 * (0.1 + 0.1))
+
+
 def test_a_diagnosis_that_was_not_written_is_right_nowhere() -> None:
     score = judge.judge(NOTHING, None)
     assert (score.exact, score.silent, score.verdict) == (False, False, "failed")

@@ -71,6 +71,97 @@ def test_cell_value_is_that_of_the_table(browser):
     assert "noise floor 0.050°, numerical floor 0.020°" in label
 
 
+def test_it_opens_on_the_mean_of_all_recordings(browser):
+    """For every engine the mean of its cells; of the other switches, the choice that comes closest."""
+    choice = "[...document.querySelectorAll('#switches input:checked')].map(n => n.parentElement.textContent)"
+    assert browser.run(choice) == ["position", "all, mean", "new", "1000 Hz"]
+    shown = float(browser.run(f"{CELL.format(0, 2)}.textContent"))
+    single = []
+    for k in (1, 2):
+        browser.run(f"document.querySelectorAll('input[name=switch-recording]')[{k}].click()")
+        single.append(float(browser.run(f"{CELL.format(0, 2)}.textContent")))
+    assert shown == pytest.approx(np.mean(single), rel=2e-3)
+    assert "of 2 recordings" not in browser.run(DETAIL)
+
+
+def spanned(browser):
+    """The span of time [s] that the curves show, from the axis."""
+    return browser.run("span ?? [0, 4]")
+
+
+def plot(browser):
+    """Where the first plot of curves lies in the window: x, y, width, height."""
+    browser.run("document.querySelector('#detail svg.plot').scrollIntoView({block: 'center'})")
+    return browser.run(
+        "(r => [r.x, r.y, r.width, r.height])(document.querySelector('#detail svg.plot').getBoundingClientRect())"
+    )
+
+
+def test_a_drag_looks_closer_and_shows_what_is_there(browser):
+    lines = "[...document.querySelectorAll('#detail figure.curves')[0].querySelectorAll('path.line')]"
+    whole = browser.run(f"{lines}.map(n => n.getAttribute('d').length)")
+    x, y, width, height = plot(browser)
+    browser.drag(x + 0.4 * width, x + 0.7 * width, y + height / 2)
+    low, high = spanned(browser)
+    assert 0.25 * 4 < high - low < 0.4 * 4
+    assert 1.0 < low < high < 3.0
+    closer = browser.run(f"{lines}.map(n => n.getAttribute('d').length)")
+    assert all(0.15 * a < b < 0.5 * a for a, b in zip(whole, closer, strict=True))
+    axis = "[...document.querySelectorAll('#detail .zoomable svg')[1].querySelectorAll('text[text-anchor=middle]')]"
+    ticks = [float(t) for t in browser.run(f"{axis}.map(n => n.textContent)") if t[0].isdigit()]
+    assert len(ticks) >= 2
+    assert low <= min(ticks) < max(ticks) <= high
+    browser.run("document.querySelector('#detail .zoomable').dispatchEvent(new MouseEvent('dblclick'))")
+    assert spanned(browser) == [0, 4]
+
+
+def test_buttons_and_keys_zoom_and_move(browser):
+    button = "document.querySelectorAll('#detail .zoom button')[{}]"
+    browser.run(f"{button.format(0)}.click()")
+    low, high = spanned(browser)
+    assert (high - low, (low + high) / 2) == (pytest.approx(2.0), pytest.approx(2.0))
+    browser.run(f"{button.format(3)}.click()")
+    assert spanned(browser) == pytest.approx([2.0, 4.0])
+    browser.run(f"{button.format(3)}.click()")
+    assert spanned(browser) == pytest.approx([2.0, 4.0]), "nothing lies behind the end"
+    browser.run("document.querySelector('#detail figure').focus()")
+    browser.press("+")
+    assert spanned(browser) == pytest.approx([2.5, 3.5])
+    for _ in range(12):
+        browser.press("+")
+    low, high = spanned(browser)
+    assert high - low == pytest.approx(8 * 4 / 800, rel=0.02), "a few samples stay"
+    browser.press("0")
+    assert spanned(browser) == [0, 4]
+
+
+def test_a_span_stays_with_another_joint_and_every_engine(browser):
+    browser.run("document.querySelectorAll('#detail .zoom button')[0].click()")
+    browser.run(f"{CELL.format(3, 0)}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
+    browser.wait("document.querySelector('#detail figcaption b').textContent === 'hip'")
+    assert spanned(browser) == pytest.approx([1.0, 3.0])
+
+
+def test_two_fingers_zoom_and_one_moves(browser):
+    browser.run(
+        """((place, r) => {
+        const at = (type, id, x) => place.dispatchEvent(new PointerEvent(type,
+          { pointerId: id, pointerType: "touch", clientX: x, clientY: r.y + 5, bubbles: true }));
+        place.setPointerCapture = () => {};
+        at("pointerdown", 1, r.x + 200); at("pointerdown", 2, r.x + 300);
+        at("pointermove", 1, r.x + 150); at("pointermove", 2, r.x + 350);
+        at("pointerup", 1, r.x + 150); at("pointerup", 2, r.x + 350);
+        window.before = span;
+        at("pointerdown", 3, r.x + 200); at("pointermove", 3, r.x + 250); at("pointerup", 3, r.x + 250);
+        })(...(p => [p, p.getBoundingClientRect()])(document.querySelector("#detail .zoomable")))"""
+    )
+    low, high = browser.run("window.before")
+    assert high - low == pytest.approx(2.0, rel=1e-3)
+    moved = spanned(browser)
+    assert moved[1] - moved[0] == pytest.approx(2.0, rel=1e-3)
+    assert moved[0] < low - 0.05
+
+
 def test_arrows_walk_the_map_and_enter_chooses(browser):
     browser.run(f"{CELL.format(0, 0)}.focus()")
     for key in ("ArrowDown", "ArrowDown", "ArrowRight"):
@@ -208,6 +299,13 @@ def test_nothing_is_wider_than_the_window(browser, width):
     assert browser.run("document.documentElement.scrollWidth") <= width
     lines = "[...document.querySelectorAll('.heat thead th')].map(n => n.clientHeight)"
     assert max(browser.run(lines)) < 30, "an engine's name is broken"
+    cut = "[...document.querySelectorAll('.sortable td')].filter(n => n.getBoundingClientRect().right > innerWidth)"
+    if width < 500:
+        assert browser.run(f"{cut}.length") == 0, "a value of a table lies outside of the window"
+        labels = (
+            "[...document.querySelectorAll('.sortable tbody td')].map(n => getComputedStyle(n, '::before').content)"
+        )
+        assert '"position [°]"' in browser.run(labels)
 
 
 def test_dark_and_light_differ_and_both_contrast(page):

@@ -49,7 +49,7 @@ def test_some_alike_and_some_apart(tmp_path):
 
 
 def test_a_gap_below_its_floors_is_no_difference_from_the_recording(tmp_path):
-    (text,) = about(say(tmp_path, engines(mujoco=0.03), noise=0.04), "closest")
+    (text,) = about(say(tmp_path, engines(mujoco=0.03), noise=0.04), "gap")
     assert "no difference seen from the recording" in text
 
 
@@ -61,7 +61,8 @@ def test_unknown_floors_are_called_unknown(tmp_path):
 def test_a_failed_engine_is_told_in_words_and_does_not_win(tmp_path):
     said = say(tmp_path, engines(mujoco=float("inf"), dart=0.5))
     assert about(said, "failed") == ["MuJoCo: 1 of 1 cells diverged: diverged at 1.2 s at left_knee: not finite."]
-    (text,) = about(said, "closest")
+    assert not about(said, "closest"), "one engine is left, and it is no choice"
+    (text,) = about(said, "gap")
     assert text.startswith("DART")
     assert "MuJoCo" not in text
 
@@ -187,3 +188,14 @@ def test_engines_that_need_the_same_rate_share_a_sentence(tmp_path):
     assert text.startswith(
         "DART and Drake: no difference seen in position of moving joints from 250 Hz (0.500 to 0.600°"
     )
+
+
+def test_the_worst_joint_is_told_by_every_signal(tmp_path):
+    """Each with its own joint and unit; a signal of a single joint has none."""
+    gaps = {}
+    for signal, moving, unmoving in (("position", 1.0, 2.0), ("velocity", 9.0, 3.0)):
+        gaps |= {("mujoco", (), signal, "moving"): moving, ("mujoco", (), signal, "unmoving"): unmoving}
+    gaps["mujoco", (), "effort", "moving"] = 1.0
+    position, velocity = about(say(tmp_path, gaps), "joint")
+    assert position.startswith("unmoving_joint has the largest gap in position: 2.00° in MuJoCo")
+    assert velocity.startswith("moving_joint has the largest gap in velocity: 9.00 °/s in MuJoCo")

@@ -13,10 +13,13 @@ def hold(model: Model, angles: Mapping[int, float]) -> Model:
     """The model with joints welded at these positions [rad or m], by the joint's index.
 
     A held joint is no joint of the new model, and its child link is part of the nearest link before it that moves, in
-    whose `held` it stands.
+    whose `held` it stands. What mimics a held joint is held, too.
     """
     if not angles:
         return model
+    known = {model.joints[i].name: angle for i, angle in angles.items()}
+    follows = {i: j.mimic for i, j in enumerate(model.joints) if j.mimic is not None and j.mimic.joint in known}
+    angles = {**{i: m.multiplier * known[m.joint] + m.offset for i, m in follows.items()}, **angles}
     carrier: list[tuple[int, Array]] = [(0, np.eye(4))]  # of every link: the new index, and its pose in that link
     links, joints = [model.links[0]], list[Joint]()
     for i, (joint, link) in enumerate(zip(model.joints, model.links[1:], strict=True)):

@@ -12,9 +12,10 @@ import numpy as np
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.inertia import Part, lump
+from realitygap_engines.model.mimics import resolved
 from realitygap_engines.model.mjcf_actuators import read_actuators, reflected
 from realitygap_engines.model.mjcf_file import compile_mjcf
-from realitygap_engines.model.mjcf_losses import losses, refuse_loops
+from realitygap_engines.model.mjcf_losses import losses, read_mimics, refuse_loops
 from realitygap_engines.model.mjcf_shapes import Shapes, spheres_of
 from realitygap_engines.model.robot import (
     Array,
@@ -64,6 +65,8 @@ def read_mjcf(path: Path, *, floating: bool, contact_links: list[str] | None = N
         )
         for number, joint in zip(tree.numbers, tree.joints, strict=True)
     ]
+    mimics = read_mimics(path, m, names)
+    joints = list(resolved(path, [replace(joint, mimic=mimics.get(joint.name)) for joint in joints]))
     touch = touching(path, links, joints, contact_links)
     final = []
     for link, shapes in zip(links, tree.shapes, strict=True):

@@ -7,6 +7,7 @@ import numpy as np
 
 from realitygap_engines.engine import GRAVITY
 from realitygap_engines.errors import ModelError
+from realitygap_engines.model.robot import Mimic
 
 
 def refuse_loops(path: Path, m: Any, bodies: set[int]) -> None:
@@ -29,6 +30,32 @@ def refuse_loops(path: Path, m: Any, bodies: set[int]) -> None:
             raise ModelError(
                 f"{path}: the equality {kind[5:].lower()} between {names} closes a loop; expected a tree of joints"
             )
+
+
+def read_mimics(path: Path, m: Any, joints: dict[int, str]) -> dict[str, Mimic]:
+    """The linear couplings between joints of the robot, by the joint that follows; `joints`: MuJoCo's number -> name.
+
+    Raises:
+        ModelError: for a coupling that is not linear, or of one joint alone.
+    """
+    import mujoco
+
+    out = {}
+    for i in range(m.neq):
+        if mujoco.mjtEq(m.eq_type[i]).name != "mjEQ_JOINT" or not m.eq_active0[i]:
+            continue
+        first, second = int(m.eq_obj1id[i]), int(m.eq_obj2id[i])
+        if first not in joints:
+            continue
+        if second not in joints or np.any(m.eq_data[i, 2:5]):
+            raise ModelError(
+                f"{path}: the equality of joint {joints[first]} is no linear coupling with another joint of the robot; "
+                "expected joint2, and polycoef with two numbers"
+            )
+        a0, a1 = (float(a) for a in m.eq_data[i, :2])
+        own, other = (float(m.qpos0[m.jnt_qposadr[j]]) for j in (first, second))  # it counts from the reference pose
+        out[joints[first]] = Mimic(joints[second], a1, own + a0 - a1 * other)
+    return out
 
 
 def losses(m: Any, bodies: set[int], joints: dict[int, str]) -> list[str]:

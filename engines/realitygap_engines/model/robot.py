@@ -40,12 +40,22 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Mimic:
+    """A coupling of gears or rods: the position of a joint is `multiplier` times that of `joint`, and `offset`."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
 class Joint:
     """A revolute or prismatic joint from link `parent` (an index into `Model.links`) to link number i + 1.
 
     `origin` (4, 4) is the joint frame, which is the child link's frame at zero, in the parent link's frame, `axis`
     (3,) a unit vector in it. `effort` [N·m or N] and `velocity` [rad/s or m/s] are the URDF's limits (inf: none);
-    `friction`, `damping` and `armature` are the joint's own dry friction, viscous damping and rotor inertia.
+    `friction`, `damping` and `armature` are the joint's own dry friction, viscous damping and rotor inertia. `mimic`
+    couples it to another joint, which is itself free.
     """
 
     name: str
@@ -60,6 +70,7 @@ class Joint:
     friction: float = 0.0
     damping: float = 0.0
     armature: float = 0.0
+    mimic: Mimic | None = None
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,12 @@ import yourdfpy
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import contact_spheres
 from realitygap_engines.model.inertia import Part, lump
+from realitygap_engines.model.mimics import resolved
 from realitygap_engines.model.robot import (
     Array,
     Joint,
     Link,
+    Mimic,
     Model,
     quaternion_from_rotation,
     rotation_from_quaternion,
@@ -67,6 +69,7 @@ def read_urdf(
         joint, origin, parent = todo.pop()
         joints.append(_joint(path, joint, origin, parent))
         parts, branches = _carried(joint.child, links, children)
+    joints = list(resolved(path, joints))
     if not floating and not joints:
         raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
 
@@ -148,7 +151,15 @@ def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joi
         velocity=value(limit, "velocity", np.inf) or np.inf,
         friction=value(dynamics, "friction", 0.0),
         damping=value(dynamics, "damping", 0.0),
+        mimic=_mimic(joint),
     )
+
+
+def _mimic(joint: yourdfpy.Joint) -> Mimic | None:
+    if joint.mimic is None:
+        return None
+    multiplier, offset = joint.mimic.multiplier, joint.mimic.offset
+    return Mimic(joint.mimic.joint, 1.0 if multiplier is None else float(multiplier), float(offset or 0.0))
 
 
 def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:

@@ -22,6 +22,7 @@ NUMBERS = {  # element -> attribute -> how many numbers
     "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
     "limit": {"lower": 1, "upper": 1, "effort": 1, "velocity": 1},
     "dynamics": {"damping": 1, "friction": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
     "box": {"size": 3},
     "cylinder": {"radius": 1, "length": 1},
     "sphere": {"radius": 1},
@@ -150,5 +151,3 @@ def _check_joint(path: Path, joint: yourdfpy.Joint, links: set[str]) -> None:
             raise ModelError(f"{path}: joint {joint.name} names link {end}, which is not defined")
     if joint.type not in JOINT_TYPES:
         raise ModelError(f"{path}: joint {joint.name} is {joint.type}; expected one of {', '.join(JOINT_TYPES)}")
-    if joint.mimic is not None:
-        raise ModelError(f"{path}: joint {joint.name} mimics {joint.mimic.joint}; mimic joints are not supported")

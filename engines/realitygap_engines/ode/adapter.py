@@ -23,6 +23,7 @@ import numpy as np
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.dynamics import Dynamics
+from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model
 from realitygap_engines.ode.contact import ContactPoints
 from realitygap_engines.ode.library import CFM, FMAX, VEL, version_of
@@ -200,6 +201,7 @@ class OdeEngine(Engine):
             "joint_damping": Capability("native", "the same motor: implicit"),
             "joint_friction": Capability("native", "a motor of limited torque"),
             "joint_limits": Capability("native", "stops of the joint; of a hinge within half a turn only"),
+            "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability(
                 "native", "cone where it slides; a point at rest has a pyramid and holds up to 1.4 times askew"
             ),
@@ -207,8 +209,8 @@ class OdeEngine(Engine):
             "solver_iterations": Capability("native", "sweeps of quickStep; without a number, pivoting (dWorldStep)"),
         }
 
-    def open(self, model: Model, physics: Physics) -> OdeSimulation:
-        return OdeSimulation(model, physics)
+    def open(self, model: Model, physics: Physics) -> Simulation:
+        return coupled(OdeSimulation(model, physics))
 
 
 ENGINE = OdeEngine()

@@ -29,7 +29,7 @@ class Robot:
         urdf: its file.
         described: the model as the file has it.
         model: the machine that is simulated, with the rotor inertia of its servos and with its effects. Its joint
-            limits are out of reach: random states are to show the dynamics, and limits have checks of their own.
+            limits are out of reach and nothing mimics: random states are to show the dynamics.
         timestep: at which it is simulated [s].
     """
 
@@ -43,12 +43,14 @@ class Robot:
         """What the model is made of, for people."""
         links = self.described.links
         lumped = [f"{x.name} carries {', '.join(x.merged[1:])}" for x in links if len(x.merged) > 1]
+        mimics = [j.name for j in self.described.joints if j.mimic is not None]
         contact = [f"{x.name} ({len(x.spheres)})" for x in links if x.spheres]
         return {
             "robot": f"{self.described.name}, {len(self.described.joints)} joints, {self.described.mass:.4f} kg",
             "base": "floating" if self.described.floating else "fixed",
             "links that touch the ground (contact spheres)": contact or ["none"],
             "links lumped by fixed joints": lumped or ["none"],
+            "mimic joints (audited without their coupling)": mimics or ["none"],
             "notes": list(self.described.notes) or ["none"],
         }
 
@@ -96,4 +98,4 @@ def load_robot(path: Path) -> Robot:
 
 
 def _unlimited(model: Model) -> Model:
-    return replace(model, joints=tuple(replace(j, lower=-FAR, upper=FAR) for j in model.joints))
+    return replace(model, joints=tuple(replace(j, lower=-FAR, upper=FAR, mimic=None) for j in model.joints))

@@ -16,7 +16,7 @@ from realitygap.report.sentences import sentences
 from realitygap.report.spread import spread
 from realitygap.report.thesis import HEAD, PUBLISHED, grounds, improvements, is_wolfgang
 
-SCRIPTS = ("format", "data", "state", "switches", "heatmap", "plot", "detail", "tables", "tradeoffs", "main")
+SCRIPTS = ("format", "data", "state", "switches", "heatmap", "plot", "zoom", "detail", "tables", "tradeoffs", "main")
 SHOWN = 8
 """Sentences shown at once; the others are a click away."""
 MAILABLE = 4_000_000
@@ -25,6 +25,7 @@ TAGS = {
     "virtual": "caution",
     "failed": "did not finish",
     "closest": "closest",
+    "gap": "gap",
     "change": "change",
     "enough": "enough",
     "speed": "speed",

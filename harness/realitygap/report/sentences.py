@@ -19,7 +19,7 @@ OF = {"moving": "moving joints", "unmoving": "unmoving joints", "base": "the bas
 
 @dataclass(frozen=True)
 class Sentence:
-    """A sentence and what it is about: virtual, failed, closest, change, enough, speed or joint."""
+    """A sentence and what it is about: virtual, failed, closest, gap, change, enough, speed or joint."""
 
     about: str
     text: str
@@ -76,7 +76,7 @@ def closest(part: pd.DataFrame, results: Results, axis: str = "engine") -> Sente
     apart = [o for o in others if differ(best, o)]
     hit = "" if best.seen else f"; {SAME} from the recording"
     if not others:
-        return Sentence("closest", f"{name} is this far from the recording in {where}: {text}{hit}.")
+        return Sentence("gap", f"{name} is this far from the recording in {where}: {text}{hit}.")
     if not apart:
         rest = _list(f"{axis_value(axis, o.value)} {quantity(o.gap, unit)}" for o in others)
         return Sentence("closest", f"In {where}, {SAME} between {name}, {text}, and {rest}{hit}.")
@@ -199,19 +199,21 @@ def speed(part: pd.DataFrame, results: Results) -> list[Sentence]:
 
 
 def worst_joint(results: Results) -> list[Sentence]:
-    """The joint with the largest gap, and whether the engines agree on it."""
-    signal = next((s for s in SIGNALS if (results.gaps["signal"] == s).any()), None)
-    rows = results.gaps[(results.gaps["signal"] == signal) & (results.gaps["outcome"] == "ok")]
-    if signal is None or rows.empty or rows["joint"].nunique() < 2:
-        return []
-    joint = rows.groupby("joint")["mean_abs"].mean().idxmax()
+    """By every signal, the joint with the largest gap, and whether the engines agree on it."""
+    rows = results.gaps[(results.gaps["outcome"] == "ok") & (results.gaps["group"] != "base")]
+    found = (_worst(part, results) for part in _by_signal(rows) if part["joint"].nunique() > 1)
+    return [s for s in found if s]
+
+
+def _worst(rows: pd.DataFrame, results: Results) -> Sentence | None:
+    joint, signal = rows.groupby("joint")["mean_abs"].mean().idxmax(), _signal(rows)
     rows = rows[rows["joint"] == joint]
     unit = str(rows["unit"].iloc[0])
     found = sorted(levels(rows, "engine", list(results.axes)), key=lambda level: level.gap)
     if not found:
-        return []
+        return None
     low, high = found[0], found[-1]
-    text = f"{joint} has the largest gap in {SIGNALS[signal]}"
+    text = f"{joint} has the largest gap in {signal}"
     if len(found) == 1:
         text += f": {quantity(low.gap, unit)} in {engine_label(low.value)} ({floors(low, unit)})."
     elif differ(low, high) and high.gap - low.gap > low.gap:
@@ -222,7 +224,7 @@ def worst_joint(results: Results) -> list[Sentence]:
             f", {quantity(low.gap, unit)} at least in every engine ({floors(low, unit)}); the engines' gaps lie within "
         )
         text += f"{quantity(high.gap - low.gap, unit)}, so another engine does not close it."
-    return [Sentence("joint", text)]
+    return Sentence("joint", text)
 
 
 def floors(level: Level, unit: str) -> str:

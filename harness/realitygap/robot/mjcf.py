@@ -190,6 +190,9 @@ def _lost(plant: Plant) -> Iterator[str]:
     """What is lost of the plant as a whole."""
     if plant.velocity_lag.any() or (plant.velocity_scale != 1.0).any():
         yield "velocity_filter (of the sensors, not of the robot)"
+    mimics = [joint.name for joint in plant.model.joints if joint.mimic is not None]
+    if mimics:
+        yield f"how firmly {', '.join(mimics)} mimic: an equality gives way a little"
     if plant.efforts:
         yield "efforts that depend on measured variables"
     if plant.ground is not None and plant.ground.stiffness is not None:

@@ -150,7 +150,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         if isinstance(effort, EffortStream) and effort.measures == "motor":
             factor = np.abs(effort_factors(effort, model.joint_names, file.path))
             drive["current_factor"] = drive["torque_constant"] = factor
-    taken: set[int] = set()
+    taken = {i for i, joint in enumerate(model.joints) if joint.mimic is not None}  # another joint's servo moves these
     servos, notes = servos_of(scenario, model)
     for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
@@ -166,6 +166,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
     if limp and not scenario.follows:
         notes = [*notes, f"no servo, move freely: {', '.join(limp)}"]
+    notes += [f"{j.name} mimics {j.mimic.joint}, and has no servo" for j in model.joints if j.mimic is not None]
     model = replace(model, notes=(*model.notes, *notes))
     return Plant(
         model=model,

@@ -16,6 +16,8 @@ async function drawDetail() {
     const curves = await Promise.all(shown.map(async (s) => ({ ...(await cellCurves(s.cell)), ...s })));
     const stack = await Promise.all(revisions(cell).map(async (c) => ({ ...(await cellCurves(c)), cell: c })));
     if (run !== detailRun) return; // another choice was made while these loaded
+    spanDraws = [];
+    if (span && span[1] > curves[0].time[curves[0].time.length - 1]) span = null; // another motion, that is shorter
     place.replaceChildren(...head, ...detailPlots(cell, curves, stack, place.clientWidth - 36));
   } catch (error) {
     if (run === detailRun) place.replaceChildren(...head, element("p", { class: "hint" }, `No curves: ${error.message}.`));
@@ -99,37 +101,43 @@ function curveFigure(name, signal, curves, width) {
     style: { ...engineStyle(c.engine), "stroke-width": c.engine === state.engine ? 2.2 : 1.2, opacity: c.engine === state.engine ? 1 : 0.75 } }));
   series.sort((a, b) => (a.engine === state.engine) - (b.engine === state.engine)); // the chosen one on top
   const time = engines[0].time, caption = element("figcaption", null, element("b", null, name), measured ? ", measured and simulated; below, simulated − measured" : ", simulated");
-  const figure = element("figure", { tabindex: 0, "aria-label": `Curves of ${name}. Left and right arrows move the cursor.` });
+  const help = "Left and right arrows move the cursor, plus and minus zoom, 0 shows the whole motion.";
+  const figure = element("figure", { class: "curves", tabindex: 0, "aria-label": `Curves of ${name}. ${help}` });
+  const place = element("div", { class: "zoomable", title: "drag to look closer, Shift and drag to move, double click for the whole" });
+  let plots = [], cursor = null, toggles = null;
+  const show = (k) => {
+    cursor = k;
+    plots.forEach((p) => p.show(k));
+    toggles.outputs.forEach(({ output, values }) => { output.textContent = k === null ? "" : quantity(values[k], unit); });
+    toggles.time.textContent = k === null ? "" : `at ${time[k].toFixed(2)} s`;
+  };
   const draw = () => {
     const visible = series.filter((s) => !hidden.has(s.engine));
     const ink = { values: measured, style: { stroke: "currentColor", "stroke-width": 1.8, opacity: 0.85 } };
-    const top = linePlot({ time, series: [...(measured ? [ink] : []), ...visible], unit, title: data.signals[state.signal].label, width, height: 190,
-      label: `${name}: measured and simulated ${signal} over time`, xLabel: measured ? null : "time [s]" });
-    const plots = [top];
-    const i = cellRow(engines, name);
-    if (measured) plots.push(linePlot({ time, series: visible.map((s) => ({ ...s, values: s.values.map((v, k) => v - measured[k]) })), unit,
-      title: "difference", floor: i, width, height: 130, label: `${name}: difference over time`, xLabel: "time [s]" }));
-    const toggles = legend(series, measured, draw);
-    let cursor = null;
-    const show = (k) => {
-      cursor = k;
-      plots.forEach((p) => p.show(k));
-      toggles.outputs.forEach(({ output, values }) => { output.textContent = k === null ? "" : quantity(values[k], unit); });
-      toggles.time.textContent = k === null ? "" : `at ${time[k].toFixed(2)} s`;
-    };
-    plots.forEach((p) => {
-      p.svg.addEventListener("pointermove", (e) => show(p.at(e.clientX)));
-      p.svg.addEventListener("pointerleave", () => show(null));
-    });
-    figure.onkeydown = (e) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1 }[e.key] * (e.shiftKey ? 10 : 1);
-      if (!step) return;
-      e.preventDefault();
-      show(Math.min(Math.max((cursor ?? 0) + step, 0), time.length - 1));
-    };
-    figure.replaceChildren(caption, toggles.node, ...plots.map((p) => p.svg));
+    plots = [linePlot({ time, series: [...(measured ? [ink] : []), ...visible], unit, title: data.signals[state.signal].label, width, height: 190, span,
+      label: `${name}: measured and simulated ${signal} over time`, xLabel: measured ? null : "time [s]" })];
+    if (measured) plots.push(linePlot({ time, series: visible.map((s) => ({ ...s, values: s.values.map((v, k) => v - measured[k]) })), unit, span,
+      title: "difference", floor: cellRow(engines, name), width, height: 130, label: `${name}: difference over time`, xLabel: "time [s]" }));
+    toggles = legend(series, measured, draw);
+    toggles.node.append(zoomButtons(time));
+    place.replaceChildren(...plots.map((p) => p.svg));
+    const focused = figure.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+    figure.replaceChildren(caption, toggles.node, place);
+    if (focused) ([...figure.querySelectorAll("button:not(:disabled)")].find((n) => n.getAttribute("aria-label") === focused) ?? figure).focus();
+  };
+  place.addEventListener("pointermove", (e) => show(plots[0].at(e.clientX)));
+  place.addEventListener("pointerleave", () => show(null));
+  zoomable(place, () => plots, time);
+  figure.onkeydown = (e) => {
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[e.key] * (e.shiftKey ? 10 : 1), middle = span ? (span[0] + span[1]) / 2 : (time[0] + time[time.length - 1]) / 2;
+    if (step) show(Math.min(Math.max((cursor ?? 0) + step, 0), time.length - 1));
+    else if (e.key === "+" || e.key === "-") zoom(e.key === "+" ? 0.5 : 2, cursor === null ? middle : time[cursor], time);
+    else if (e.key === "0") setSpan(...wholeSpan(time), time);
+    else return;
+    e.preventDefault();
   };
   draw();
+  spanDraws.push(draw);
   return figure;
 }
 

@@ -1,4 +1,4 @@
-// Words and numbers, as harness/report/style.py writes them, and a helper that makes elements.
+// Words and numbers, as page/style.py writes them, and a helper that makes elements.
 const realitygap = {};
 const SAME = "no difference seen";
 const UNITS = { deg: "°", "deg/s": "°/s" };

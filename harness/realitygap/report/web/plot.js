@@ -67,27 +67,41 @@ function pathOf(xs, ys, x, y) {
   return d;
 }
 
-// Lines over time: series [{values, style}], a shaded band of ± floor, and a cursor that reports an index.
-function linePlot({ time, series, unit, title, floor, width, height, label, xLabel }) {
-  const yRange = floor ? extent(series.map((s) => s.values), -floor, floor) : extent(series.map((s) => s.values));
-  const { svg, x, y, inner } = frame({ width, height, xRange: [time[0], time[time.length - 1]], yRange,
-    yLabel: `${title} [${unitLabel(unit)}]`, xLabel, label });
+// Lines over time: series [{values, style}] within a span [from, to] or the whole, a shaded band of ± floor, a cursor that
+// reports an index and a mark that covers a part.
+function linePlot({ time, series, unit, title, floor, width, height, label, xLabel, span }) {
+  const last = time.length - 1, xRange = span ?? [time[0], time[last]];
+  const from = Math.max(time.findIndex((v) => v >= xRange[0]), 0), to = span ? time.findLastIndex((v) => v <= xRange[1]) : last;
+  const seen = series.map((s) => s.values.slice(from, to + 1)), clock = time.slice(from, to + 1);
+  const yRange = floor ? extent(seen, -floor, floor) : extent(seen);
+  const { svg, x, y, inner } = frame({ width, height, xRange, yRange, yLabel: `${title} [${unitLabel(unit)}]`, xLabel, label });
   if (floor) svg.append(element("rect", { class: "floor", x: inner.left, width: inner.right - inner.left, y: y(floor),
     height: y(-floor) - y(floor) }));
-  for (const s of series) svg.append(element("path", { class: "line", d: pathOf(time, s.values, x, y), ...s.style }));
+  series.forEach((s, i) => svg.append(element("path", { class: "line", d: pathOf(clock, seen[i], x, y), ...s.style })));
   const cursor = element("line", { class: "cursor", y1: inner.top, y2: inner.bottom, visibility: "hidden" });
-  svg.append(cursor);
-  const at = (clientX) => {
+  const cover = element("rect", { class: "mark", y: inner.top, height: inner.bottom - inner.top, visibility: "hidden" });
+  svg.append(cover, cursor);
+  const timeAt = (clientX) => {
     const box = svg.getBoundingClientRect();
-    const t = time[0] + (((clientX - box.left) * (width / box.width) - inner.left) / (inner.right - inner.left)) * (time[time.length - 1] - time[0]);
-    let k = time.findIndex((v) => v >= t);
-    return k < 0 ? time.length - 1 : k;
+    return xRange[0] + (((clientX - box.left) * (width / box.width) - inner.left) / (inner.right - inner.left)) * (xRange[1] - xRange[0]);
+  };
+  const at = (clientX) => {
+    const t = timeAt(clientX), k = time.findIndex((v) => v >= t);
+    return k < 0 || k > to ? to : Math.max(k, from);
   };
   const show = (k) => {
-    cursor.setAttribute("visibility", k === null ? "hidden" : "visible");
-    if (k !== null) { cursor.setAttribute("x1", x(time[k])); cursor.setAttribute("x2", x(time[k])); }
+    const hide = k === null || k < from || k > to;
+    cursor.setAttribute("visibility", hide ? "hidden" : "visible");
+    if (!hide) { cursor.setAttribute("x1", x(time[k])); cursor.setAttribute("x2", x(time[k])); }
   };
-  return { svg, at, show };
+  const mark = (a, b) => {
+    cover.setAttribute("visibility", a === null ? "hidden" : "visible");
+    if (a === null) return;
+    const [low, high] = [Math.min(a, b), Math.max(a, b)].map((t) => x(Math.min(Math.max(t, xRange[0]), xRange[1])));
+    cover.setAttribute("x", low);
+    cover.setAttribute("width", high - low);
+  };
+  return { svg, at, timeAt, show, mark };
 }
 
 // Boxes one above the other: [{name, box: [low, q1, median, q3, high, max], color, strong}]; `most` ends the scale.

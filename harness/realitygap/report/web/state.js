@@ -24,9 +24,17 @@ function startState() {
   state.target = { group: ["moving", "base", "unmoving"].find((g) => groups.has(g)) || "moving" };
   const signals = new Set(data.rows.signal);
   state.signal = signals.size ? Math.min(...signals) : 0;
-  const gap = data.cells.map((_, c) => cellStat(c, state.signal, state.target)?.mean ?? Infinity);
-  const best = gap.reduce((least, g, c) => (g < gap[least] ? c : least), 0);
-  for (const axis of switchable) state.choice[axis] = data.cells.length ? data.cells[best].at[axis] : 0;
+  const seen = new Set();
+  let least = Infinity, best = 0;
+  data.cells.forEach((cell, c) => { // the choice that comes closest in the mean of all recordings
+    const choice = { [engineAxis]: cell.at[engineAxis], ...Object.fromEntries(switchable.map((a) => [a, a === recordingAxis ? -1 : cell.at[a]])) };
+    const key = JSON.stringify(choice);
+    if (seen.has(key)) return;
+    seen.add(key);
+    const gap = stat(cellsWhere(choice), state.signal, state.target)?.mean ?? Infinity;
+    if (gap < least) { least = gap; best = c; }
+  });
+  for (const axis of switchable) state.choice[axis] = axis === recordingAxis ? -1 : data.cells.length ? data.cells[best].at[axis] : 0;
   settle(null);
   state.engine = bestEngine();
 }

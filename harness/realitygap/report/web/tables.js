@@ -1,5 +1,5 @@
 // Sortable tables: means by group and signal, improvements, and the list of all cells.
-function sortable({ columns, rows, caption, page = 50 }) {
+function sortable({ columns, rows, caption, page = window.innerWidth < 580 ? 10 : 50 }) {
   let order = null, rising = true, shown = page;
   const body = element("tbody"), more = element("button", { class: "more", type: "button", onclick: () => { shown += page; fill(); } });
   const heads = columns.map((column, i) =>
@@ -12,7 +12,7 @@ function sortable({ columns, rows, caption, page = 50 }) {
       return rising ? compared : -compared;
     });
     body.replaceChildren(...sorted.slice(0, shown).map((row) => element("tr", null, row.map((cell, i) =>
-      element("td", { class: [columns[i].num ? "num" : "", cell.class || ""].join(" ").trim() || null }, cell.node || cell.text,
+      element("td", { class: [columns[i].num ? "num" : "", cell.class || ""].join(" ").trim() || null, "data-label": columns[i].label }, cell.node || cell.text,
         cell.small ? element("small", null, cell.small) : null)))));
     more.hidden = rows.length <= shown;
     more.textContent = `Show ${Math.min(page, rows.length - shown)} more of ${rows.length}`;
