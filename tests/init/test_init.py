@@ -273,6 +273,9 @@ def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag)
         ("xl330_pendulum/pendulum.urdf", "sts3215_pendulum/sin_sin_m0.535_l0.10_kp16_rep*.csv", "fixed"),
         ("cube_toss/cube.urdf", "cube_toss/toss_00*.csv", "free"),
         ("xl330_pendulum/pendulum.urdf", "emps/*.csv", "fixed"),
+        ("so101/so101.urdf", "so101", "fixed"),
+        ("so101/so101.xml", "so101", "fixed"),
+        ("ur10e/ur10e.urdf", "ur10e/free_*.csv", "fixed"),
     ],
 )
 def test_real_recordings(urdf, pattern, base, data_dir, tmp_path):

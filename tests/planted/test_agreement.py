@@ -25,7 +25,9 @@ CLEAN = Sensing(
 )
 LEFT = 0.12
 """A share of the effect that integrators and contact laws of two simulators may disagree about: the foreign plant's
-bristles creep, its backlash rebounds and its springs are damped."""
+springs are damped a little, and its bristles give."""
+SUDDEN = {"stribeck_friction": 0.2, "backlash": 0.2}
+"""More where a joint breaks away or lands: bristles creep before they slip, ends of a gap that are springs rebound."""
 MOTION = {"motor_braking": "lift_and_drop", "effort_limit": "steps", "torque_speed_limit": "steps"}
 """What shows an effect that slow motions do not."""
 TWO_LINKS = ("link_mass", "center_of_mass", "payload", "link_inertia", "voltage_sag", "base_tilt", "joint_offset")
@@ -63,4 +65,4 @@ def test_the_truth_removes_its_own_gap(effect: str, kind: str, tmp_path: Path) -
         return float(np.sqrt(np.mean((getattr(trace, signal) - getattr(measured, signal)) ** 2)))
 
     before, after = apart([]), apart([added])
-    assert after < LEFT * before, f"{added}: {before:.3g} -> {after:.3g}"
+    assert after < SUDDEN.get(effect, LEFT) * before, f"{added}: {before:.3g} -> {after:.3g}"

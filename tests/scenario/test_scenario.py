@@ -10,7 +10,8 @@ from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
 from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import ScenarioFile, load_scenario
-from realitygap.scenario.schema import PidServo, Scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.scenario.servos import PidServo
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 PAGE = (SCENARIOS / "README.md").read_text(encoding="utf-8")

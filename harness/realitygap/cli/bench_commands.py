@@ -27,7 +27,8 @@ def servo(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.servo import run as procedure
 
-    _tell(procedure(file, _bench_folder(file, out)))
+    folder = _bench_folder(file, out)
+    _tell(file, folder, procedure(file, folder))
 
 
 @bench.command()
@@ -38,7 +39,8 @@ def supply(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.supply import run as procedure
 
-    _tell(procedure(file, _bench_folder(file, out)))
+    folder = _bench_folder(file, out)
+    _tell(file, folder, procedure(file, folder))
 
 
 @bench.command()
@@ -49,7 +51,8 @@ def links(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.links import run as procedure
 
-    _tell(procedure(file, _bench_folder(file, out)))
+    folder = _bench_folder(file, out)
+    _tell(file, folder, procedure(file, folder))
 
 
 @bench.command()
@@ -61,12 +64,17 @@ def ground(file: Bench, out: Out = None, jobs: Jobs = None) -> None:
     from realitygap.bench.ground import run as procedure
     from realitygap.files.progress import Progress
 
-    _tell(procedure(file, _bench_folder(file, out), Progress(), jobs))
+    folder = _bench_folder(file, out)
+    _tell(file, folder, procedure(file, folder, Progress(), jobs))
+
+
+def _tell(file: Path, out: Path, summary: Summary) -> None:
+    """Print what was found and write its page."""
+    from realitygap.bench.page import write_page
+
+    page = write_page(summary, f"{file.resolve().parent.name} {file.stem}", out)
+    say([*summary.lines, *(f"wrote {written}" for written in summary.files), f"report: {page}"])
 
 
 def _bench_folder(file: Path, out: Path | None) -> Path:
     return folder_for(out, f"{file.resolve().parent.name}_{file.stem}")
-
-
-def _tell(summary: Summary) -> None:
-    say([*summary.lines, *(f"wrote {file}" for file in summary.files)])

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.scenario.effort import effort_factors
-from realitygap.scenario.schema import DcServo, EffortStream, Motion, RecordedSupply, Recordings, Scenario, Stream
+from realitygap.scenario.schema import EffortStream, Motion, Recordings, Scenario, Stream
+from realitygap.scenario.servos import DcServo, RecordedSupply
 from realitygap.trace.trace import Array
 
 COMMAND_SIGNAL = {"position": "position", "velocity": "velocity", "duty": "effort", "effort": "effort"}

@@ -19,12 +19,11 @@ rotor is moved once the engine has told that velocity (`arrive`).
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.drive import NONE
-from realitygap.robot.law.controller import position_error
+from realitygap.robot.law.controller import look
 from realitygap.robot.law.friction import dry_bound, unevenness
 from realitygap.robot.law.motor import motor_torque
 from realitygap.robot.law.springs import springs
-from realitygap.robot.law.supply import supply_voltage
+from realitygap.robot.law.supply import sag
 from realitygap.robot.law.transmission import backlash, separate, slowed, spring, weight
 
 
@@ -40,13 +39,13 @@ def drive_effort(  # type: ignore[no-untyped-def]
     moves, with its rotor [kg·m² or kg], and `recorded` the recorded supply voltage now [V]. Written are `log` and the
     three terms of the joint law in `engine`: `effort`, `damping` and `friction`.
     """
-    arrive(drive, state, q, w, dry, h, log)
+    sags = False
     for j in range(drive.size):
-        d, s = drive[j], state[j]
-        if d.kind != NONE:
-            rate = w[j] if d.stiffness == 0.0 else log[j].rotor  # of the encoder
-            s.error = position_error(d, s, command[j], upcoming[j], log[j].encoder - d.offset, rate, t, h)
-    supply_voltage(drive, state, command, recorded, t, log)
+        settle(drive[j], state[j], q[j], w[j], dry[j], h, log[j])
+        look(drive[j], state[j], command[j], upcoming[j], w[j], log[j], recorded, t, h)
+        sags |= drive[j].sag_resistance > 0.0
+    if sags:
+        sag(drive, state, command, t, log)
     for j in range(drive.size):
         d, s = drive[j], state[j]
         speed = log[j].rotor
@@ -94,24 +93,29 @@ def arrive(drive, state, q, w, dry, h, log):  # type: ignore[no-untyped-def]
     Arguments as in `drive_effort`; of `log`, the encoder, rotor and transmitted columns are written.
     """
     for j in range(drive.size):
-        d, s = drive[j], state[j]
-        s.transmitted = s.effort - s.damping * w[j] + dry[j]
-        log[j].encoder = q[j]
-        log[j].rotor = w[j]
-        if not separate(d):
-            s.transmitted -= d.armature * (w[j] - s.velocity) / h
+        settle(drive[j], state[j], q[j], w[j], dry[j], h, log[j])
+
+
+@compiled
+def settle(d, s, q, w, dry, h, logged):  # type: ignore[no-untyped-def]
+    """`arrive` of one joint."""
+    s.transmitted = s.effort - s.damping * w + dry
+    logged.encoder = q
+    logged.rotor = w
+    if not separate(d):
+        s.transmitted -= d.armature * (w - s.velocity) / h
+    else:
+        if s.begun == 0:
+            s.rotor, s.rotor_velocity = q, w
+        elif s.side != 0:
+            s.rotor, s.rotor_velocity = q + 0.5 * s.side * d.backlash, w + s.closing
         else:
-            if s.begun == 0:
-                s.rotor, s.rotor_velocity = q[j], w[j]
-            elif s.side != 0:
-                s.rotor, s.rotor_velocity = q[j] + 0.5 * s.side * d.backlash, w[j] + s.closing
-            else:
-                s.rotor_velocity = slowed(s.momentum - h * s.transmitted, h * s.bound) / s.mass
-                s.rotor += h * s.rotor_velocity
-                if d.stiffness == 0.0:  # a link that was faster than foreseen takes the end along
-                    s.rotor = min(max(s.rotor, q[j] - 0.5 * d.backlash), q[j] + 0.5 * d.backlash)
-            log[j].rotor = s.rotor_velocity
-            if d.stiffness > 0.0:
-                log[j].encoder = s.rotor
-        log[j].transmitted = s.transmitted
-        s.begun = max(s.begun, 1)
+            s.rotor_velocity = slowed(s.momentum - h * s.transmitted, h * s.bound) / s.mass
+            s.rotor += h * s.rotor_velocity
+            if d.stiffness == 0.0:  # a link that was faster than foreseen takes the end along
+                s.rotor = min(max(s.rotor, q - 0.5 * d.backlash), q + 0.5 * d.backlash)
+        logged.rotor = s.rotor_velocity
+        if d.stiffness > 0.0:
+            logged.encoder = s.rotor
+    logged.transmitted = s.transmitted
+    s.begun = max(s.begun, 1)

@@ -22,16 +22,8 @@ from realitygap.robot.held import held_joints
 from realitygap.robot.servos import check_command, servos_of
 from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import (
-    AnyServo,
-    DcServo,
-    EffortServo,
-    EffortStream,
-    PidServo,
-    RecordedSupply,
-    Scenario,
-    VelocityServo,
-)
+from realitygap.scenario.schema import EffortStream, Scenario
+from realitygap.scenario.servos import AnyServo, DcServo, EffortServo, PidServo, RecordedSupply, VelocityServo
 from realitygap.scenario.world import GroundSpec
 
 PAST = 0.01

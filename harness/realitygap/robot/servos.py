@@ -9,7 +9,8 @@ from realitygap_engines.model.robot import Actuator, Model
 
 from realitygap.files.errors import InputError
 from realitygap.scenario.file import ScenarioFile
-from realitygap.scenario.schema import AnyServo, Scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.scenario.servos import AnyServo
 
 
 def servos_of(scenario: Scenario, model: Model) -> tuple[list[AnyServo], list[str]]:

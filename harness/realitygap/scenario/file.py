@@ -14,7 +14,8 @@ from realitygap.files.unpacked import plain_name
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.plain import plain
-from realitygap.scenario.schema import SERVOS, Run, Scenario
+from realitygap.scenario.schema import Run, Scenario
+from realitygap.scenario.servos import SERVOS
 
 DATA = "REALITYGAP_DATA"
 IN_MEMORY = "(scenario)"

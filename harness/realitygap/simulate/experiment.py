@@ -17,7 +17,8 @@ from realitygap.robot.effects.place import known, place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
-from realitygap.scenario.schema import DcServo, EffectSpec, EffortStream, RecordedSupply, Scenario
+from realitygap.scenario.schema import EffectSpec, EffortStream, Scenario
+from realitygap.scenario.servos import DcServo, RecordedSupply
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
 from realitygap.simulate.flight import Launch, launch
@@ -198,7 +199,7 @@ def _prepare(
         begin=begin,
         duration=duration,
         use=run.use if run else None,
-        window=(run.window if run and run.window else (-np.inf, np.inf)),
+        window=(run and (run.window or run.part)) or (-np.inf, np.inf),
         where=f"{file.path}: {case.key}" if case else str(file.path),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
         notes=tuple(notes),

@@ -3,13 +3,22 @@
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.drive import DUTY, PID, SPEED
+from realitygap.robot.drive import DUTY, NONE, PID, SPEED
 
 BAND = 0.05
 """Over this last part of the velocity limit, the torque that accelerates a pid servo falls to zero."""
 NOMINAL_ERROR = 0.1
 """Where a gain that changes with the error is the nominal one [rad or m]: amid the errors of servos in motion, 0.02 to
 0.4 rad in recordings, so that the size of a gain and the bend of its law are nearly independent."""
+
+
+@compiled
+def look(d, s, command, upcoming, w, logged, recorded, t, h):  # type: ignore[no-untyped-def]
+    """Write what a servo knows before it acts: its position error, and the voltage of its supply."""
+    if d.kind != NONE:
+        rate = w if d.stiffness == 0.0 else logged.rotor  # of the encoder
+        s.error = position_error(d, s, command, upcoming, logged.encoder - d.offset, rate, t, h)
+    s.bus = recorded if d.recorded_supply == 1 else d.supply
 
 
 @compiled

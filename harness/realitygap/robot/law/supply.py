@@ -8,8 +8,8 @@ from realitygap.robot.law.controller import duty
 
 
 @compiled
-def supply_voltage(drive, state, command, recorded, t, log):  # type: ignore[no-untyped-def]
-    """Write `bus` of every state; arguments as in `drive_effort`.
+def sag(drive, state, command, t, log):  # type: ignore[no-untyped-def]
+    """Lower `bus` of every state from the supply to what is left of it; arguments as in `drive_effort`.
 
     A servo is a lossless chopper: what it draws from the bus is volts·current/bus = duty·current, with volts = duty·bus
     and current = (volts - k·ω)/R. So bus = supply - R_s·Σ duty·current is linear in the bus:
@@ -19,9 +19,7 @@ def supply_voltage(drive, state, command, recorded, t, log):  # type: ignore[no-
     What a braking servo feeds back raises it, above the supply too.
     """
     for j in range(drive.size):
-        d = drive[j]
-        supply = recorded if d.recorded_supply == 1 else d.supply
-        state[j].bus = supply
+        d, supply = drive[j], state[j].bus
         if d.sag_resistance <= 0.0 or d.kind != DC or supply <= 0.0:
             continue
         first = j
