@@ -79,7 +79,7 @@ def mistakes(only: str = "*") -> int:
     wrong = total = 0
     with tempfile.TemporaryDirectory() as name:
         teams = robots(Path(name))
-        for planted in [m for m in MISTAKES if fnmatch(m.name, only)]:
+        for planted in [m for m in MISTAKES if any(fnmatch(m.name, p) for p in only.split("|"))]:
             cells = []
             for robot, team in teams.items():
                 if not fits(planted, team):
@@ -224,7 +224,7 @@ def real() -> int:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mistakes", action="store_true")
-    parser.add_argument("--only", default="*", help="pattern over the mistakes' names")
+    parser.add_argument("--only", default="*", help="patterns over the mistakes' names, with | between them")
     parser.add_argument("--physics", type=int, default=0)
     parser.add_argument("--real", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
