@@ -21,7 +21,7 @@ FLOORS = (  # as DESIGN draws them: a room knows only what lies below
     ("files", "trace", "page"),
     ("scenario",),
     ("recording", "robot"),
-    ("simulate", "init", "audit"),
+    ("simulate", "init", "audit", "check"),
     ("compare", "bench"),
     ("matrix", "report", "diagnose"),
     ("cli",),

@@ -6,7 +6,7 @@ ends in finitely many moves. Factorisations use the branches of the tree (L^T D 
 Algorithms, 2008, section 6.4).
 """
 # mypy: allow-untyped-defs
-# (compiled into `law.joints`; numba's cache of that file does not see a change made here)
+# (compiled into `law.joints`)
 
 from numba import njit
 

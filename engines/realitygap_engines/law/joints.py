@@ -29,9 +29,9 @@ Which joints are stuck is solved exactly (`law.friction`).
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from realitygap_engines.engine import Ground, Physics
+from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.law.friction import stick_slip
 from realitygap_engines.law.ground import begin, press, push, settle
@@ -187,7 +187,7 @@ def _ballast(model: Model) -> Array:
     return out
 
 
-@njit(cache=True)
+@compiled
 def _solve(
     position, velocity, base, effort, damping, friction,
     inertia, bias, ancestor, motion, swing, point, height, point_end,
@@ -262,7 +262,7 @@ def _solve(
     known[0] = True
 
 
-@njit(cache=True)
+@compiled
 def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
     """Add the effort that a link's rotary inertia `weight` asks for; `swing` is its angular acceleration at rest."""
     a, b, c = share * swing[0], share * swing[1], share * swing[2]
@@ -278,7 +278,7 @@ def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
         j = ancestor[j]
 
 
-@njit(cache=True)
+@compiled
 def _limit(position, velocity, limits, settings, matrix, right):
     """Add what the joint limits will do to `matrix` and `right`."""
     firm, first = settings[4], len(right) - len(position)

@@ -6,20 +6,25 @@ from pathlib import Path
 
 from realitygap_engines.model.mjcf import read_mjcf
 from realitygap_engines.model.robot import Model
+from realitygap_engines.model.sdf import read_sdf
 from realitygap_engines.model.urdf import read_urdf
 
 HEAD = 65536
 """Bytes in which the root element of an XML file begins, after whatever its authors wrote above it."""
 
 
+TAGS = {"mjcf": b"<mujoco", "sdf": b"<sdf", "urdf": b"<robot"}
+
+
 def format_of(path: Path) -> str:
-    """`mjcf` or `urdf`, by the root element; a file that cannot be read or is neither counts as a URDF."""
+    """`mjcf`, `sdf` or `urdf`, by the root element; a file that cannot be read or is none of them counts as a URDF."""
     try:
         with path.open("rb") as file:
             head = file.read(HEAD)
     except OSError:
         return "urdf"
-    return "mjcf" if b"<mujoco" in head and b"<robot" not in head.partition(b"<mujoco")[0] else "urdf"
+    found = {kind: at for kind, tag in TAGS.items() if (at := head.find(tag)) >= 0}
+    return min(found, key=found.__getitem__, default="urdf")
 
 
 def read_model(
@@ -29,8 +34,10 @@ def read_model(
     packages: Mapping[str, Path] | None = None,
     contact_links: list[str] | None = None,
 ) -> Model:
-    """The canonical model of a URDF or MJCF file. Arguments and errors as of `read_urdf`."""
+    """The canonical model of a URDF, xacro, MJCF or SDF file. Arguments and errors as of `read_urdf`."""
     file = Path(path)
     if format_of(file) == "mjcf":
         return read_mjcf(file, floating=floating, contact_links=contact_links)
+    if format_of(file) == "sdf":
+        return read_sdf(file, floating=floating, packages=packages)
     return read_urdf(file, floating=floating, packages=packages, contact_links=contact_links)

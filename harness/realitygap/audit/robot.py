@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from realitygap_engines.errors import ModelError
-from realitygap_engines.model.read import read_model
+from realitygap_engines.model.read import format_of, read_model
 from realitygap_engines.model.robot import Model
 from realitygap_engines.model.xacro_file import is_xacro
 
@@ -56,8 +56,8 @@ class Robot:
 
     def rows(self) -> list[Row]:
         """Our reading of the file against somebody else's: mass and joint-space inertia."""
-        if is_xacro(self.urdf, self.urdf.read_bytes()):  # what is expanded has no other reader
-            return []
+        if is_xacro(self.urdf, self.urdf.read_bytes()) or format_of(self.urdf) == "sdf":
+            return []  # there is no other reader of these
         model = self.described
         position = random_state(model, 0).position
         total, inertia, judge = described_inertia(self.urdf, model, position)

@@ -7,12 +7,13 @@ from typing import Annotated, NoReturn
 import typer
 
 from realitygap.cli.bench_commands import bench
+from realitygap.cli.check_command import check
 from realitygap.cli.diagnose_commands import diagnose, rehearse
 from realitygap.cli.robot_commands import audit, effects, engines, init
 from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
 
-COMMANDS = (engines, init, run, matrix, audit, report, diagnose, rehearse, effects, schema)
+COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
 
 app = typer.Typer(

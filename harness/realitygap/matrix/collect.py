@@ -45,7 +45,14 @@ class Collected:
         return not_judged(self.gaps, budget)
 
 
-def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: Mapping[str, str], store: Store, out: Path) -> Collected:
+def collect(
+    matrix: MatrixFile,
+    tasks: Sequence[Task],
+    undone: Mapping[str, str],
+    store: Store,
+    out: Path,
+    warnings: Sequence[str] = (),
+) -> Collected:
     """Write table, timings, manifest and traces.
 
     Args:
@@ -54,6 +61,7 @@ def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: Mapping[str, str]
         undone: what happened to the cells that have no file, by key.
         store: the files of the others.
         out: an empty folder.
+        warnings: sentences on likely mistakes in the scenarios, for the page.
     """
     cells: list[tuple[Task, Outcome]] = []
     files: list[str] = []
@@ -75,6 +83,7 @@ def collect(matrix: MatrixFile, tasks: Sequence[Task], undone: Mapping[str, str]
         [(o.cell, o.settings) for _, o in cells if o.settings],
         {slug(o.cell): f"{o.outcome}: {o.note}" for _, o in cells if o.outcome != "ok"},
         [f for f in files if f.endswith(".mcap")],
+        warnings,
     )
     return Collected(matrix.matrix.name, gaps, cells)
 

@@ -27,6 +27,7 @@ def write_manifest(
     settings: Sequence[tuple[Cell, Mapping[str, Any]]],
     failures: Mapping[str, str],
     traces: Iterable[str],
+    warnings: Sequence[str] = (),
 ) -> None:
     """Write versions, what each adapter really set, hashes of the inputs, the command line and notes.
 
@@ -37,9 +38,10 @@ def write_manifest(
         settings: of every cell that ran.
         failures: what became of the cells that did not, by their slug.
         traces: names of the MCAP files below the folder; the Parquet files lie beside them.
+        warnings: sentences on likely mistakes in the scenarios.
     """
     sources: set[Path] = set()
-    notes: dict[str, list[str]] = {}
+    notes: dict[str, list[str]] = {"likely mistakes": list(warnings)} if warnings else {}
     virtual = False
     for file, motion in motions:
         recordings = file.scenario.recordings

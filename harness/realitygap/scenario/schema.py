@@ -15,7 +15,7 @@ from realitygap.scenario.world import GROUNDS, GroundSpec, PhysicsSpec
 class Robot(Section):
     """The robot and how it stands at the start."""
 
-    urdf: str = Field(description="the robot's file: URDF, xacro or MJCF")
+    urdf: str = Field(description="the robot's file: URDF, xacro, MJCF or SDF")
     packages: dict[str, str] = Field(default={}, description="where `package://NAME/` lies, by NAME")
     base: Literal["floating", "fixed", "free"] = Field(
         default="floating", description="floating, fixed to the world, or a free body without joints"

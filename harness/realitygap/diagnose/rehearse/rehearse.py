@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from realitygap_engines import Diverged, Unsupported
 
+from realitygap.check import certain
 from realitygap.diagnose.candidates.suspects import UNTRIED, suspects
 from realitygap.diagnose.data.pool import Pool
 from realitygap.diagnose.data.problem import Change, Problem, Suspect, build_problem
@@ -127,9 +128,12 @@ def run_rehearsal(
         raise InputError(f"--budget: found {budget:g}, expected seconds above 0")
     chosen = engine_names(names)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
-    problem = build_problem(load_scenario(path), first)
+    file = load_scenario(path)
+    warnings = certain(file)
+    problem = build_problem(file, first)
     with Pool(problem, workers) as pool:
         result = rehearse(pool, [e for e in chosen if e != first], budget, progress.say)
+    result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     write_rehearsal(result, out)
     return result
 

@@ -14,19 +14,22 @@ from realitygap_engines.model.inertial_editor import urdf_text, with_inertials
 from realitygap_engines.model.mjcf_revised import revised_mjcf
 from realitygap_engines.model.read import format_of
 from realitygap_engines.model.robot import Link
+from realitygap_engines.model.sdf_revised import revised_sdf
 from realitygap_engines.model.xacro_file import urdf_source
 
 PACKAGE = "package://"
 
 
 def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link], packages: Mapping[str, Path] | None = None) -> str:
-    """The text of a URDF, or MJCF, for another folder, with the inertials of these links.
+    """The text of a URDF, MJCF or SDF for another folder, with the inertials of these links.
 
     What is fixed to a link is part of it, so the inertials of the links merged into it are taken out. What a scenario
     holds fixed to it keeps its own.
     """
     if format_of(urdf) == "mjcf":
         return revised_mjcf(urdf, folder, links)
+    if format_of(urdf) == "sdf":
+        return revised_sdf(urdf, folder, links)
     bodies: dict[str, Body | None] = {name: None for link in links for name in link.merged[1:]}
     bodies |= {link.name: own_body(link) for link in links}
     text = with_inertials(urdf_text(urdf_source(urdf, packages or {})), bodies)
@@ -42,6 +45,8 @@ def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link], packages: Mapp
 def found_packages(urdf: Path, packages: Mapping[str, Path]) -> dict[str, Path]:
     """The packages of a URDF's meshes that are found beside or above it only, and where they lie."""
     out: dict[str, Path] = {}
+    if format_of(urdf) != "urdf":  # their files are told by their places
+        return out
     for mesh in urdf_text(urdf_source(urdf, packages)).root.iter("mesh"):
         name = mesh.get("filename", "")
         package, _, rest = name.removeprefix(PACKAGE).partition("/")

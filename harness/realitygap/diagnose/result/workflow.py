@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from realitygap.check import certain
 from realitygap.diagnose.data.pool import Pool
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.result.diagnosis import Diagnosis, diagnose
@@ -45,10 +46,13 @@ def run_diagnosis(
 def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, workers: int | None = None) -> Diagnosis:
     """The same without writing anything."""
     chosen = engine_names(names)
+    warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
     with Pool(problem, workers) as pool:
-        return diagnose(pool, chosen, progress.say)
+        result = diagnose(pool, chosen, progress.say)
+    result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
+    return result
 
 
 def write_diagnosis(result: Diagnosis, out: Path) -> None:

@@ -1,0 +1,6 @@
+"""Mistakes of unit, sign, order, clock and coverage, found before any physics is blamed."""
+
+from realitygap.check.check import accepted, blamed_joints, certain, check
+from realitygap.check.mistake import KINDS, Mistake
+
+__all__ = ["KINDS", "Mistake", "accepted", "blamed_joints", "certain", "check"]

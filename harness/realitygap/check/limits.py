@@ -1,0 +1,87 @@
+"""Measured angles and the URDF's limits: which of them is in degrees."""
+
+from dataclasses import replace
+
+import numpy as np
+from realitygap_engines.model.robot import Joint
+
+from realitygap.check.mistake import Certainty, Mistake
+from realitygap.check.observed import Observed
+from realitygap.check.servo import supply
+from realitygap.check.words import FACTORS, wide
+from realitygap.robot.drive import DC
+from realitygap.robot.plant import Plant
+from realitygap.trace.trace import Array
+
+DEGREES = FACTORS["degrees"]
+TURN = 2.0 * np.pi
+LEEWAY = 0.35
+"""rad: a zero may be this far off, and a stop is not where the URDF has it."""
+TOO_FAST = 5.0
+"""A joint is this much faster than its servo runs free only in another unit: loads drag it to twice that."""
+
+
+def limit_mistakes(plant: Plant) -> list[Mistake]:
+    """Limits of revolute joints beyond two turns, that are ordinary angles in degrees."""
+    out = []
+    for joint in plant.model.joints:
+        low, high = joint.lower, joint.upper
+        finite = np.isfinite(low) and np.isfinite(high) and not joint.prismatic
+        if finite and max(abs(low), abs(high)) > 2 * TURN and max(abs(low), abs(high)) / DEGREES <= TURN + 1e-6:
+            ordinary = all(abs(x - round(x)) < 1e-9 for x in (low, high))
+            sentence = (
+                f"the limits of {joint.name} are {low:.4g} and {high:.4g}, more than two turns in radians: degrees, as "
+                "it seems; expected radians in the URDF"
+            )
+            certainty: Certainty = "certain" if ordinary and high - low > 4 * TURN else "likely"
+            out.append(Mistake("degrees", certainty, (joint.name,), sentence, "robot.urdf"))
+    return out
+
+
+def angle_mistakes(o: Observed) -> list[Mistake]:
+    """Measured angles that fit the limits, or the servo's speed, only when they are degrees; or limits that do."""
+    out = []
+    seen = wide(o.position)
+    speed = np.gradient(o.position, o.step, axis=0)
+    for j, joint in enumerate(o.plant.model.joints):
+        if joint.prismatic:
+            continue
+        q, fast = o.position[:, j], float(np.quantile(np.abs(speed[:, j]), 0.95))
+        free = _free_speed(o, j)
+        beyond = _beyond(joint, q)
+        rad = q / DEGREES
+        fits = _beyond(joint, rad) <= LEEWAY
+        if beyond > max(TURN, joint.upper - joint.lower) and fits:
+            told = f"lies up to {beyond:.4g} rad beyond its limits {joint.lower:.4g} and {joint.upper:.4g}"
+        elif fits and free < fast / TOO_FAST and fast / DEGREES < free and seen[j] > TURN / 2:
+            told = f"moves at {fast:.4g} rad/s, and its servo at {free:.3g} rad/s at most"
+        else:
+            apart = joint.upper - joint.lower
+            if seen[j] > 5.0 * apart and _beyond(_turned(joint), q) <= LEEWAY and seen[j] < TURN:
+                sentence = (
+                    f"{joint.name} was measured over {seen[j]:.3g} rad and its limits are {apart:.3g} rad apart: "
+                    "limits divided by 57.3 once too often, as it seems; expected radians in the URDF"
+                )
+                out.append(Mistake("degrees", "likely", (joint.name,), sentence, "robot.urdf", (o.name,)))
+            continue
+        sentence = f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
+        key = "recordings.columns.position" if o.recording.receive_time is None else "recordings.state"
+        out.append(Mistake("degrees", "certain", (joint.name,), sentence, key, (o.name,)))
+    return out
+
+
+def _turned(joint: Joint) -> Joint:
+    return replace(joint, lower=joint.lower * DEGREES, upper=joint.upper * DEGREES)
+
+
+def _beyond(joint: Joint, q: Array) -> float:
+    """How far positions pass the limits [rad]; 0 within."""
+    return float(max(np.nanmax(q) - joint.upper, joint.lower - np.nanmin(q), 0.0))
+
+
+def _free_speed(o: Observed, j: int) -> float:
+    """The speed at which a servo gives nothing any more [rad/s]; inf where nothing says it."""
+    d = o.plant.drive[j]
+    if d["kind"] == DC:
+        return float(supply(o)[j] * d["duty_limit"] / d["torque_constant"])
+    return float(d["velocity_limit"]) if d["velocity_limit"] > 0 else np.inf

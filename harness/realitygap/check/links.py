@@ -1,0 +1,73 @@
+"""Masses and inertias that no link of such a robot has."""
+
+import numpy as np
+from realitygap_engines.model.robot import Model
+
+from realitygap.check.mistake import Certainty, Mistake
+from realitygap.robot.plant import Plant
+
+WIDE, ABSURD = 5.0, 30.0
+"""A body whose mass lies further from its centre than this many times the robot's reach is none; the second certain."""
+ODD = 100.0
+"""A single link that is this many times heavier than the next is in another unit: 30 is a rotor beside its housing."""
+
+
+def link_mistakes(plant: Plant) -> list[Mistake]:
+    """Inertias that are far too large for the size of a robot, and a link that is far heavier than all others."""
+    model = plant.model
+    reach = _reach(model)
+    out = []
+    first = 0 if model.floating else 1
+    for i in range(first, len(model.links)):
+        link = model.links[i]
+        if reach <= 0 or not _turns(model, i):
+            continue
+        gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / link.mass))
+        if gyration > WIDE * reach:
+            sentence = (
+                f"the inertia of link {link.name} puts its {link.mass:.3g} kg {gyration:.3g} m from its centre, "
+                f"and the whole robot reaches {reach:.3g} m: an inertia in another unit than kg·m², or a mass in "
+                "another than kg; expected both to fit the link's size"
+            )
+            certainty: Certainty = "certain" if gyration > ABSURD * reach else "likely"
+            out.append(Mistake("impossible_link", certainty, _joint_of(model, i), sentence, "robot.urdf"))
+    masses = np.array([link.mass for link in model.links[first:]])
+    if len(masses) > 2:
+        order = np.argsort(masses)
+        heaviest, after = masses[order[-1]], masses[order[-2]]
+        if heaviest > ODD * after and heaviest > 20.0 and np.median(masses) > 1e-3:
+            link = model.links[first + int(order[-1])]
+            sentence = (
+                f"link {link.name} weighs {heaviest:.4g} kg and the next heaviest {after:.3g} kg: grams, as it seems; "
+                "expected kg"
+            )
+            out.append(Mistake("grams", "certain", _joint_of(model, first + int(order[-1])), sentence, "robot.urdf"))
+    return out
+
+
+def _joint_of(model: Model, link: int) -> tuple[str, ...]:
+    return (model.joints[link - 1].name,) if link else tuple(model.joint_names)
+
+
+def _turns(model: Model, link: int) -> bool:
+    """Whether a link turns at all: a revolute joint or a floating base carries it."""
+    if model.floating:
+        return True
+    while link > 0:
+        joint = model.joints[link - 1]
+        if not joint.prismatic:
+            return True
+        link = joint.parent
+    return False
+
+
+def _reach(model: Model) -> float:
+    """How far the robot reaches from its base, stretched out [m]: offsets of joints, centres of mass and contact."""
+    far = np.zeros(len(model.links))
+    for i, joint in enumerate(model.joints):
+        far[i + 1] = far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
+    own = [
+        max([float(np.linalg.norm(x.com)), *(float(np.linalg.norm(s.center)) + s.radius for s in x.spheres)])
+        for x in model.links
+    ]
+    return float(np.max(far + np.array(own)))

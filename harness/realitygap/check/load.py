@@ -1,0 +1,106 @@
+"""What moving a robot as it was measured takes, and whether its servos could have given that."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from realitygap_engines import GRAVITY
+from realitygap_engines.law.dynamics import Dynamics
+from realitygap_engines.model.robot import quaternion_from_rotation, rotation_from_rpy
+from scipy.signal import savgol_filter
+
+from realitygap.check.mistake import Certainty, Mistake
+from realitygap.check.observed import Observed
+from realitygap.check.servo import limit, stiffness
+from realitygap.robot.plant import Plant
+from realitygap.trace.trace import Array
+
+HEAVY = 30.0
+"""A robot that needs this many times more effort than its servos gave is not of that mass: gains and constants are off
+by less than `WEAK`, and friction only adds to what they gave."""
+LIGHT = 0.006
+"""And one that needs this share of it or less, at all joints, is not either: gears of small arms take up to 30 times
+what their links do, not 170."""
+SMOOTHED = 0.15
+"""s: over which positions are smoothed for accelerations."""
+
+
+def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
+    """Masses that the servos could not have moved as measured, by a factor of a thousand; of robots that stand fixed.
+
+    The effort that the measured motion needs (rigid bodies, no friction) beside the measured effort and beside what the
+    servos made of the measured errors: it must contradict both, where there are both.
+    """
+    for o in observed:
+        if o.plant.model.floating or len(o.clock) < 50:
+            continue
+        needed = np.sqrt(np.mean(needed_effort(o) ** 2, axis=0))
+        told = np.array([_measured(o), _by_law(o)])
+        known = np.isfinite(told) & (told > 0)
+        if not known.any():
+            continue
+        most, least = np.where(known, told, -np.inf).max(axis=0), np.where(known, told, np.inf).min(axis=0)
+        judged = known.any(axis=0)
+        heavy = np.where(judged, needed / np.where(judged, most, 1.0), 0.0)
+        light = np.where(judged, needed / np.where(judged, least, 1.0), 0.0)
+        if heavy.max() > HEAVY:
+            j = int(np.argmax(heavy))
+            return [_mistake(o, j, needed[j], most[j], "certain", "large, as of grams")]
+        if judged.all() and light.max() < LIGHT:
+            j = int(np.argmax(light))
+            return [_mistake(o, j, needed[j], least[j], "likely", "small")]
+    return []
+
+
+def _mistake(o: Observed, j: int, needed: float, given: float, certainty: Certainty, how: str) -> Mistake:
+    unit = "N" if o.prismatic(j) else "N·m"
+    sentence = (
+        f"moving {o.joints[j]} as measured takes {needed:.3g} {unit} (rms), and its servo gave about {given:.2g} "
+        f"{unit}: masses or inertias a thousand times too {how}, as it seems; expected kg and kg·m²"
+    )
+    return Mistake("grams", certainty, _suspects(o), sentence, "robot.urdf", (o.name,))
+
+
+def needed_effort(o: Observed) -> Array:
+    """The joint efforts that a measured motion takes without friction [N·m or N], of a fixed base. Shape (k, n).
+
+    Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
+    """
+    width = min(max(5, 2 * round(0.5 * SMOOTHED / o.step) + 1), len(o.clock) // 2 * 2 - 1)
+    q, w, a = (savgol_filter(o.position, width, 3, deriv=k, delta=o.step, axis=0) for k in range(3))
+    dynamics, base = Dynamics(o.plant.model), np.zeros(13)
+    base[3:7] = _base_quaternion(o.plant)
+    gravity = np.array([0.0, 0.0, -GRAVITY])
+    return np.asarray(dynamics.inverse(q, w, a, base, gravity) + o.plant.drive["armature"] * a)
+
+
+def _base_quaternion(plant: Plant) -> Array:
+    roll, pitch = plant.base_tilt
+    return quaternion_from_rotation(rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0))
+
+
+def _measured(o: Observed) -> Array:
+    """The rms of the measured effort; NaN where there is none. Shape (n,)."""
+    if o.effort is None:
+        return np.full(len(o.joints), np.nan)
+    known = np.isfinite(o.effort)
+    squares = np.where(known, o.effort, 0.0) ** 2
+    return np.asarray(
+        np.where(known.any(axis=0), np.sqrt(squares.sum(axis=0) / np.maximum(known.sum(axis=0), 1)), np.nan)
+    )
+
+
+def _by_law(o: Observed) -> Array:
+    """What the servos gave, about: by their stiffness for the errors, within their limits. Shape (n,)."""
+    error = np.nanquantile(np.where(np.isfinite(o.command), np.abs(o.command - o.position), 0.0), 0.9, axis=0)
+    by_error = np.where(o.plant.drive["ki"] > 0, np.inf, stiffness(o) * error)
+    law = np.where(o.follows, np.minimum(by_error, limit(o)), np.nan)
+    return np.asarray(np.where(np.isfinite(law), law, np.nan))
+
+
+def _suspects(o: Observed) -> tuple[str, ...]:
+    """The joints that carry the link that is out of proportion, or else all joints."""
+    masses = np.array([link.mass for link in o.plant.model.links[1:]])
+    heaviest = int(np.argmax(masses))
+    if len(masses) > 1 and masses[heaviest] > HEAVY * np.median(np.delete(masses, heaviest)):
+        return (o.joints[heaviest],)
+    return o.joints

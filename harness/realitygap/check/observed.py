@@ -1,0 +1,160 @@
+"""One recording as the checks see it: the plant that the scenario states, and all signals on one even clock."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from realitygap.files.errors import InputError
+from realitygap.recording import Recording, read_recording
+from realitygap.recording.commands import held_at
+from realitygap.recording.quantum import quantum
+from realitygap.robot.drive import CASCADE, DC, PID
+from realitygap.robot.effects.place import place
+from realitygap.robot.plant import Plant, build_plant
+from realitygap.scenario.file import RunCase, ScenarioFile
+from realitygap.scenario.schema import Scenario
+from realitygap.trace.trace import Array
+
+Read = Callable[..., Recording]
+Mask = NDArray[np.bool_]
+SAMPLES, STEP = 2000, 0.01
+"""Samples of the even clock at most, and its least spacing [s]: a mistake shows in the whole motion and within the
+bandwidth of a servo, some Hz, and the checks are to take a moment."""
+FOLLOWERS = (DC, PID, CASCADE)
+"""Servos that bring the position to the command."""
+
+
+@dataclass(frozen=True)
+class Observed:
+    """One recording with what the scenario says of it.
+
+    Attributes:
+        name: of the recording.
+        key: where it stands in the scenario, as `recordings.runs[0]`.
+        scenario: with the overrides of this run.
+        plant: as the scenario states it, with its effects.
+        recording: as it was read, in the scenario's units.
+    """
+
+    name: str
+    key: str
+    scenario: Scenario
+    plant: Plant
+    recording: Recording
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names in the order of all columns."""
+        return self.recording.trace.joints
+
+    @cached_property
+    def period(self) -> float:
+        """The usual time between two measurements [s]."""
+        return float(np.median(np.diff(self.recording.trace.time)))
+
+    @cached_property
+    def step(self) -> float:
+        """Spacing of the even clock [s]."""
+        time = self.recording.trace.time
+        length = float(time[-1] - time[0])
+        return max(self.period, length / SAMPLES, min(STEP, length / 200))
+
+    @cached_property
+    def clock(self) -> Array:
+        """Even times over the measurement [s]. Shape (k,)."""
+        time = self.recording.trace.time
+        return np.asarray(time[0] + self.step * np.arange(int((time[-1] - time[0]) / self.step) + 1))
+
+    @cached_property
+    def position(self) -> Array:
+        """What was measured [rad or m]. Shape (k, n)."""
+        return self._even(self.recording.trace.position)
+
+    @cached_property
+    def velocity(self) -> Array | None:
+        """The reported velocity [rad/s or m/s]; None where there is none. Shape (k, n)."""
+        value = self.recording.trace.velocity
+        return None if value is None else self._even(value)
+
+    @cached_property
+    def effort(self) -> Array | None:
+        """The measured effort [N·m or N], NaN where unknown; None where there is none. Shape (k, n)."""
+        value = self.recording.trace.effort
+        return None if value is None else self._even(value)
+
+    @cached_property
+    def command(self) -> Array:
+        """The command in force, NaN where there is none. Shape (k, n)."""
+        r = self.recording
+        if not len(r.command_time):
+            return np.full((len(self.clock), len(self.joints)), np.nan)
+        return held_at(r.command_time, r.command, self.clock)
+
+    @cached_property
+    def quantum(self) -> Array:
+        """The resolution of the measured position [rad or m]. Shape (n,)."""
+        value = self.recording.trace.position
+        return np.zeros(len(self.joints)) if value is None else quantum(value)
+
+    @cached_property
+    def follows(self) -> Mask:
+        """Which joints have a servo that is told positions and brings the joint there. Shape (n,)."""
+        told = self.recording.command_kind == "position"
+        return np.isin(self.plant.drive["kind"], FOLLOWERS) & told
+
+    @property
+    def is_followed(self) -> bool:
+        """Whether the joints follow the measured motion, so that nothing is commanded."""
+        return self.scenario.follows
+
+    def prismatic(self, joint: int) -> bool:
+        """Whether a joint slides."""
+        return self.plant.model.joints[joint].prismatic
+
+    def _even(self, value: Array | None) -> Array:
+        """A signal on the even clock, averaged over its step where that is coarser than the measurement."""
+        time, n = self.recording.trace.time, len(self.joints)
+        if value is None:
+            return np.full((len(self.clock), n), np.nan)
+        width = max(1, round(self.step / self.period))
+        smooth = uniform_filter1d(value, width, axis=0) if width > 1 else value
+        out = np.empty((len(self.clock), n))
+        for j in range(n):
+            known = np.isfinite(smooth[:, j])
+            if known.sum() < 2:
+                out[:, j] = np.nan
+            else:
+                out[:, j] = np.interp(self.clock, time[known], smooth[known, j], left=np.nan, right=np.nan)
+        return out
+
+
+def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
+    """Every recording of a scenario whose robot has joints.
+
+    Raises:
+        InputError: for what cannot be read.
+    """
+    plants: dict[str, Plant] = {}
+    out = []
+    for case in file.cases():
+        plant = _plant(file, case, plants)
+        if plant.model.joints:
+            recording = read(case.path, case.scenario, plant.model.joint_names, file=file.path)
+            out.append(Observed(case.name, case.key, case.scenario, plant, recording))
+    return out
+
+
+def _plant(file: ScenarioFile, case: RunCase, known: dict[str, Plant]) -> Plant:
+    """The plant of a run; runs with the same overrides share it."""
+    key = repr(sorted(case.run.overrides.items()))
+    if key not in known:
+        try:
+            known[key] = place(build_plant(file, case.scenario), case.scenario.effects)
+        except InputError as error:
+            text = str(error)
+            raise InputError(text if text.startswith(str(file.path)) else f"{file.path}: {text}") from None
+    return known[key]

@@ -1,0 +1,138 @@
+"""Velocity: what is reported as such, beside the derivative of the position.
+
+Travel by velocity and by position over a stretch of time are compared, for every pair of joints: unlike a derivative,
+travel does not amplify the quantum of an encoder. A sensor may low-pass and scale: `recording.faults` tells that.
+"""
+
+import numpy as np
+
+from realitygap.check.follow import Following, following
+from realitygap.check.mistake import Mistake
+from realitygap.check.observed import Mask, Observed
+from realitygap.check.words import FAR_BETTER, factor_of, joined, unit
+from realitygap.recording.faults import STRETCH
+from realitygap.trace.trace import Array
+
+QUANTA = 20.0
+"""A joint moves by so many quanta within a stretch, or its velocity is not judged."""
+FITS = 0.8
+"""The share of the travel that a velocity explains where it belongs to the position: 0.95 to 1 was measured."""
+NOTHING = 0.25
+"""What one that does not belong to it may explain by chance: as two motions of the same robot do."""
+SENSOR = 3.0
+"""A scale further from 1 is not a sensor's."""
+
+
+def travels(o: Observed) -> tuple[Array, Array, Mask] | None:
+    """Travel by position and by velocity over stretches of time [rad or m], and which joints move enough.
+
+    Shapes (k, n), (k, n), (n,). None where no velocity was recorded.
+    """
+    if o.velocity is None or len(o.clock) < 10:
+        return None
+    span = max(1, min(round(STRETCH / o.step), len(o.clock) // 4))
+    means = 0.5 * (o.velocity[1:] + o.velocity[:-1]) * o.step
+    summed = np.vstack([np.zeros(len(o.joints)), np.cumsum(np.nan_to_num(means), axis=0)])
+    by_position = o.position[span:] - o.position[:-span]
+    largest = np.abs(by_position).max(axis=0)
+    spread = by_position.std(axis=0)
+    moves = (largest > QUANTA * o.quantum) & (spread > 1e-9 * (1.0 + np.abs(o.position).max(axis=0)))
+    return by_position, summed[span:] - summed[:-span], np.asarray(moves & np.isfinite(largest))
+
+
+def _fit(o: Observed) -> tuple[Following, Mask, Mask] | None:
+    """Velocity travel (columns) by position travel (rows), which joints move, and whose velocity is there."""
+    found = travels(o)
+    if found is None:
+        return None
+    by_position, by_velocity, moves = found
+    fit, _ = following(by_position, by_velocity, o.step, delays=(0.0,))
+    return fit, moves, np.asarray(by_velocity.std(axis=0) > 0)
+
+
+def travel_slopes(o: Observed) -> Array:
+    """Travel by velocity over travel by position, of the joints where the one explains the other. Shape (m,)."""
+    found = _fit(o)
+    if found is None:
+        return np.zeros(0)
+    fit, moves, told = found
+    share, slope = np.diag(fit.share), np.diag(fit.slope)
+    return np.asarray(slope[moves & told & (share > FITS)])
+
+
+def opposed(o: Observed) -> Mask:
+    """Joints whose velocity clearly has the sign against its position. Shape (n,)."""
+    found = _fit(o)
+    if found is None:
+        return np.zeros(len(o.joints), dtype=bool)
+    fit, moves, told = found
+    with np.errstate(invalid="ignore"):
+        return np.asarray(moves & told & (np.diag(fit.share) > FITS) & (np.diag(fit.slope) < 0))
+
+
+def velocity_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
+    """Velocities with another unit, another sign, another joint's, or nobody's, at the joints (n,) that are judged."""
+    found = _fit(o)
+    if found is None:
+        return []
+    fit, moves, told = found
+    share, slope = np.nan_to_num(fit.share), np.nan_to_num(fit.slope)
+    key = "recordings.columns.velocity" if o.recording.receive_time is None else "recordings.state"
+    out: list[Mistake] = []
+    lost: list[int] = []
+    for j in np.flatnonzero(judged & moves):
+        joint, own, a = o.joints[j], share[j, j], slope[j, j]
+        if not told[j]:
+            sentence = f"the velocity of {joint} never changes while its position moves; expected its derivative"
+            out.append(Mistake("velocity", "certain", (joint,), f"{sentence}, or no velocity", key, (o.name,)))
+            continue
+        if own < FITS:
+            lost.append(int(j))
+            continue
+        factor = factor_of(o, int(j), float(a), weakest=0.5)
+        if factor is not None:
+            wrong = f"{unit(o, int(j))}/s"
+            sentence = (
+                f"the velocity of {joint} is {abs(a):.3g} times the derivative of its position (explains {own:.1%}): "
+                f"a factor of {factor[1]:.3g}, as of a unit; expected {wrong}"
+            )
+            out.append(Mistake(factor[0], "certain", (joint,), sentence, key, (o.name,)))
+        elif a < 0:
+            sentence = (
+                f"the velocity of {joint} is {a:.2f} times the derivative of its position (explains {own:.1%}): its "
+                "sign is flipped; expected the same sense of rotation for both"
+            )
+            out.append(Mistake("flipped_sign", "certain", (joint,), sentence, key, (o.name,)))
+        elif not 1.0 / SENSOR < a < SENSOR:
+            sentence = (
+                f"the velocity of {joint} is {a:.3g} times the derivative of its position (explains {own:.1%}), more "
+                "than a sensor is off; expected a factor near 1"
+            )
+            out.append(Mistake("velocity", "likely", (joint,), sentence, key, (o.name,)))
+    return out + _of_others(o, share, slope, lost, key)
+
+
+def _of_others(o: Observed, share: Array, slope: Array, lost: list[int], key: str) -> list[Mistake]:
+    """Velocities that fit another joint's position, or none."""
+    source = {}
+    for j in lost:
+        i = int(np.argmax(share[:, j]))
+        better = share[i, j] > FITS and (1.0 - share[j, j]) > FAR_BETTER * (1.0 - share[i, j])
+        if i != j and better and 0.5 < slope[i, j] < 2.0:
+            source[j] = i
+    swapped = {j for j in source if source[j] in source}
+    out = []
+    if swapped:
+        names = tuple(sorted(o.joints[j] for j in swapped))
+        pairs = joined([f"the velocity of {o.joints[j]} is that of {o.joints[source[j]]}" for j in sorted(swapped)])
+        shares = ", ".join(f"{share[source[j], j]:.1%}" for j in sorted(swapped))
+        sentence = f"{pairs} (explains {shares}); expected every joint's own"
+        out.append(Mistake("swapped_joints", "certain", names, sentence, key, (o.name,)))
+    for j in lost:
+        if j not in swapped and share[j, j] < NOTHING:
+            sentence = (
+                f"the derivative of its position explains {share[j, j]:.1%} of the velocity of {o.joints[j]}; expected "
+                "more than 95 %: a velocity of another joint, another time, or none"
+            )
+            out.append(Mistake("velocity", "likely", (o.joints[j],), sentence, key, (o.name,)))
+    return out

@@ -1,0 +1,108 @@
+"""What the other commands ask of the checks: an error, warnings, what is accepted, where physics is not to blame."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from realitygap.check import Mistake, accepted, blamed_joints, certain, check
+from realitygap.check.mistake import merged
+from realitygap.cli.main import main
+from realitygap.files.errors import InputError
+from realitygap.scenario.file import load_scenario
+
+sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
+
+from spoil import scaled, start_elsewhere
+from teams import Team, demo
+
+
+@pytest.fixture(scope="module")
+def team() -> Team:
+    return demo()
+
+
+def flipped(team: Team, folder: Path) -> Path:
+    spoilt = team.copy()
+    scaled("position", -1.0)(spoilt, 1)
+    return spoilt.write(folder)
+
+
+def far(team: Team, folder: Path) -> Path:
+    spoilt = team.copy()
+    start_elsewhere(spoilt, 0)
+    return spoilt.write(folder)
+
+
+def test_a_certain_mistake_is_one_sentence(team: Team, tmp_path: Path) -> None:
+    path = flipped(team, tmp_path)
+    with pytest.raises(InputError) as raised:
+        certain(load_scenario(path))
+    said = str(raised.value)
+    assert said.startswith(f"{path}: ")
+    assert "elbow" in said
+    assert "flipped" in said
+    assert "\n" not in said
+
+
+def test_a_likely_mistake_is_a_warning_that_stops_physics_at_its_joint(team: Team, tmp_path: Path) -> None:
+    warnings = certain(load_scenario(far(team, tmp_path)))
+    assert [(m.kind, m.certainty) for m in warnings] == [("far_start", "likely")]
+    assert blamed_joints(warnings) == {"shoulder"}
+
+
+@pytest.mark.parametrize("entry", ["far_start", "far_start@shoulder", "far_start@sh*"])
+def test_what_is_accepted_is_no_mistake(team: Team, tmp_path: Path, entry: str) -> None:
+    file = load_scenario(far(team, tmp_path)).override({"accept": [entry]})
+    assert certain(file) == []
+    (found,) = check(file)
+    assert accepted(file, found)
+
+
+def test_a_certain_mistake_can_be_accepted(team: Team, tmp_path: Path) -> None:
+    file = load_scenario(flipped(team, tmp_path)).override({"accept": ["flipped_sign@elbow"]})
+    assert certain(file) == []
+
+
+def test_another_joint_is_not_accepted(team: Team, tmp_path: Path) -> None:
+    file = load_scenario(far(team, tmp_path)).override({"accept": ["far_start@elbow"]})
+    assert [m.kind for m in certain(file)] == ["far_start"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"), [("far_strat", "did you mean far_start"), ("far_start@knee", "knee matches no joint")]
+)
+def test_an_unknown_word_in_accept_is_one_sentence(team: Team, tmp_path: Path, entry: str, said: str) -> None:
+    file = load_scenario(far(team, tmp_path)).override({"accept": [entry]})
+    with pytest.raises(InputError, match=f"accept\\[0\\].*{said}"):
+        check(file)
+
+
+@pytest.mark.parametrize(
+    ("make", "status", "line"),
+    [(flipped, 2, "certain: flipped_sign: "), (far, 0, "likely: far_start: "), (None, 0, "no mistake found")],
+)
+def test_the_command_lists_them_and_says_how_sure_it_is(
+    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str], make, status: int, line: str
+) -> None:
+    path = make(team, tmp_path) if make else team.copy().write(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["check", str(path)])
+    assert (ended.value.code or 0) == status
+    assert capsys.readouterr().out.startswith(line)
+
+
+def test_run_stops_at_a_certain_mistake(team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = flipped(team, tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["run", str(path), "--engine", "mujoco", "--out", str(tmp_path / "out")])
+    assert ended.value.code == 2
+    assert "flipped" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_same_in_several_recordings_is_told_once() -> None:
+    likely = Mistake("velocity", "likely", ("a",), "first", "recordings.state", ("one",))
+    sure = Mistake("velocity", "certain", ("a",), "second", "recordings.state", ("two",))
+    (one,) = merged([likely, sure])
+    assert (one.certainty, one.runs) == ("certain", ("two", "one"))
+    assert one.text == "recordings.state: second (and in 1 other recording)"
