@@ -4,9 +4,11 @@ Shows that smoother, inverse dynamics and friction regressors find the load in e
 On `free_1`: friction, offset and rotor of every joint, and mass and centre of mass of every link, as far as they show.
 With those, the load's mass and place on `loaded_1`. What is printed: the load beside its published mass, how far apart
 engines are, and the processor's time against an integration over time. Without the links' own masses and centres the
-load comes out 12 % too heavy: the model's forearm and wrist are not the real ones.
+load comes out 12 % too heavy: the model's forearm and wrist are not the real ones. `--effects` prints what `free_1`
+tells of the arm as the effects that `loaded.yaml` has.
 """
 
+import sys
 import time
 from dataclasses import replace
 from math import erf
@@ -25,8 +27,9 @@ MASS = 2.805
 LINK = "wrist_3_link"
 STEP = 1e-5
 """Difference of a derivative [kg or kg·m]."""
-RIDGE = 1e-3
-"""Holds what the motion does not show near the model's own values, in the unit of a weighted sample per kg or kg·m."""
+RIDGE, TIGHT = 1e-3, 20.0
+"""Holds what the motion does not show near the model's own values, in the unit of a weighted sample per kg or kg·m: as
+little as makes it solvable, and enough that every link keeps a mass that a link can have."""
 
 
 def measured(e: Experiment) -> Array:
@@ -74,23 +77,52 @@ def weights(e: Experiment, engine: str, links: list[str]) -> Array:
 def load(free: Experiment, loaded: Experiment, engine: str) -> tuple[float, float, Array, float]:
     """The load's mass, its standard error, its centre, and how much of the loaded effort's spread is left."""
     links = [link.name for link in free.plant.model.links[1:]]
-    first, second = (np.concatenate([friction(e), weights(e, engine, links)]) for e in (free, loaded))
-    target = measured(free) - effort(free, engine)
-    level = np.ones(target.shape[1])
-    for _ in range(3):  # every joint counts by what is left of it
-        own, _ = _regress(first, target, level)
-        level = 1 / np.std(target - np.tensordot(own, first, 1), axis=0)
+    own, level = unloaded(free, engine, links, RIDGE)
+    second = np.concatenate([friction(loaded), weights(loaded, engine, links)])
     target = measured(loaded) - effort(loaded, engine) - np.tensordot(own, second, 1)
     columns = second[-4:] if links[-1] == LINK else weights(loaded, engine, [LINK])
-    found, error = _regress(columns, target, level)
+    found, error = _regress(columns, target, level, np.full(4, RIDGE))
     left = np.std(target - np.tensordot(found, columns, 1), axis=0) / np.std(measured(loaded), axis=0)
     return float(found[0]), float(error[0]), found[1:] / found[0], float(left.mean())
 
 
-def _regress(columns: Array, target: Array, level: Array) -> tuple[Array, Array]:
+def unloaded(free: Experiment, engine: str, links: list[str], ridge: float) -> tuple[Array, Array]:
+    """What `friction` and `weights` of the free run come to, and by what every joint is weighed. Shapes (c,), (n,)."""
+    columns = np.concatenate([friction(free), weights(free, engine, links)])
+    target = measured(free) - effort(free, engine)
+    level = np.ones(target.shape[1])
+    hold = np.append(np.full(4 * len(level), RIDGE), np.full(4 * len(links), ridge))
+    for _ in range(3):  # every joint counts by what is left of it
+        own, _ = _regress(columns, target, level, hold)
+        level = 1 / np.std(target - np.tensordot(own, columns, 1), axis=0)
+    return own, level
+
+
+def effects(free: Experiment) -> str:
+    """What the free run tells of the unloaded arm, as effects of a scenario."""
+    links, joints = free.plant.model.links[1:], free.plant.model.joint_names
+    own, _ = unloaded(free, "mujoco", [link.name for link in links], TIGHT)
+    lines = []
+    for joint, (dry, viscous, offset, rotor) in zip(joints, own[: 4 * len(joints)].reshape(4, -1).T, strict=True):
+        for name, parameter, value in (
+            ("coulomb_friction", "torque", dry),
+            ("viscous_friction", "coefficient", viscous),
+            ("constant_effort", "effort", -offset),
+            ("rotor_inertia", "armature", rotor),
+        ):
+            lines.append(f"  - {{effect: {name}, target: {joint}, {parameter}: {value:.4g}}}")
+    for link, (mass, *moment) in zip(links, own[4 * len(joints) :].reshape(-1, 4), strict=True):
+        total = link.mass + mass
+        x, y, z = (link.mass * link.com + moment) / total
+        lines.append(f"  - {{effect: link_mass, target: {link.name}, mass: {total:.4g}}}")
+        lines.append(f"  - {{effect: center_of_mass, target: {link.name}, x: {x:.4g}, y: {y:.4g}, z: {z:.4g}}}")
+    return "\n".join(["effects:", *lines])
+
+
+def _regress(columns: Array, target: Array, level: Array, hold: Array) -> tuple[Array, Array]:
     """Weighted least squares over all samples and joints: values and their standard errors."""
     matrix, rest = (columns * level).reshape(len(columns), -1).T, (target * level).ravel()
-    normal = np.linalg.inv(matrix.T @ matrix + RIDGE**2 * np.eye(len(columns)))
+    normal = np.linalg.inv(matrix.T @ matrix + np.diag(hold**2))
     found = normal @ (matrix.T @ rest)
     return found, np.sqrt(np.diag(normal) * np.mean((rest - matrix @ found) ** 2))
 
@@ -105,6 +137,9 @@ def integrated(e: Experiment, engine: str) -> float:
 
 def main() -> None:
     free, loaded = experiments(load_scenario(SCENARIO))
+    if "--effects" in sys.argv:
+        print(effects(free))
+        return
     reference = effort(free, "mujoco")
     spread = np.ptp(reference, axis=0)
     for engine in engines.available():

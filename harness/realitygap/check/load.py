@@ -34,6 +34,7 @@ def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
         if o.plant.model.floating or len(o.clock) < 50:
             continue
         needed = np.sqrt(np.mean(needed_effort(o) ** 2, axis=0))
+        links = np.sqrt(np.mean(needed_effort(o, rotors=False) ** 2, axis=0))  # rotors are in no URDF
         told = np.array([_measured(o), _by_law(o)])
         known = np.isfinite(told) & (told > 0)
         if not known.any():
@@ -41,13 +42,13 @@ def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
         most, least = np.where(known, told, -np.inf).max(axis=0), np.where(known, told, np.inf).min(axis=0)
         judged = known.any(axis=0)
         heavy = np.where(judged, needed / np.where(judged, most, 1.0), 0.0)
-        light = np.where(judged, needed / np.where(judged, least, 1.0), 0.0)
+        light = np.where(judged, links / np.where(judged, least, 1.0), 0.0)
         if heavy.max() > HEAVY:
             j = int(np.argmax(heavy))
             return [_mistake(o, j, needed[j], most[j], "certain", "large, as of grams")]
         if judged.all() and light.max() < LIGHT:
             j = int(np.argmax(light))
-            return [_mistake(o, j, needed[j], least[j], "likely", "small")]
+            return [_mistake(o, j, links[j], least[j], "likely", "small")]
     return []
 
 
@@ -60,7 +61,7 @@ def _mistake(o: Observed, j: int, needed: float, given: float, certainty: Certai
     return Mistake("grams", certainty, _suspects(o), sentence, "robot.urdf", (o.name,))
 
 
-def needed_effort(o: Observed) -> Array:
+def needed_effort(o: Observed, *, rotors: bool = True) -> Array:
     """The joint efforts that a measured motion takes without friction [N·m or N], of a fixed base. Shape (k, n).
 
     Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
@@ -70,7 +71,7 @@ def needed_effort(o: Observed) -> Array:
     dynamics, base = Dynamics(o.plant.model), np.zeros(13)
     base[3:7] = _base_quaternion(o.plant)
     gravity = np.array([0.0, 0.0, -GRAVITY])
-    return np.asarray(dynamics.inverse(q, w, a, base, gravity) + o.plant.drive["armature"] * a)
+    return np.asarray(dynamics.inverse(q, w, a, base, gravity) + rotors * o.plant.drive["armature"] * a)
 
 
 def _base_quaternion(plant: Plant) -> Array:
