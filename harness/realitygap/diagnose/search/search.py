@@ -144,7 +144,8 @@ class Round:
         self.promised = sorted([*self.promised, *self._jumps()], key=lambda p: -p.gain)
 
     def grown(self) -> Scored | None:
-        """The best model with one more finding, several, or a richer shape; None where none gains enough.
+        """The best model with one more finding, several, a richer shape, or a value for every joint of a group; None
+        where none gains enough.
 
         What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
         """
@@ -157,20 +158,35 @@ class Round:
         if len(several) > 1:
             ways.append(([*accepted, *(p.block.start.first for p in several)], self.limit * len(several)))
         for k, change in enumerate(accepted):
+            beside = [*accepted[:k], *accepted[k + 1 :]]
             shaped = richer(self.simulations.problem.plant, change)
             if shaped is not None and change.free and shaped.free != change.free:
-                ways.append(([*accepted[:k], shaped, *accepted[k + 1 :]], SURE))
+                ways.append(([*beside, shaped], SURE))
+            each = self._each(change, beside)
+            if each and change.free:
+                ways.append(([*beside, *each], self.limit * (len(each) - 1)))
         best, most = None, 0.0
         for way, needs in ways:
             scored = self.ground.fit(way, self.look)
             if scored is None:
                 continue
             gain = scored.evidence - self.now.evidence
-            new = [c for c in scored.fit.changes if c.suspect not in {a.suspect for a in accepted}]
+            here = {a.suspect for a in accepted}
+            new = [c for c in scored.fit.changes if c.suspect not in here]
             self.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
             if gain - needs > most:
                 best, most = scored, gain - needs
         return best
+
+    def _each(self, change: Change, beside: Sequence[Change]) -> list[Change]:
+        """The change of a group as one at every joint of it; none where it is at one joint."""
+        group = change.suspect
+        if len(group.indices) < 2:
+            return []
+        alone = [s for s in self.everyone if s.effect == group.effect and len(s.indices) == 1]
+        inside = [s for s in alone if s.indices[0] in group.indices]
+        free = [s for s in inside if not any(clash(s, b.suspect) for b in beside)]
+        return [replace(change, suspect=s) for s in free] if len(free) > 1 else []
 
     def exchanged(self, keep: Sequence[Suspect]) -> Scored | None:
         """A model that is better with a finding dropped or exchanged; None where there is none.
