@@ -11,7 +11,7 @@ from realitygap.bench import servo
 from realitygap.bench.drive_fit import fit_current, fit_duty, fit_rotor, solve_drive
 from realitygap.bench.estimate import jackknife, mean
 from realitygap.bench.load_sweep import drive_constants, lines, new_against_used
-from realitygap.bench.motion import Motion, Pendulum
+from realitygap.bench.motion import BenchMotion, Pendulum
 from realitygap.bench.torque_speed import fit_line
 from realitygap.files.errors import InputError
 from realitygap.scenario.schema import Scenario
@@ -184,7 +184,9 @@ def test_the_jackknife_of_a_mean_is_students_interval() -> None:
     assert (found.low, found.high) == pytest.approx((expected.low, expected.high))
 
 
-def planted_motion(pendulum: Pendulum, *, fast: bool, armature: float, coulomb: float, coefficient: float) -> Motion:
+def planted_motion(
+    pendulum: Pendulum, *, fast: bool, armature: float, coulomb: float, coefficient: float
+) -> BenchMotion:
     """A motor with torque constant 2.0 N·m/A that follows a sine or a chirp exactly."""
     time = np.arange(0, 12.0 if not fast else 5.0, 1 / 300)
     phase = time**2 if fast else np.pi * time / 2
@@ -199,7 +201,7 @@ def planted_motion(pendulum: Pendulum, *, fast: bool, armature: float, coulomb: 
     motor = load + rotor
     for _ in range(60):
         motor = load + rotor + way * (coulomb + coefficient * np.abs(motor + load) / 2)
-    return Motion("planted", time, position, velocity, acceleration, motor / 2.0, None, pendulum)
+    return BenchMotion("planted", time, position, velocity, acceleration, motor / 2.0, None, pendulum)
 
 
 LOADED = [Pendulum(0.01 + 0.0075 * i, 0.58 + 0.44 * i) for i in range(5)]
@@ -247,7 +249,7 @@ def test_speed_per_duty_comes_back() -> None:
     position = 0.5 * np.sin(time)
     velocity = 5.2 * (duty - 0.02 * np.sign(duty) - 0.05 * position)
     keep = np.abs(duty) > 0.15  # where the friction does not decide the direction
-    motion = Motion("planted", time, position, velocity, 0 * time, 0 * time, duty, None).rows(keep)
+    motion = BenchMotion("planted", time, position, velocity, 0 * time, 0 * time, duty, None).rows(keep)
     found = fit_duty([motion])
     assert found.no_load_speed.value == pytest.approx(5.2, rel=1e-6)
     assert found.coulomb.value == pytest.approx(0.02, rel=1e-4)

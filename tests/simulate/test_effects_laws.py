@@ -13,7 +13,7 @@ from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
-from realitygap.simulate.effect_bench import Motion, arm, bench, block, motion, planted, simulate
+from realitygap.simulate.effect_bench import Excitation, arm, bench, block, motion, planted, simulate
 from realitygap.trace.trace import Trace
 from realitygap_engines import Unsupported
 
@@ -170,7 +170,7 @@ def test_a_dissipative_effect_never_adds_energy(name: str, engine: str) -> None:
         plant.drive["static"] *= size is not None
         plant.drive["viscous"] *= size is not None
         if effect.sits_at == "ground":
-            out = simulate(plant, engine, Motion(push=1.0), duration=0.5)
+            out = simulate(plant, engine, Excitation(push=1.0), duration=0.5)
             assert out.base_linear is not None
             assert out.base_position is not None
             return 0.6 * np.sum(out.base_linear**2, axis=1) + 1.2 * 9.81 * out.base_position[:, 2]

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from realitygap.bench.estimate import Array, Estimate, jackknife
-from realitygap.bench.motion import Motion
+from realitygap.bench.motion import BenchMotion
 
 MOVING = 0.1
 """Share of a recording's largest speed below which the direction of friction is not certain."""
@@ -37,12 +37,12 @@ class CurrentFit:
     by_load: dict[str, tuple[float, float]]
 
 
-def moving(motion: Motion, share: float = MOVING) -> Motion:
+def moving(motion: BenchMotion, share: float = MOVING) -> BenchMotion:
     """The samples faster than a share of the largest speed."""
     return motion.rows(np.abs(motion.velocity) > share * np.abs(motion.velocity).max())
 
 
-def solve_current(parts: Sequence[Motion], armature: float, free: Sequence[bool] = (True,) * 5) -> Array:
+def solve_current(parts: Sequence[BenchMotion], armature: float, free: Sequence[bool] = (True,) * 5) -> Array:
     """Torque constant, coulomb, coefficient, tilt and offset of moving samples; those not free stay at zero."""
     chosen = np.array(free)
     start = np.array([_scale(parts), 0.0, 0.1, 0.0, 0.0])
@@ -58,7 +58,7 @@ def solve_current(parts: Sequence[Motion], armature: float, free: Sequence[bool]
     return full(least_squares(misfit, start[chosen]).x)
 
 
-def fit_current(motions: Sequence[Motion], armature: float) -> CurrentFit:
+def fit_current(motions: Sequence[BenchMotion], armature: float) -> CurrentFit:
     """Fit the current of slow sines; the interval comes from leaving out one load at a time.
 
     motor torque = L + armature·acceleration + (coulomb + coefficient·τ_t)·sign ω, with L the torque that the arm takes
@@ -83,18 +83,18 @@ def fit_current(motions: Sequence[Motion], armature: float) -> CurrentFit:
     )
 
 
-def _scale(parts: Sequence[Motion]) -> float:
+def _scale(parts: Sequence[BenchMotion]) -> float:
     """A first torque per ampere, from the ratio of spreads."""
     load = np.concatenate([_load(m, 0.0) for m in parts])
     return float(np.std(load) / np.std(np.concatenate([m.current for m in parts])))
 
 
-def _load(motion: Motion, tilt: float) -> Array:
+def _load(motion: BenchMotion, tilt: float) -> Array:
     assert motion.pendulum is not None
     return motion.pendulum.torque(motion.position + tilt, motion.acceleration)
 
 
-def _misfit(motion: Motion, x: Array, armature: float) -> Array:
+def _misfit(motion: BenchMotion, x: Array, armature: float) -> Array:
     constant, coulomb, coefficient, tilt, offset = x
     load, way = _load(motion, tilt), np.sign(motion.velocity)
     transmitted = np.abs(load) / (1 - coefficient / 2 * np.sign(load) * way)
@@ -106,7 +106,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def fit_rotor(motion: Motion, torque_constant: float) -> tuple[Estimate, float]:
+def fit_rotor(motion: BenchMotion, torque_constant: float) -> tuple[Estimate, float]:
     """Rotor inertia at the output [kg·m²] from fast motion, and the share of the motor torque left unexplained.
 
     torque_constant·current − L = armature·acceleration + (coulomb + coefficient·τ_t)·sign ω, linear; the friction terms
@@ -114,11 +114,11 @@ def fit_rotor(motion: Motion, torque_constant: float) -> tuple[Estimate, float]:
     """
     kept = moving(motion)
 
-    def system(m: Motion) -> tuple[Array, Array]:
+    def system(m: BenchMotion) -> tuple[Array, Array]:
         load, motor, way = _load(m, 0.0), torque_constant * m.current, np.sign(m.velocity)
         return np.column_stack([m.acceleration, way, way * np.abs(motor + load) / 2]), motor - load
 
-    def fit(parts: Sequence[Motion]) -> Array:
+    def fit(parts: Sequence[BenchMotion]) -> Array:
         systems = [system(m) for m in parts]
         solved: Array = np.linalg.lstsq(np.vstack([a for a, _ in systems]), np.concatenate([y for _, y in systems]))[0]
         return solved
@@ -128,7 +128,9 @@ def fit_rotor(motion: Motion, torque_constant: float) -> tuple[Estimate, float]:
     return armature, _rms(y - A @ fit([kept])) / _rms(torque_constant * kept.current)
 
 
-def solve_drive(sines: Sequence[Motion], chirps: Sequence[Motion], share: float = MOVING) -> tuple[float, float, float]:
+def solve_drive(
+    sines: Sequence[BenchMotion], chirps: Sequence[BenchMotion], share: float = MOVING
+) -> tuple[float, float, float]:
     """Torque constant, load-dependent coefficient and armature (0 without chirps) that fit sines and chirps together.
 
     Each needs the other's result: the sines the rotor inertia, the chirps the torque per ampere. Every round of the
@@ -156,13 +158,13 @@ class DutyFit:
     restoring: Estimate
 
 
-def fit_duty(motions: Sequence[Motion], settle: float = 0.15) -> DutyFit:
+def fit_duty(motions: Sequence[BenchMotion], settle: float = 0.15) -> DutyFit:
     """Fit the speed under a given duty; samples within `settle` [s] of a jump in duty are left out.
 
     The duty is what was set and exact; the speed is the answer and carries the error, so it is regressed on the duty.
     """
 
-    def fit(parts: Sequence[Motion]) -> Array:
+    def fit(parts: Sequence[BenchMotion]) -> Array:
         rows, speed = [], []
         for m in parts:
             assert m.duty is not None
@@ -174,7 +176,7 @@ def fit_duty(motions: Sequence[Motion], settle: float = 0.15) -> DutyFit:
     return DutyFit(*jackknife([part for m in motions for part in steady(m, settle).blocks(5)], fit))
 
 
-def steady(motion: Motion, settle: float) -> Motion:
+def steady(motion: BenchMotion, settle: float) -> BenchMotion:
     """The moving samples that are not just behind (or, by the smoothing, before) a jump in duty."""
     assert motion.duty is not None
     jumps = motion.time[np.flatnonzero(np.abs(np.diff(motion.duty)) > 0.02) + 1]
@@ -184,7 +186,7 @@ def steady(motion: Motion, settle: float) -> Motion:
     return motion.rows(quiet & (np.abs(motion.velocity) > MOVING * np.abs(motion.velocity).max()))
 
 
-def stall_current(motions: Sequence[Motion], least_duty: float = 0.04) -> Estimate | None:
+def stall_current(motions: Sequence[BenchMotion], least_duty: float = 0.04) -> Estimate | None:
     """Current per full duty [A] of a motor that is held by a stop: supply over resistance; None where none was."""
     duty, current = [], []
     for m in motions:

@@ -31,7 +31,7 @@ class Pendulum:
 
 
 @dataclass(frozen=True)
-class Motion:
+class BenchMotion:
     """A motion on an even clock, all Shape (t,): s, rad, rad/s, rad/s², A, and the duty where it was recorded.
 
     `pendulum` is what moved, None on a horizontal bench.
@@ -46,20 +46,20 @@ class Motion:
     duty: Array | None
     pendulum: Pendulum | None
 
-    def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64] | slice) -> "Motion":
+    def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64] | slice) -> "BenchMotion":
         """The samples chosen by a mask, an index array or a slice."""
         names = ("time", "position", "velocity", "acceleration", "current")
         duty = None if self.duty is None else self.duty[keep]
         return replace(self, duty=duty, **{name: getattr(self, name)[keep] for name in names})
 
-    def blocks(self, count: int) -> list["Motion"]:
+    def blocks(self, count: int) -> list["BenchMotion"]:
         """The motion cut into equal parts of time."""
         return [self.rows(part) for part in np.array_split(np.arange(len(self.time)), count)]
 
 
 def read_motions(
     file: Path, spec: ArmRecordings, pendulum: Pendulum | None, windows: Sequence[float], *, duty: bool = False
-) -> list[Motion]:
+) -> list[BenchMotion]:
     """A recording, smoothed by local cubics (Savitzky and Golay 1964) over each of some windows [s].
 
     The current is smoothed like the position, so that both sides of the equation of motion lose the same. The reported
@@ -84,7 +84,7 @@ def read_motions(
         width = max(round(window / step) | 1, 5)
         angle, speed, growth = (savgol_filter(raw, width, 3, deriv=k, delta=step) for k in range(3))
         amperes = savgol_filter(current, width, 3)
-        out.append(Motion(file.stem, time, angle, speed, growth, amperes, volts, pendulum))
+        out.append(BenchMotion(file.stem, time, angle, speed, growth, amperes, volts, pendulum))
     return out
 
 

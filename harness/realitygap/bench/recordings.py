@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from realitygap.bench.drive_fit import CurrentFit, fit_current, fit_duty, fit_rotor, solve_drive, stall_current
 from realitygap.bench.estimate import Array, Estimate
-from realitygap.bench.motion import Motion, Pendulum, read_arms, read_motions
+from realitygap.bench.motion import BenchMotion, Pendulum, read_arms, read_motions
 from realitygap.bench.servo_file import ArmBag, ArmRecordings
 from realitygap.bench.summary import Summary
 from realitygap.files.errors import InputError
@@ -63,14 +63,14 @@ def identify(path: Path, spec: ArmRecordings, summary: Summary, out: Path) -> No
 
 def _motions(
     path: Path, spec: ArmRecordings, arms: dict[str, Pendulum], bag: ArmBag, key: str, windows: tuple[float, ...]
-) -> list[Motion]:
+) -> list[BenchMotion]:
     if bag.arm not in arms:
         raise InputError(f"{path}: recordings.{key}.arm: {bag.arm} is not an arm; found {', '.join(arms) or 'none'}")
     file = resolve_path(path, bag.path, f"recordings.{key}.path")
     return read_motions(file, spec, arms[bag.arm], windows)
 
 
-def _without_start(motion: Motion) -> Motion:
+def _without_start(motion: BenchMotion) -> BenchMotion:
     """Without the first second, in which the arm starts from rest, and the last tenth, where smoothing is one-sided."""
     return motion.rows((motion.time > motion.time[0] + 1.0) & (motion.time < motion.time[-1] - 0.1))
 
@@ -111,7 +111,7 @@ def _say_current(fit: CurrentFit, choices: Array, rotor: bool, summary: Summary)
     ]
 
 
-def _say_rotor(chirps: list[Motion], constant: Estimate, choices: Array, summary: Summary) -> None:
+def _say_rotor(chirps: list[BenchMotion], constant: Estimate, choices: Array, summary: Summary) -> None:
     summary.section("Fast motion: rotor inertia at the output shaft, fitted together with the slow motion")
     found = [(m.name, *fit_rotor(m, constant.value)) for m in chirps]
     summary.table(
@@ -130,7 +130,7 @@ def _say_rotor(chirps: list[Motion], constant: Estimate, choices: Array, summary
             )
 
 
-def _say_duty(motions: list[Motion], current: CurrentFit | None, summary: Summary) -> None:
+def _say_duty(motions: list[BenchMotion], current: CurrentFit | None, summary: Summary) -> None:
     summary.section("Given duty, no gravity (the supply was not recorded: speeds are per duty, not per volt)")
     top = max(float(np.abs(m.velocity).max()) for m in motions)
     fast = [m for m in motions if np.abs(m.velocity).max() > top / 4]
@@ -165,7 +165,7 @@ def _say_duty(motions: list[Motion], current: CurrentFit | None, summary: Summar
             )
 
 
-def _hysteresis(motions: list[Motion], fit: CurrentFit, out: Path) -> Path:
+def _hysteresis(motions: list[BenchMotion], fit: CurrentFit, out: Path) -> Path:
     """Current over angle under every load, rising and falling, with the load's share."""
     out.mkdir(parents=True, exist_ok=True)
     figure = Figure(figsize=(3.2 * len(motions), 3.4), layout="constrained")

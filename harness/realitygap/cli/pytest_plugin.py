@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from realitygap.compare.comparison import Comparison, Motion
+    from realitygap.compare.comparison import Comparison, RepeatedMotion
     from realitygap.scenario.file import ScenarioFile
 
 INI = "realitygap_engines"
@@ -42,7 +42,7 @@ class RealityGap:
     """One motion of a scenario in one engine."""
 
     file: ScenarioFile
-    motion: Motion
+    motion: RepeatedMotion
     engine: str
 
     @property

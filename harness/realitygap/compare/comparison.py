@@ -21,7 +21,7 @@ from realitygap.trace.trace import Array, Trace
 
 
 @dataclass(frozen=True)
-class Motion:
+class RepeatedMotion:
     """Repetitions of one motion under the same conditions, and what was measured in the mean.
 
     Attributes:
@@ -66,7 +66,7 @@ class Comparison:
     settings: dict[str, object] = field(default_factory=dict)
 
 
-def motions_of(file: ScenarioFile) -> list[Motion]:
+def motions_of(file: ScenarioFile) -> list[RepeatedMotion]:
     """The motions of a scenario.
 
     Raises:
@@ -77,20 +77,20 @@ def motions_of(file: ScenarioFile) -> list[Motion]:
     return motions(recorded)
 
 
-def motions(experiments: Sequence[Experiment]) -> list[Motion]:
+def motions(experiments: Sequence[Experiment]) -> list[RepeatedMotion]:
     """Recordings grouped into motions, each with the mean of its repetitions and their noise floor.
 
     Raises:
         InputError: for a window that holds no samples.
     """
-    out = [Motion(e.name, (e,), None, (0.0,), {}) for e in experiments if e.recording is None]
+    out = [RepeatedMotion(e.name, (e,), None, (0.0,), {}) for e in experiments if e.recording is None]
     recorded = [e for e in experiments if e.recording is not None]
     for group in group_repetitions(recorded):
         out.append(_motion([recorded[i] for i in group.indices], group))
     return out
 
 
-def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
+def _motion(group: list[Experiment], repetitions: Repetitions) -> RepeatedMotion:
     traces = on_first_clock(group, repetitions.shifts)
     if len(traces[0].time) < 2:
         first = group[0]
@@ -102,7 +102,7 @@ def _motion(group: list[Experiment], repetitions: Repetitions) -> Motion:
         )
     _check_different(group)
     name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"
-    return Motion(name, tuple(group), mean_trace(traces), repetitions.shifts, noise_floor(traces))
+    return RepeatedMotion(name, tuple(group), mean_trace(traces), repetitions.shifts, noise_floor(traces))
 
 
 def _check_different(group: Sequence[Experiment]) -> None:
@@ -130,7 +130,7 @@ def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list
     return [replace(t.at(clock + shift), time=clock) for t, shift in zip(whole, shifts, strict=True)]
 
 
-def cell_of(motion: Motion, engine: str, revision: str = "") -> Cell:
+def cell_of(motion: RepeatedMotion, engine: str, revision: str = "") -> Cell:
     """The key columns of one motion in one engine."""
     scenario = motion.experiments[0].scenario
     recordings = scenario.recordings
@@ -149,7 +149,7 @@ def cell_of(motion: Motion, engine: str, revision: str = "") -> Cell:
     )
 
 
-def compare(motion: Motion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
+def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
     """Simulate a motion and its numerical floor; a failure becomes rows that say what happened.
 
     Args:
@@ -184,24 +184,24 @@ def compare(motion: Motion, engine: str, *, floors: bool = True, revision: str =
     return done
 
 
-def failure(cell: Cell, motion: Motion, outcome: str, note: str) -> Comparison:
+def failure(cell: Cell, motion: RepeatedMotion, outcome: str, note: str) -> Comparison:
     """A cell that could not be simulated: rows that say what happened, with infinite gaps."""
     rows = [failed(cell, d, _noise(motion, d), outcome, note) for d in _expected(motion)]
     return Comparison(cell, rows, outcome, note, measured=motion.measured)
 
 
-def scenario_excluded(motion: Motion) -> list[str]:
+def scenario_excluded(motion: RepeatedMotion) -> list[str]:
     """Patterns of the joints that the scenario leaves out of the means."""
     recordings = motion.experiments[0].scenario.recordings
     return recordings.exclude if recordings else []
 
 
-def _simulated(motion: Motion, engine: str, finer: float) -> list[Rollout]:
+def _simulated(motion: RepeatedMotion, engine: str, finer: float) -> list[Rollout]:
     """Every repetition simulated, with `finer` times the scenario's step rate."""
     return [simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer) for e in motion.experiments]
 
 
-def _mean(motion: Motion, rollouts: Sequence[Rollout]) -> Trace:
+def _mean(motion: RepeatedMotion, rollouts: Sequence[Rollout]) -> Trace:
     """The trace of the one repetition; of several, their mean on the measured clock."""
     if motion.measured is None or len(rollouts) == 1:
         return rollouts[0].trace
@@ -210,11 +210,11 @@ def _mean(motion: Motion, rollouts: Sequence[Rollout]) -> Trace:
     return mean_trace(parts)
 
 
-def _noise(motion: Motion, difference: Difference) -> float:
+def _noise(motion: RepeatedMotion, difference: Difference) -> float:
     return motion.noise.get((difference.joint, difference.signal), float("nan")) * difference.scale
 
 
-def _expected(motion: Motion) -> list[Difference]:
+def _expected(motion: RepeatedMotion) -> list[Difference]:
     """The differences that a cell would have had: those of the measurement with itself."""
     if motion.measured is None:
         return []

@@ -12,7 +12,7 @@ from typing import Any
 
 import realitygap_engines as engines
 
-from realitygap.compare.comparison import Motion
+from realitygap.compare.comparison import RepeatedMotion
 from realitygap.compare.table import Cell, slug
 from realitygap.files.whole import write_whole
 from realitygap.scenario.file import ScenarioFile
@@ -23,7 +23,7 @@ PACKAGES = ("realitygap", "numpy", "scipy", "numba", "pydantic", "rosbags", "you
 def write_manifest(
     out: Path,
     name: str,
-    motions: Iterable[tuple[ScenarioFile, Motion]],
+    motions: Iterable[tuple[ScenarioFile, RepeatedMotion]],
     settings: Sequence[tuple[Cell, Mapping[str, Any]]],
     failures: Mapping[str, str],
     traces: Iterable[str],

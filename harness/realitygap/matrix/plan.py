@@ -10,7 +10,7 @@ from typing import Any
 
 import realitygap_engines as engines
 
-from realitygap.compare.comparison import Motion, motions
+from realitygap.compare.comparison import RepeatedMotion, motions
 from realitygap.compare.table import slug
 from realitygap.files.errors import InputError
 from realitygap.matrix.digest import Digest, code_version
@@ -55,10 +55,10 @@ def plan(matrix: MatrixFile) -> list[Task]:
 
 def _variants(
     matrix: MatrixFile, file: ScenarioFile
-) -> Iterator[tuple[dict[str, Any], str, tuple[ScenarioFile, list[Motion]]]]:
+) -> Iterator[tuple[dict[str, Any], str, tuple[ScenarioFile, list[RepeatedMotion]]]]:
     """Every combination of axis values, with the scenario and its motions under it."""
     read = Reader()
-    first: tuple[list[Experiment], list[Motion]] | None = None
+    first: tuple[list[Experiment], list[RepeatedMotion]] | None = None
     names = list(matrix.matrix.axes)
     for values in product(*matrix.matrix.axes.values()):
         axes = dict(zip(names, values, strict=True))
@@ -100,7 +100,7 @@ def _with_axes(experiment: Experiment, others: dict[str, Any]) -> Experiment:
     return replace(experiment, overrides=json.dumps(overrides, sort_keys=True))
 
 
-def regrouped(first: tuple[list[Experiment], list[Motion]], found: list[Experiment]) -> list[Motion]:
+def regrouped(first: tuple[list[Experiment], list[RepeatedMotion]], found: list[Experiment]) -> list[RepeatedMotion]:
     """Motions of the same recordings under other axis values; recordings that differ are grouped anew."""
     before, grouped = first
     same = len(before) == len(found) and all(
@@ -130,7 +130,7 @@ class Reader:
 def _task(
     matrix: MatrixFile,
     file: ScenarioFile,
-    motion: Motion,
+    motion: RepeatedMotion,
     content: str,
     engine: str,
     revision: str,
@@ -142,7 +142,7 @@ def _task(
     return Task(d.of(parts)[:32], file, motion, engine, revision, axes, m.floors, m.traces)
 
 
-def _content(motion: Motion, digest: Digest) -> list[Any]:
+def _content(motion: RepeatedMotion, digest: Digest) -> list[Any]:
     """What a motion's result depends on: of the scenario, not what concerns other recordings or budgets."""
     parts: list[Any] = [motion.name, digest.of(motion.measured), list(motion.shifts)]
     parts.append({"/".join(k): v for k, v in motion.noise.items()})

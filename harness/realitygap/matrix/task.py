@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from realitygap.compare.comparison import Comparison, Motion, cell_of, compare, failure
+from realitygap.compare.comparison import Comparison, RepeatedMotion, cell_of, compare, failure
 from realitygap.compare.table import Cell, Row
 from realitygap.compare.traces import write_traces
 from realitygap.scenario.file import ScenarioFile
@@ -33,7 +33,7 @@ class Task:
 
     key: str
     file: ScenarioFile
-    motion: Motion
+    motion: RepeatedMotion
     engine: str
     revision: str
     axes: dict[str, Any]

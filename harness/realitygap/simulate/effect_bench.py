@@ -21,7 +21,7 @@ DURATION = 2.0
 
 
 @dataclass(frozen=True)
-class Motion:
+class Excitation:
     """What happens on a bench.
 
     Attributes:
@@ -33,11 +33,11 @@ class Motion:
     off: float = math.inf
 
 
-def motion(effect: Effect) -> Motion:
+def motion(effect: Effect) -> Excitation:
     """What shows an effect: a block slides to show friction, and sinks where it stands to show softness; an arm is let
     go to show what a servo does that is off.
     """
-    return Motion(
+    return Excitation(
         push=1.0 if effect.name == "ground_friction" else 0.0, off=0.6 if effect.name == "motor_braking" else math.inf
     )
 
@@ -79,7 +79,7 @@ def command(time: Array) -> Array:
 def simulate(
     plant: Plant,
     engine: str = "mujoco",
-    what: Motion = Motion(),
+    what: Excitation = Excitation(),
     *,
     duration: float = DURATION,
     timestep: float = 1e-3,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from realitygap.compare.comparison import Motion, on_first_clock
+from realitygap.compare.comparison import RepeatedMotion, on_first_clock
 from realitygap.diagnose.data.noise import own_noise, repetition_noise, shared_noise
 from realitygap.robot.drive import Array
 from realitygap.simulate.experiment import Experiment
@@ -43,7 +43,7 @@ class Case:
         return np.asarray(value)
 
 
-def cases_of(motions: Sequence[Motion]) -> list[Case]:
+def cases_of(motions: Sequence[RepeatedMotion]) -> list[Case]:
     """The recorded motions, each with its noise."""
     cases = [_case(m) for m in motions]
     _hear(cases)
@@ -51,7 +51,7 @@ def cases_of(motions: Sequence[Motion]) -> list[Case]:
     return [replace(case, noise={signal: _noise(case, signal, pooled) for signal in case.noise}) for case in cases]
 
 
-def _case(motion: Motion) -> Case:
+def _case(motion: RepeatedMotion) -> Case:
     assert motion.measured is not None
     first = motion.experiments[0]
     noise: dict[str, Array] = {}

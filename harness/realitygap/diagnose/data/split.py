@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from realitygap.compare.comparison import Motion
+from realitygap.compare.comparison import RepeatedMotion
 from realitygap.diagnose.data.case import Case
 from realitygap.files.errors import InputError
 from realitygap.recording.align import group_repetitions
@@ -21,7 +21,7 @@ FITTED = 0.6
 """The share of a single run that is fitted; the rest is judged on."""
 
 
-def split(file: ScenarioFile, cases: Sequence[Case], motions: Sequence[Motion]) -> tuple[list[Case], str]:
+def split(file: ScenarioFile, cases: Sequence[Case], motions: Sequence[RepeatedMotion]) -> tuple[list[Case], str]:
     """Every case marked as `train` or `held_out`, a single run cut in two, and what the user should know of it.
 
     Args:

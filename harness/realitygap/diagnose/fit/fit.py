@@ -19,7 +19,7 @@ from realitygap.robot.drive import Array
 STEP, CONTACT_STEP = 0.05, 0.15
 """Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
 body, where contacts that come and go make small differences tell nothing but that."""
-CLOSE = 2e-3
+CONVERGED = 2e-3
 """A fit ends where a step would change the parameters by less than this share."""
 SLAB = 4.0
 """Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
@@ -146,7 +146,7 @@ def fit(
 
     solution = least_squares(
         residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
-        xtol=CLOSE, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
+        xtol=CONVERGED, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
     )  # fmt: skip
     x = solution.x
     after = residual(simulations, space.at(x), train)

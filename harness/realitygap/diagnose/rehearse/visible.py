@@ -31,7 +31,7 @@ ROUNDS = 4
 """Sizes that are simulated at most to find the smallest that is seen."""
 LARGEST, SMALLEST = 64.0, 1e-3
 """Sizes that are tried, in first sizes."""
-CLOSE = (0.85, 1.4)
+WITHIN = (0.85, 1.4)
 """The smallest size is found when its evidence is this close to what is needed."""
 TWIN = 2e-3
 """Two signatures with less than this share of one outside the other are the same: no size tells them apart."""
@@ -106,7 +106,7 @@ def visible(
         for s, signature in zip(open_, signatures, strict=True):
             tried[s].append((factor[s], 0.5 * float(signature @ signature) / (CLEARLY * limit)))
             factor[s] = _next(tried[s])
-        open_ = [s for s in open_ if not CLOSE[0] <= tried[s][-1][1] <= CLOSE[1] and factor[s] != tried[s][-1][0]]
+        open_ = [s for s in open_ if not WITHIN[0] <= tried[s][-1][1] <= WITHIN[1] and factor[s] != tried[s][-1][0]]
         if not open_:
             break
     found = {s: _nearest(tried[s]) for s in suspects}
@@ -120,7 +120,7 @@ def visible(
         size, ratio = found[s]
         basis = np.column_stack([parts[p] for p, _ in probes[s]])
         one_sided = np.array([only_up for _, only_up in probes[s]])
-        seen = size if ratio >= CLOSE[0] else np.inf
+        seen = size if ratio >= WITHIN[0] else np.inf
         out.append(Visible(s, seen, least[s], parts[least[s]], basis, one_sided))
     return out
 
@@ -193,7 +193,7 @@ def _next(tried: Sequence[tuple[float, float]]) -> float:
 
 def _nearest(tried: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """The size closest to what is needed among those that are seen; the strongest where none is."""
-    enough = [t for t in tried if t[1] >= CLOSE[0]]
+    enough = [t for t in tried if t[1] >= WITHIN[0]]
     return min(enough, key=lambda t: t[1]) if enough else max(tried, key=lambda t: t[1])
 
 
