@@ -133,7 +133,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     "unknown key": (changed(robot__bse="fixed"), "robot.bse: unknown key; known here: base, "),
     "unknown key at the top": (changed(grund="flat"), "grund: unknown key"),
     "unknown key of a servo": (changed(servos__0__gian=1), "servos[0].gian: unknown key"),
-    "missing key": (changed(robot={"base": "fixed"}), "robot.urdf: is missing; expected the URDF file"),
+    "missing key": (changed(robot={"base": "fixed"}), "robot.urdf: is missing; expected the robot's file"),
     "unknown servo": (changed(servos__0__kind="ac"), "servos[0].kind: found 'ac'; expected one of dc, pid, cascade"),
     "unknown unit": (changed(servos__0__supply="15 V"), "servos[0].supply: found '15 V'"),
     "a number that is true": (changed(servos__0__gain=True), "servos[0].gain: found True; expected a number"),
@@ -154,7 +154,10 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(servos__0__joints="knee_*"),
         "scenario.yaml: servos[0].joints: knee_* matches no joint; the robot has shoulder, elbow",
     ),
-    "two motions": (changed(motion={"recorded": "/a", "keyframes": "b"}), "expected either recorded or keyframes"),
+    "two motions": (
+        changed(motion={"recorded": "/a", "keyframes": "b"}),
+        "expected one of recorded, keyframes and followed",
+    ),
     "start of an unknown joint": (
         changed(robot__start={"knee": 0.1}),
         "robot.start: found joint 'knee'; the robot has",

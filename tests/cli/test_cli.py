@@ -10,7 +10,10 @@ import realitygap_engines as engines
 from realitygap.cli.main import main
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = ("engines", "init", "run", "matrix", "audit", "report", "diagnose", "rehearse", "effects", "schema", "bench")
+COMMANDS = (
+    *("engines", "init", "check", "run", "matrix", "audit", "report", "diagnose", "rehearse", "effects", "schema"),
+    "bench",
+)
 
 
 def said(*arguments: str | Path, capfd: pytest.CaptureFixture[str], status: int = 0) -> str:

@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import realitygap_engines as engines
 import yaml
 from numpy.testing import assert_allclose
 from realitygap.cli.main import main
@@ -239,17 +238,17 @@ def test_a_blow_up_is_an_outcome(tmp_path: Path) -> None:
     assert (suite.get("tests"), suite.get("errors"), suite.get("failures")) == ("1", "1", "0")
 
 
-@pytest.mark.skipif("ode" not in engines.available(), reason="needs libode, where a body has three moments of inertia")
 def test_what_an_engine_cannot_express_is_an_outcome(tmp_path: Path) -> None:
-    path = variant(tmp_path)
+    path = variant(tmp_path, ground="flat")
     urdf = (tmp_path / "arm.urdf").read_text()
-    (tmp_path / "arm.urdf").write_text(re.sub(r'\bi([xyz]{2})="[^"]*"', r'i\1="0"', urdf))
-    result = run(path, tmp_path / "out", "ode")
+    elbow = '<child link="forearm"/>'
+    (tmp_path / "arm.urdf").write_text(urdf.replace(elbow, f'{elbow}<mimic joint="shoulder"/>'))
+    result = run(path, tmp_path / "out", "mujoco")
     frame = read_gaps(tmp_path / "out" / "gaps.csv")
     assert len(frame) == 6
     assert set(frame["outcome"]) == {"unsupported"}
     assert np.isinf(frame["mean_abs"]).all()
-    assert frame["note"].str.startswith("ode needs a mass and three moments of inertia").all()
+    assert frame["note"].str.startswith("mimic joints on the ground are not supported").all()
     (sentence,) = result.excess(position=1.0)
     assert "position was not judged, as no engine of the run can simulate the scenario" in sentence
 

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 import robots
 from chain import GRAVITY
 from foreign import simulate
-from one_joint import ARMATURE, LENGTH, MASS, SWING, crossings, free, pendulum
+from single_servo import ARMATURE, LENGTH, MASS, SWING, crossings, free, pendulum
 
 
 def test_small_swing_has_the_period_of_a_compound_pendulum() -> None:

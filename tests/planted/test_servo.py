@@ -14,7 +14,7 @@ import robots
 from chain import GRAVITY
 from foreign import simulate
 from imperfections import imperfect
-from one_joint import ARMATURE, HELD, SWING, free, held, pendulum
+from single_servo import ARMATURE, HELD, SWING, free, held, pendulum
 
 
 @pytest.mark.parametrize("kind", [*robots.ONE_JOINT, *robots.TWO_LINKS])

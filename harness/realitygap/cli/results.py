@@ -38,7 +38,6 @@ def matrix(
     path: Path, out: Path, settings: Settings, budget: Mapping[str, float], junit: Path | None, progress: Progress
 ) -> Said:
     """Run all cells of a matrix."""
-    progress.say(f"reading {path}")
     made = make(load_matrix(path), out, settings, progress)
     counts = Counter(o.outcome for _, o in made.cells)
     lines = [f"{len(made.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]

@@ -107,6 +107,13 @@ class Plant:
         return np.asarray(np.array(own) + np.maximum(self.drive["armature"], 1e-9))
 
 
+def _contact_links(scenario: Scenario) -> list[str] | None:
+    """The links that touch the ground: what stands on nothing needs no shapes, and no meshes."""
+    asked = scenario.robot.contact_links
+    nowhere = scenario.robot.base == "fixed" and scenario.ground_spec is None
+    return [] if asked is None and nowhere else asked
+
+
 def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """The plant that a scenario states, without its effects.
 
@@ -119,8 +126,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file"),
         floating=robot.base != "fixed",
         packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
-        # what stands on nothing needs no shapes, and no meshes
-        contact_links=[] if robot.base == "fixed" and scenario.ground_spec is None else robot.contact_links,
+        contact_links=_contact_links(scenario),
     )
     model = hold(model, held_joints(file, model, robot.hold))
     n = len(model.joints)
