@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.data.problem import Problem, Suspect, build_problem
+from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.scenario.file import load_scenario
 
 DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"

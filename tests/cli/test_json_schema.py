@@ -2,6 +2,7 @@
 
 import copy
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from realitygap.cli.main import main
 from realitygap.cli.schema_files import SCHEMA_FILES
 from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
-from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effects import EFFECTS, WRITABLE, Effect
 from realitygap.robot.effects.place import place
 from realitygap.scenario.file import apply_overrides, load_scenario
 from realitygap.simulate.effect_bench import bench
@@ -102,7 +103,16 @@ def test_every_effect_has_its_parameters(effect: Effect) -> None:
     for p in effect.parameters:
         less = {k: v for k, v in spec.items() if k != p.name}
         assert valid("scenario", told | {"effects": [less]}) == (p.default is not None)
-        assert not valid("scenario", told | {"effects": [spec | {p.name: p.low - 1.0}]})
+        beyond = p.high + 1.0 if p.absent == -math.inf else p.low - 1.0
+        assert not valid("scenario", told | {"effects": [spec | {p.name: beyond}]})
+
+
+@pytest.mark.parametrize("effect", [e for e in WRITABLE.values() if e.example], ids=lambda e: e.name)
+def test_an_effect_with_lists_takes_them(effect: Effect) -> None:
+    spec = {"effect": effect.name, "target": "elbow", **effect.example}
+    assert valid("scenario", DEMO | {"effects": [spec]})
+    for name in effect.example:
+        assert not valid("scenario", DEMO | {"effects": [{k: v for k, v in spec.items() if k != name}]})
 
 
 QUANTITIES = {"Torque": "torque", "Speed": "speed", "Voltage": "voltage", "Inertia": "inertia", "Load": "load"}

@@ -1,11 +1,23 @@
-"""When a search looks again, on the bundled demo (synthetic)."""
+"""The search on the bundled demo (synthetic): moves that the straight-line model promises come true in simulation."""
 
+from collections.abc import Iterator
+
+import numpy as np
 import pytest
 from demo_problem import demo_problem, suspect_of
-from realitygap.diagnose.data.problem import Change, Problem
-from realitygap.diagnose.fit.fit import Fit, start
-from realitygap.diagnose.search.found import Found, Step
-from realitygap.diagnose.search.search import alone, misleading
+from realitygap.diagnose.candidates.starts import guess, starts
+from realitygap.diagnose.data.changes import clash
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.data.worker import Question, answer
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual, respond
+from realitygap.diagnose.search.evidence import stretches
+from realitygap.diagnose.search.linear import Linear
+from realitygap.diagnose.search.model import Ground
+
+FRICTION = 0.6447
+"""Coulomb friction of the recorded elbow [N·m]."""
 
 
 @pytest.fixture(scope="module")
@@ -13,46 +25,100 @@ def problem() -> Problem:
     return demo_problem()
 
 
-def found_with(problem: Problem, effect: str, cost: float) -> Found:
-    """What a search that brought a gap of 100 down to `cost` with two findings says it found."""
-    cases = range(len(problem.cases))
-    changes: list[Change] = [start(problem, suspect_of(problem, e, "elbow")) for e in (effect, "viscous_friction")]
-    after = Fit(changes, dict.fromkeys(cases, cost))
-    return Found(Fit([], dict.fromkeys(cases, 100.0)), after, [Step(c.suspect, 100.0, cost) for c in changes])
+@pytest.fixture(scope="module")
+def simulations(problem: Problem) -> Iterator[Simulations]:
+    with Simulations(problem, 2) as made:
+        yield made
 
 
-@pytest.mark.parametrize(("cost", "again"), [(1.0, False), (10.0, False), (40.0, True)])
-def test_what_leaves_much_of_a_gap_may_have_led_astray(problem: Problem, cost: float, again: bool) -> None:
-    first = misleading(problem, found_with(problem, "coulomb_friction", cost))
-    assert (first.effect if first else "") == ("coulomb_friction" if again else "")
+@pytest.fixture(scope="module")
+def ground(simulations: Simulations) -> Ground:
+    return Ground(simulations, [])
 
 
-def test_what_is_not_on_the_list_leads_nowhere_else(problem: Problem) -> None:
-    assert misleading(problem, found_with(problem, "controller_dead_band", 40.0)) is None
+def test_a_worker_says_what_this_process_says(problem: Problem, simulations: Simulations) -> None:
+    asked = [Question((), c, "mujoco", 0.5) for c in (1, 2)]
+    for question, there in zip(asked, simulations.ask(asked), strict=True):
+        here = answer(problem, question)
+        assert here is not None
+        assert there is not None
+        for signal in here:
+            assert np.array_equal(here[signal], there[signal]), signal
 
 
-def test_what_was_let_go_may_have_led_astray(problem: Problem) -> None:
-    found = found_with(problem, "coulomb_friction", 40.0)
-    found.let_go, found.fit = found.fit.changes, found.base
-    first = misleading(problem, found)
-    assert first is not None
-    assert first.effect == "coulomb_friction"
+def test_what_was_simulated_is_remembered(simulations: Simulations) -> None:
+    asked = [Question((), 1, "mujoco", 0.5)]
+    simulations.ask(asked)
+    before = simulations.count
+    simulations.ask(asked)
+    assert simulations.count == before
 
 
-def test_what_the_recordings_told_does_not_lead_astray(problem: Problem) -> None:
-    found = found_with(problem, "velocity_filter", 40.0)
-    found.told = [found.steps[0].suspect]
-    first = misleading(problem, found)
-    assert first is not None
-    assert first.effect == "viscous_friction"
-
-
-@pytest.mark.parametrize(
-    ("fitted", "judged", "only"), [(3.0, 1.5, False), (10.0, 1.5, True), (10.0, 3.0, False), (100.0, 3.0, True)]
-)
-def test_a_training_run_far_beyond_all_held_out_runs_shows_a_gap_of_its_own(
-    problem: Problem, fitted: float, judged: float, only: bool
+def test_the_true_value_has_more_evidence_than_its_neighbours(
+    problem: Problem, simulations: Simulations, ground: Ground
 ) -> None:
-    train, judge = problem.of("train"), problem.of("held_out")
-    cost = dict.fromkeys([*train, *judge], 1.0) | {train[0]: fitted, judge[0]: judged}
-    assert alone(problem, Fit([], cost)) == ([train[0]] if only else [])
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    evidence = {}
+    for torque in (0.3, 0.5, FRICTION, 0.8):
+        left = residual(simulations, [friction.at({"torque": torque})], ground.train)
+        assert left is not None
+        evidence[torque] = ground.score(Fit((friction.at({"torque": torque}),), left)).evidence
+    assert max(evidence, key=lambda torque: evidence[torque]) == FRICTION
+
+
+def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations, ground: Ground) -> None:
+    left = residual(simulations, [], ground.train)
+    assert left is not None
+    base = ground.score(Fit((), left))
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    found = ground.fit([friction], base.metric)
+    assert found is not None
+    found = ground.settled(found)
+    assert found.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
+    assert found.deviation[0] > 0.0
+
+
+def test_the_straight_line_promises_most_of_what_is_missing(
+    problem: Problem, simulations: Simulations, ground: Ground
+) -> None:
+    left = residual(simulations, [], ground.train)
+    assert left is not None
+    base = ground.score(Fit((), left))
+    names = ("coulomb_friction", "viscous_friction", "joint_offset", "controller_gain")
+    tried = [s for n in names for s in starts(problem, suspect_of(problem, n, "elbow"))]
+    blocks = respond(simulations, [], tried, ground.train, ground.floors.coarse, ground.channels)
+    linear = Linear(base.metric, left, np.zeros((len(left), 0)), blocks)
+    promised = linear.promises()
+    assert promised[0].block.suspect.effect == "coulomb_friction"
+    assert promised[0].change.parameters["torque"] == pytest.approx(FRICTION, rel=0.4)
+    several = linear.several(3.0)
+    assert not any(clash(a.block.suspect, b.block.suspect) for a in several for b in several if a is not b)
+    assert [p.block.suspect.effect for p in several][:1] == ["coulomb_friction"]
+
+
+def test_what_the_accepted_values_could_do_is_no_gain_of_another(
+    problem: Problem, simulations: Simulations, ground: Ground
+) -> None:
+    """The response of a suspect that is already in promises nothing: it is orthogonalised away."""
+    left = residual(simulations, [], ground.train)
+    assert left is not None
+    base = ground.score(Fit((), left))
+    tried = starts(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    blocks = respond(simulations, [], tried, ground.train, ground.floors.coarse, ground.channels)
+    beside = Linear(base.metric, left, blocks[0].columns, blocks).promises()[0]
+    alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).promises()[0]
+    assert beside.gain < 0.05 * alone.gain
+
+
+def test_stretches_part_motions_and_seconds(ground: Ground) -> None:
+    number = stretches(ground.channels)
+    at = 0
+    of: dict[int, set[int]] = {}
+    for channel in ground.channels:
+        n = len(channel.time)
+        own = set(number[at : at + n].tolist())
+        assert len(own) == int((channel.time[-1] - channel.time[0]) / 1.0) + 1
+        of.setdefault(channel.case, own)
+        assert of[channel.case] == own
+        at += n
+    assert len(set.union(*of.values())) == sum(map(len, of.values()))

@@ -1,32 +1,30 @@
 """Which motions are kept back, on the bundled demo (synthetic)."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
-import pytest
-from demo_problem import demo_problem
-from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.split import keep_back
+from realitygap.compare.comparison import motions_of
+from realitygap.diagnose.data.case import cases_of
+from realitygap.diagnose.data.split import split
+from realitygap.scenario.file import load_scenario
+
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
 
 
-@pytest.fixture
-def problem() -> Problem:
-    return demo_problem()
+def test_a_single_run_is_cut_and_loses_nothing() -> None:
+    file = load_scenario(DEMO)
+    motion = motions_of(file)[0]
+    (whole,) = cases_of([motion])
+    (first, rest), said = split(file, [replace(whole, use="")], [motion])
+    assert (first.use, rest.use) == ("train", "held_out")
+    assert "there is one run" in said
+    assert np.array_equal(np.concatenate([first.measured.time, rest.measured.time]), whole.measured.time)
 
 
-def test_of_a_run_that_alone_shows_a_gap_the_rest_is_kept_back(problem: Problem) -> None:
-    train, judge = problem.of("train"), problem.of("held_out")
-    time = problem.cases[train[0]].measured.time
-    said = keep_back(problem.cases, [train[0]])
-    assert problem.cases[train[0]].name in said
-    assert problem.of("train") == train
-    assert problem.of("held_out")[: len(judge)] == judge
-    first, rest = problem.cases[train[0]], problem.cases[-1]
-    assert rest.use == "held_out"
-    assert np.array_equal(np.concatenate([first.measured.time, rest.measured.time]), time)
-
-
-def test_a_run_too_short_to_cut_stays_whole(problem: Problem) -> None:
-    case = problem.cases[problem.of("train")[0]]
-    case.measured = case.measured.between(-np.inf, float(case.measured.time[40]))
-    before = len(problem.cases)
-    assert keep_back(problem.cases, [problem.cases.index(case)]) == ""
-    assert len(problem.cases) == before
+def test_without_a_mark_every_third_motion_is_kept_back() -> None:
+    file = load_scenario(DEMO)
+    motions = motions_of(file)
+    marked, said = split(file, [replace(c, use="") for c in cases_of(motions)], motions)
+    assert [c.use for c in marked] == ["held_out" if i % 3 == 2 else "train" for i in range(len(marked))]
+    assert "every third motion was kept back" in said

@@ -1,7 +1,6 @@
 """The page of a diagnosis: every verdict tells its story in one offline file that a person and a machine can read."""
 
 import re
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -9,20 +8,23 @@ import chromium
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
-from realitygap.diagnose.data.locate import locate
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import Change, Suspect, build_problem
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.units import unit_there
-from realitygap.diagnose.data.worsened import Worsened
-from realitygap.diagnose.fit.fit import assess, fit
-from realitygap.diagnose.judge.confirm import Confirmed
-from realitygap.diagnose.judge.rivals import Rival
-from realitygap.diagnose.likelihood.floors import set_floors
-from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.gaps import Shown
+from realitygap.diagnose.judge.held_out import Verdict
+from realitygap.diagnose.judge.locate import locate
+from realitygap.diagnose.judge.worsened import Worsened, in_units
+from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import quantity
-from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.exchange import Rival
+from realitygap.diagnose.search.model import Ground
+from realitygap.diagnose.search.search import Found
 from realitygap.robot.effects import EFFECTS
 from realitygap.scenario.file import load_scenario
 
@@ -36,42 +38,44 @@ VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (
 def judged():
     """The demo with its floors, the fit of what is missing, and what was simulated before and after: no search."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
-    train, judge = problem.of("train"), problem.of("held_out")
-    with Pool(problem, 1) as pool:
-        set_floors(pool, [])
     change = Change(FRICTION, (("torque", 0.6447),), ("torque",))
-    base = fit(problem, [], train, judge)
-    done = assess(
-        problem, replace(fit(problem, [change], train[:1], judge[:1], budget=2), cost=base.cost), train, judge
-    )
-    before, after = (
-        {i: problem.simulated(changes, i) for i in range(len(problem.cases))} for changes in ([], done.changes)
-    )
-    return problem, base, done, before, after
+    with Simulations(problem, 2) as simulations:
+        ground = Ground(simulations, [change])
+        base = ground.score(Fit((), residual(simulations, [], ground.train)))
+        done = ground.fit([change], base.metric)
+        signals = [
+            dict(enumerate(simulations.of(changes, range(len(problem.cases))))) for changes in ([], done.fit.changes)
+        ]
+    return problem, ground.floors, base, done, *signals
 
 
 @pytest.fixture(scope="module")
 def told(judged):
     """A function from a verdict to the diagnosis that has it; the costs are invented, everything else is not."""
-    problem, base, done, before, after = judged
+    problem, floors, base, done, before, after = judged
 
     def make(verdict):
         was, left = VERDICTS[verdict]
         named = verdict in ("explained", "partly explained")
-        flat = [replace(f, cost=dict.fromkeys(base.cost, c)) for f, c in ((base, was), (done if named else base, left))]
-        found = Found(*flat, refused=["controller_gain at elbow: makes most held-out runs worse"])
-        rival = Rival(Suspect("viscous_friction", "elbow", (1,)), "its own fit differs from this one by 0.41 floors")
-        where = locate(problem, before) if verdict != "no gap" else []
+        best = done if named else base
+        rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
+        found = Found(base, best, 6.0, floors, {FRICTION: 41.0}, {FRICTION: [rival]})
+        gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 4.0),), ("gain",))
         result = Diagnosis(
             problem=problem,
             engines=["mujoco", "dart", "drake"],
             found=found,
-            confirmed={FRICTION: Confirmed(3.0, 1.05, {"dart": (3.1, 1.2)})} if named else {},
-            rivals={FRICTION: [rival]} if named else {},
-            where=where,
-            left=where[:1] if verdict == "partly explained" else [],
+            changes=best.fit.changes,
+            floors=floors,
+            costs=tuple(dict.fromkeys(range(len(problem.cases)), cost) for cost in (was, left)),
+            shown={FRICTION: Shown(3.0, 1.05, {"dart": (3.1, 1.2)})} if named else {},
+            predicted=Verdict(30.0, 5.0),
+            where=locate(problem, floors, before) if verdict != "no gap" else [],
+            left=locate(problem, floors, before)[:1] if verdict == "partly explained" else [],
             worsened=[Worsened("shoulder", "velocity", "deg/s", 1.0, 1.4)] if named else [],
+            units=in_units(problem, problem.of("held_out"), before, after),
             faults=["sines_2: 3 readings repeat the one before <them>"],
+            closest=[Closest(gain, 3.0, 2.9, "it gains 2.0 in evidence over something else; a name needs 6.0")],
             before=before,
             after=after if named else before,
         )
@@ -150,9 +154,9 @@ def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(told, tmp_p
     assert "3.00 → 1.05" in words
     assert "DART" in words
     assert "Drake cannot express it, or failed" in words
-    assert "viscous friction at elbow : its own fit differs" in words
+    assert "viscous friction at elbow : its own fit is behind by 0.4 in evidence" in words
     assert "velocity of shoulder: 1.00 → 1.40 °/s" in words
-    assert "controller gain at elbow: makes most held-out runs worse" in words
+    assert "it gains 2.0 in evidence over something else" in words
     assert ("Something else is missing" in words) == (verdict == "partly explained")
 
 
@@ -162,7 +166,7 @@ def test_nothing_named_promises_no_mended_model(told, tmp_path, verdict):
     assert not [link for link in page.links if link.startswith("revised/")]
     assert "simulated after" not in words
     assert ("Nothing is missing" in words) == (verdict == "no gap")
-    assert ("no effect brings it down enough" in words) == (verdict == "unexplained")
+    assert ("no effect explains it better than something else would" in words) == (verdict == "unexplained")
 
 
 def test_the_same_diagnosis_is_the_same_page(told, tmp_path):

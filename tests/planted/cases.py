@@ -87,7 +87,13 @@ def generate(case: Case, out: Path, seed: int = 1) -> dict[str, Any]:
     _, told, other = hidden.plant(robot, runs[0])
 
     def seen(alone: Hidden) -> float:
-        return round(visibility(robot, *moved(robot, runs[0], alone, sensing), clean[0], sensing), 2)
+        """In the first motion, or the first that shows it."""
+        most = 0.0
+        for run, base in zip(runs, clean, strict=True):
+            most = max(most, visibility(robot, *moved(robot, run, alone, sensing), base, sensing))
+            if most > 1.0:
+                break
+        return round(most, 2)
 
     uneven = [] if nearly is None else imperfect(robot.plant(), robot, nearly)
     truth = {

@@ -11,7 +11,7 @@ from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.mjcf import write_mjcf
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands, on_steps
-from realitygap.simulate.effect_bench import command, planted, push
+from realitygap.simulate.effect_bench import command, motion, planted
 from realitygap.simulate.rollout import rollout
 from realitygap.simulate.start import start_state
 from realitygap_engines import Ground, Physics, State, load
@@ -79,7 +79,7 @@ def test_an_effect_is_native_and_agrees_or_is_listed(effect: Effect) -> None:
         return
     start = start_state(plant, np.zeros(len(plant.model.joints)))
     if plant.model.floating:
-        start.base_linear = np.array([push(effect), 0.0, 0.0])
+        start.base_linear = np.array([motion(effect).push, 0.0, 0.0])
     time = np.arange(0.0, DURATION + STEP, STEP)
     value = command(time) if plant.model.joints else np.zeros((len(time), 0))
     assert difference(plant, value, start) < AGREES

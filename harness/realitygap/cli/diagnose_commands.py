@@ -43,10 +43,11 @@ def rehearse(
 
     Each effect is planted in the scenario's own motions: from which size on it is seen, and what it is taken for.
     """
-    from realitygap.diagnose.rehearse.files import summary
+    from realitygap.diagnose.rehearse.files import summary, write_rehearsal
     from realitygap.diagnose.rehearse.rehearse import run_rehearsal
     from realitygap.files.progress import Progress
 
     folder = folder_for(out, f"{scenario.resolve().parent.name}_rehearsal")
-    result = run_rehearsal(scenario, engine or [], folder, Progress(), budget, jobs)
+    result = run_rehearsal(scenario, engine or [], Progress(), budget, jobs)
+    write_rehearsal(result, folder)
     say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])

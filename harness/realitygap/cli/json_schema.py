@@ -19,7 +19,8 @@ from realitygap.bench.supply_file import SupplyBench
 from realitygap.cli.schema_files import SCHEMA_FILES
 from realitygap.files.whole import write_whole
 from realitygap.matrix.matrix_file import Matrix
-from realitygap.robot.effects import EFFECTS, Effect, Parameter
+from realitygap.robot.effects import WRITABLE, Effect, Parameter
+from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec, Scenario
 
 FILES: dict[str, tuple[type[BaseModel], ...]] = {
@@ -58,7 +59,7 @@ def json_schema(name: str) -> dict[str, Any]:
 
 def json_schema_text(name: str) -> str:
     """The same as the content of a file."""
-    return json.dumps(json_schema(name), indent=1, ensure_ascii=False) + "\n"
+    return json.dumps(json_schema(name), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def write_json_schemas() -> list[Path]:
@@ -70,25 +71,26 @@ def write_json_schemas() -> list[Path]:
 
 def _effects(spec: dict[str, Any]) -> dict[str, Any]:
     """An effect of a scenario: its name decides which parameters it has."""
-    known = {**spec["properties"]["effect"], "enum": list(EFFECTS)}
+    known = {**spec["properties"]["effect"], "enum": list(WRITABLE)}
     return {
         "type": "object",
         "description": spec["description"],
         "properties": {**spec["properties"], "effect": known},
         "required": ["effect"],
-        "allOf": [_effect(effect) for effect in EFFECTS.values()],
+        "allOf": [_effect(effect) for effect in WRITABLE.values()],
     }
 
 
 def _effect(effect: Effect) -> dict[str, Any]:
     own = {"properties": {"effect": {"const": effect.name}}, "required": ["effect"]}
-    parameters = {p.name: _parameter(p) for p in effect.parameters}
+    lists = {name: {"examples": [plain(value)]} for name, value in effect.example.items()}
+    numbers = {p.name: _parameter(p) for p in effect.parameters}
     return {
         "if": own,
         "then": {
             "description": effect.page.physics,
-            "properties": {"effect": True, "target": True, **parameters},
-            "required": [p.name for p in effect.parameters if p.default is None],
+            "properties": {"effect": True, "target": True, **lists, **numbers},
+            "required": [*lists, *(p.name for p in effect.parameters if p.default is None)],
             "additionalProperties": False,
         },
     }
@@ -96,7 +98,9 @@ def _effect(effect: Effect) -> dict[str, Any]:
 
 def _parameter(p: Parameter) -> dict[str, Any]:
     """A number within bounds, or the neutral value, wherever that lies. JSON knows no infinity: it is no bound."""
-    number: dict[str, Any] = {"type": "number", "minimum": p.low}
+    number: dict[str, Any] = {"type": "number"}
+    if p.absent != -math.inf:
+        number["minimum"] = p.low
     if p.absent != math.inf:
         number["maximum"] = p.high
     out = dict(number)
@@ -104,6 +108,6 @@ def _parameter(p: Parameter) -> dict[str, Any]:
         out = {"anyOf": [number, {"const": p.absent}]}
     if p.unit:
         out["description"] = f"[{p.unit}]"
-    if p.default is not None:
+    if p.default is not None and math.isfinite(p.default):
         out["default"] = p.default
     return out

@@ -111,7 +111,7 @@ def _check_different(group: Sequence[Experiment]) -> None:
     for a, b in combinations(recordings, 2):
         signals = [(a.trace.time, b.trace.time), *((getattr(a.trace, s), getattr(b.trace, s)) for s in Trace.SIGNALS)]
         if all(x is y is None or (x is not None and y is not None and _equal(x, y)) for x, y in signals):
-            raise InputError(f"{b.path}: holds the same measurement as {a.path}; expected another repetition")
+            raise InputError(f"{b.place}: holds the same measurement as {a.place}; expected another repetition")
 
 
 def _equal(a: Array, b: Array) -> bool:

@@ -75,7 +75,7 @@ class Revised:
         if place.resolve() == own.parent.resolve():
             raise InputError(f"save: {folder} is the folder of {own.name}, which would be replaced; expected another")
         check_writable(place, "save")
-        return write_revised(self.diagnosis.problem, self.diagnosis.found.fit.changes, place)
+        return write_revised(self.diagnosis.problem, self.diagnosis.changes, place)
 
 
 @dataclass(frozen=True, repr=False)

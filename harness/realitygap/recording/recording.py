@@ -54,6 +54,11 @@ class Recording:
         return f"<Recording {self.name}: {self.trace!r}{told}>"
 
     @property
+    def place(self) -> str:
+        """Where it lies, for messages to the user: the path, and the episode of a data set."""
+        return str(self.path) if self.episode is None else f"{self.path}: episode {self.episode}"
+
+    @property
     def name(self) -> str:
         """The recording's name: that of its file or folder, without suffix."""
         return self.path.name if self.path.is_dir() else plain_name(self.path).stem

@@ -7,18 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.diagnose.data.decoys import DECOYS, KNOWN
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
-from realitygap.robot.effects import Effect, Parameter
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.robot.effects import EFFECTS, Effect, Parameter
 from realitygap.robot.effects.joint import speed_scale
 from realitygap.robot.plant import Plant, match_joints
+from realitygap.robot.suspicion import may_be_suspected
 
 
 def suspects(problem: Problem) -> list[Suspect]:
     """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
-    tried = [effect for effect in KNOWN.values() if effect.name not in UNTRIED]
-    every = [suspect for effect in tried for suspect in _anywhere(problem, effect)]
-    return [s for s in every if all(KNOWN[s.effect].possible(problem.plant, i) is None for i in s.indices)]
+    every = [suspect for effect in EFFECTS.values() for suspect in _anywhere(problem, effect)]
+    scenario, model = problem.file.scenario, problem.plant.model
+    allowed = [s for s in every if may_be_suspected(scenario, model, s.effect, s.target)]
+    return [s for s in allowed if all(s.kind.possible(problem.plant, i) is None for i in s.indices)]
 
 
 def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
@@ -32,8 +34,6 @@ def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:
     names = model.joint_names
     judged = [j for j in range(len(names)) if problem.judged[j]]
     single = [Suspect(effect.name, names[j], (j,)) for j in judged]
-    if effect.name in DECOYS:
-        return single if len(judged) <= FEW_JOINTS else []
     if len(judged) < 2 or effect.name in OWN:
         return single
     groups = [(servo, group) for servo, group in _servo_groups(problem) if 1 < len(group) < len(judged)]
@@ -52,23 +52,21 @@ def _servo_groups(problem: Problem) -> list[tuple[str, list[int]]]:
     return out
 
 
-UNTRIED = (
-    *("dead_band", "joint_stop", "command_profile", "effort_limit", "direction_friction", "friction_ripple"),
-    *("cable_spring", "motor_braking", "current_lag", "gain_law", "servo_rate"),
-)
-"""Effects that a scenario can have and that this search does not know how to begin with."""
-OWN = ("joint_offset", "torque_ripple", "constant_effort")
+OWN = ("joint_offset", "torque_ripple", "constant_effort", "joint_stop", "cable_spring", "friction_ripple")
 """Effects whose value is each joint's own: all joints of a type do not share it."""
-FEW_JOINTS = 6
-"""Decoys are tried on robots with no more joints than this."""
 ALWAYS_FREE = {
     "torque_ripple": ("amplitude", "periods", "phase"),
+    "friction_ripple": ("share", "periods", "phase"),
     "stribeck_friction": ("static", "coulomb", "velocity"),
+    "payload": ("mass", "x", "y", "z"),
 }
 """Effects that say nothing without fitting their shape too."""
 LATER = {
     "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
     "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
+    "command_profile": ("speed", "acceleration"),
+    "effort_limit": ("effort", "beyond", "share"),
+    "cable_spring": ("stiffness", "rest"),
 }
 """What is freed when an effect was found, if that helps."""
 
@@ -77,7 +75,7 @@ def fitted(effect: Effect) -> list[Parameter]:
     """The parameters that are fitted: those that act on their own."""
     free = ALWAYS_FREE.get(effect.name)
     if effect.name in LATER and free is None:
-        return [p for p in effect.parameters if not p.shape and p.default is None]
+        return [p for p in effect.parameters if not p.shape and (p.default is None or np.isinf(p.default))]
     return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
 
 
@@ -94,12 +92,16 @@ def richer(plant: Plant, change: Change) -> Change | None:
         half = 0.5 * values["coefficient"]
         slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
         values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
+    first = change.suspect.kind.first_size(plant, change.suspect.indices[0])
+    values |= {n: first[n] for n in free if n not in change.free and not np.isfinite(values[n])}
+    if values.get("share") == 1.0:
+        values["share"] = first["share"]
     return replace(change, values=tuple(values.items()), free=free)
 
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """The values that change nothing: the plant's own, also of an effect that the scenario has already."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     own = effect.own(plant, suspect.indices[0])
     out = {}
     for p in effect.parameters:
@@ -112,7 +114,7 @@ def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:
 
 def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
     """A sensible first change of each parameter at this target, above zero."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     first = effect.first_size(plant, suspect.indices[0])
     zero = neutral(plant, suspect)
     common = max(
@@ -134,6 +136,6 @@ def whole(effect: Effect) -> bool:
 
 def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds of the named parameters."""
-    effect = KNOWN[suspect.effect]
+    effect = suspect.kind
     chosen = [effect.parameter(n) for n in names]
     return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])

@@ -19,14 +19,12 @@ TINY = {"position": 1e-6, "velocity": 1e-5, "effort": 1e-5, "base_position": 1e-
 """The noise that is assumed at least, in SI: noise-free data would weigh rounding."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Case:
-    """One motion with its noise: what was measured in the mean, and how far every sample can be trusted.
+    """One motion with its noise: what was measured in the mean, and how far its sensors can be trusted.
 
-    By signal: `noise` is the standard deviation per joint, `white` the sensor's own part of it in one repetition,
-    `spread` that between repetitions where there were any, `floor` the numerical floor per sample, and `disturbed` how
-    far disturbing torques move each sample. `coarse` is the share of the step rate that is enough where only the change
-    of the traces counts.
+    By signal and joint: `noise` is the standard deviation of the mean of the repetitions, `white` the sensor's own part
+    of it in one repetition, `spread` that between repetitions where there were any.
     """
 
     name: str
@@ -37,17 +35,6 @@ class Case:
     repetitions: int
     white: dict[str, Array] = field(default_factory=dict)
     spread: dict[str, Array] = field(default_factory=dict)
-    floor: dict[str, Array] = field(default_factory=dict)
-    disturbed: dict[str, Array] = field(default_factory=dict)
-    coarse: float = 1.0
-
-    def sigma(self, signal: str) -> Array:
-        """Standard deviation of each sample: noise and numerical floor together. Shape (t, n)."""
-        variance = np.broadcast_to(self.noise[signal][None, :] ** 2, self.value(signal).shape)
-        for more in (self.floor.get(signal), self.disturbed.get(signal)):
-            if more is not None:
-                variance = variance + more**2
-        return np.asarray(np.sqrt(variance))
 
     def value(self, signal: str) -> Array:
         """The measured signal. Shape (t, n)."""
@@ -61,9 +48,7 @@ def cases_of(motions: Sequence[Motion]) -> list[Case]:
     cases = [_case(m) for m in motions]
     _hear(cases)
     pooled = _pooled(cases)
-    for case in cases:
-        case.noise = {signal: _noise(case, signal, pooled) for signal in case.noise}
-    return cases
+    return [replace(case, noise={signal: _noise(case, signal, pooled) for signal in case.noise}) for case in cases]
 
 
 def _case(motion: Motion) -> Case:

@@ -21,18 +21,18 @@ FITTED = 0.6
 """The share of a single run that is fitted; the rest is judged on."""
 
 
-def split(file: ScenarioFile, cases: list[Case], motions: Sequence[Motion]) -> str:
-    """Mark every case as `train` or `held_out`; a single run is cut in two. Returns what the user should know of it.
+def split(file: ScenarioFile, cases: Sequence[Case], motions: Sequence[Motion]) -> tuple[list[Case], str]:
+    """Every case marked as `train` or `held_out`, a single run cut in two, and what the user should know of it.
 
     Args:
         file: the scenario.
-        cases: the motions with their noise; the rest of a single run is added.
+        cases: the motions with their noise.
         motions: the same, with all repetitions.
 
     Raises:
         InputError: where all runs are held out, the same samples are fitted and judged on, or too few are left.
     """
-    said = _mark(file, cases)
+    cases, said = _marked(file, cases)
     for case in cases:
         if len(case.measured.time) < LEAST:
             raise InputError(
@@ -41,44 +41,28 @@ def split(file: ScenarioFile, cases: list[Case], motions: Sequence[Motion]) -> s
             )
     runs = [(e, c.use) for c, m in zip(cases, motions, strict=False) for e in m.experiments]
     _check_apart(file, runs)
-    return "; ".join([said, *_repeated(runs)] if said else _repeated(runs))
+    return cases, "; ".join([said, *_repeated(runs)] if said else _repeated(runs))
 
 
-def _mark(file: ScenarioFile, cases: list[Case]) -> str:
+def _marked(file: ScenarioFile, cases: Sequence[Case]) -> tuple[list[Case], str]:
     uses = {c.use for c in cases}
     if uses == {"held_out"}:
         raise InputError(
             f"{file.path}: recordings.runs: found use: held_out in every run; expected some to fit (use: train)"
         )
     if "held_out" in uses:
-        for c in cases:
-            c.use = c.use or "train"
-        return ""
+        return [replace(c, use=c.use or "train") for c in cases], ""
     if len(cases) > 1:
-        for i, c in enumerate(cases):
-            c.use = "held_out" if i % 3 == 2 or (len(cases) == 2 and i == 1) else "train"
-        kept = ", ".join(c.name for c in cases if c.use == "held_out")
-        return f"no run was marked held_out: every third motion was kept back ({kept})"
-    cases[0].use = "train"
-    return f"there is one run: {_cut(cases, cases[0])}"
-
-
-def _cut(cases: list[Case], case: Case) -> str:
-    """Keep back the later part of a case, as one more; returns where it was cut, in words."""
-    time = case.measured.time
+        kept = {i for i in range(len(cases)) if i % 3 == 2 or (len(cases) == 2 and i == 1)}
+        marked = [replace(c, use="held_out" if i in kept else "train") for i, c in enumerate(cases)]
+        names = ", ".join(c.name for c in marked if c.use == "held_out")
+        return marked, f"no run was marked held_out: every third motion was kept back ({names})"
+    (only,) = cases
+    time = only.measured.time
     middle = float(time[0] + FITTED * (time[-1] - time[0]))
-    later = replace(case, measured=case.measured.between(middle, np.inf), use="held_out", name=f"{case.name} (rest)")
-    case.measured = case.measured.between(-np.inf, middle)
-    cases.append(later)
-    return f"it was fitted up to {middle:.2f} s and judged on the rest"
-
-
-def keep_back(cases: list[Case], showing: Sequence[int]) -> str:
-    """Cut in two the training runs that show a gap as no held-out run does, where they are long enough; returns
-    what the user should know of it, nothing where none was cut.
-    """
-    long = [cases[c] for c in showing if (1.0 - FITTED) * len(cases[c].measured.time) >= 2 * LEAST]
-    return "; ".join(f"no held-out run shows a gap like that of {case.name}: {_cut(cases, case)}" for case in long)
+    first = replace(only, measured=only.measured.between(-np.inf, middle), use="train")
+    rest = replace(only, measured=only.measured.between(middle, np.inf), use="held_out", name=f"{only.name} (rest)")
+    return [first, rest], f"there is one run: it was fitted up to {middle:.2f} s and judged on the rest"
 
 
 def _check_apart(file: ScenarioFile, runs: Sequence[tuple[Experiment, str]]) -> None:

@@ -1,6 +1,7 @@
 """The unit of a parameter at its target."""
 
-from realitygap.diagnose.data.problem import Problem, Suspect
+from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import CASCADE, PID, SPEED, TORQUE
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.effect import Parameter

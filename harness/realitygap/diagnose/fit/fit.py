@@ -1,285 +1,171 @@
-"""Fitting suspects in simulation: bounded least squares with a robust loss, and how sure the result is."""
+"""Fitting changes in simulation: bounded least squares in the metric of the residuals."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
-from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes
-from realitygap.diagnose.data.decoys import KNOWN
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.responses import residual, residuals
+from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 
-STEP, CONTACT_STEP = 0.02, 0.15
-"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a
-free body, where contacts that come and go make small differences tell nothing but that."""
-ELSEWHERE = (0.7, 1.4)
-"""A fit is tried again from these multiples of the newest change: friction that holds a joint makes it rough."""
-BETTER = 0.99
-"""It goes on from there where the loss is below this share."""
-OUTLIER = 5.0
-"""A residual beyond this many times its root mean square counts less."""
-CLOSE = 1e-3
+STEP, CONTACT_STEP = 0.05, 0.15
+"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
+body, where contacts that come and go make small differences tell nothing but that."""
+CLOSE = 2e-3
 """A fit ends where a step would change the parameters by less than this share."""
-PRIOR = 1e-3
-"""Pull towards the first guess per size, so that a parameter without influence stays where it is."""
+SLAB = 4.0
+"""Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
+neither negligible nor absurd."""
+LOOSE = 10.0
+"""The same for shapes and stiffnesses, about their first guess."""
+WORST = 1e6
+"""The residual of a simulation that failed, in standard deviations."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Fit:
-    """Fitted changes and how well they explain the motions.
+    """Fitted changes.
 
     Attributes:
-        changes: the suspects with their values.
-        cost: mean squared residual per case; 1 is the floor.
-        names: (suspect number, parameter) of every fitted value.
-        value, deviation: fitted values and their standard deviations. Shape (p,).
-        step_per_case: Shape (cases, p): how far each motion alone would move the values (Gauss-Newton).
-        weight_per_case: Shape (cases, p): curvature of each motion: how much it says about each value.
-        misfit: the gap in floors that counts as noise (see `Problem.levels`).
+        changes: with their values.
+        names: (number of the change, parameter) of every fitted value.
+        residual: stacked, of the training motions. Shape (m,).
+        slope: change of the residual per size of each value. Shape (m, p).
+        size: of every value, in its unit. Shape (p,).
+        prior: how far each value is from where its prior expects it, in standard deviations. Shape (p,).
     """
 
-    changes: list[Change]
-    cost: dict[int, float] = field(default_factory=dict)
-    names: list[tuple[int, str]] = field(default_factory=list)
-    value: Array = field(default_factory=lambda: np.zeros(0))
-    deviation: Array = field(default_factory=lambda: np.zeros(0))
-    step_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    weight_per_case: Array = field(default_factory=lambda: np.zeros((0, 0)))
-    evaluations: int = 0
-    misfit: float = 1.0
+    changes: tuple[Change, ...]
+    residual: Array
+    names: tuple[tuple[int, str], ...] = ()
+    slope: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    size: Array = field(default_factory=lambda: np.zeros(0))
+    prior: Array = field(default_factory=lambda: np.zeros(0))
 
-    def mean_cost(self, cases: Sequence[int]) -> float:
-        """Mean squared residual over some cases, each counting alike."""
-        return float(np.mean([self.cost[c] for c in cases]))
+    @property
+    def value(self) -> Array:
+        """The fitted values. Shape (p,)."""
+        return np.array([self.changes[i].parameters[name] for i, name in self.names])
 
 
-def start(problem: Problem, suspect: Suspect) -> Change:
-    """A suspect at a first guess: its neutral value plus a sensible size."""
-    effect = KNOWN[suspect.effect]
-    first = effect.first_size(problem.plant, suspect.indices[0])
-    zero = neutral(problem.plant, suspect)
-    free = tuple(p.name for p in fitted(effect))
-    values = {}
-    for p in effect.parameters:
-        value = first[p.name]
-        if p.name in free and value == zero[p.name]:
-            value = zero[p.name] + sizes(problem.plant, suspect)[p.name]
-        values[p.name] = float(np.clip(value, p.low, p.high))
-        if p.name not in free and p.default is not None:
-            values[p.name] = p.default
-    return Change(suspect, tuple(values.items()), free)
-
-
-class _Space:
+class Space:
     """The fitted values of several changes as one vector, scaled by their sizes."""
 
     def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
         self.changes = list(changes)
-        self.names: list[tuple[int, str]] = []
-        scale, low, high, first = [], [], [], []
+        names, scale, low, high, first, expected, width = [], [], [], [], [], [], []
         for i, change in enumerate(self.changes):
-            effect = KNOWN[change.suspect.effect]
-            size = sizes(problem.plant, change.suspect)
+            size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
             for name in change.free:
-                p = effect.parameter(name)
-                self.names.append((i, name))
-                value = change.parameters[p.name]
-                scale.append(max(size[name], 1e-12))
+                p, value = change.suspect.kind.parameter(name), change.parameters[name]
+                names.append((i, name))
+                plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
+                scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
+                expected.append(zero[name] if plain else value)
+                width.append(SLAB if plain else LOOSE)
                 low.append(p.low)
                 high.append(p.high)
                 first.append(min(max(value, p.low), p.high))
+        self.names = tuple(names)
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
         self.first = np.array(first) / self.scale
+        self.expected, self.width = np.array(expected) / self.scale, np.array(width)
         self.step = CONTACT_STEP if problem.plant.model.floating else STEP
 
     def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the scaled values."""
         return self.low / self.scale, self.high / self.scale
 
-    def elsewhere(self, problem: Problem, x: Array) -> list[Array]:
-        """Where else to look: the newest change made larger and smaller, its shape kept."""
-        last = len(self.changes) - 1
-        zero = neutral(problem.plant, self.changes[last].suspect)
-        out = []
-        for factor in ELSEWHERE:
-            y = x.copy()
-            for k, (i, name) in enumerate(self.names):
-                shape = KNOWN[self.changes[i].suspect.effect].parameter(name).shape
-                if i == last and not shape and np.isfinite(zero[name]):
-                    origin = zero[name] / self.scale[k]
-                    y[k] = origin + factor * (x[k] - origin)
-            out.append(np.clip(y, *self.bounds()))
-        return [y for y in out if (y != x).any()]
+    def prior(self, x: Array) -> Array:
+        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,)."""
+        return np.asarray((x - self.expected) / self.width)
 
-    def at(self, x: Array) -> list[Change]:
-        values = [change.parameters for change in self.changes]
+    def at(self, x: Array) -> tuple[Change, ...]:
+        """The changes at scaled values."""
+        values: list[dict[str, float]] = [{} for _ in self.changes]
         for (i, name), v, low, high in zip(self.names, x * self.scale, self.low, self.high, strict=True):
             values[i][name] = float(min(max(v, low), high))
-        return [replace(c, values=tuple(v.items())) for c, v in zip(self.changes, values, strict=True)]
+        return tuple(c.at(v) for c, v in zip(self.changes, values, strict=True))
 
-
-class _Residual:
-    """The residuals of the training motions over a vector of scaled values; what was simulated is kept in `memo`."""
-
-    def __init__(self, problem: Problem, space: _Space, train: Sequence[int], misfit: float) -> None:
-        self.problem, self.space, self.train = problem, space, train
-        self.levels = [problem.levels(c, misfit) for c in train]
-        self.memo: dict[bytes, list[Array]] = {}
-
-    def __call__(self, x: Array) -> Array:
-        """Weighted so that every motion counts alike, with the pull towards the first guess at the end."""
-        return self._weighted(self.simulated(x), x)
-
-    def simulated(self, x: Array) -> list[Array]:
-        """As simulated, by motion."""
-        key = x.tobytes()
-        if key not in self.memo:
-            self.memo[key] = [self.problem.residuals(self.space.at(x), c) for c in self.train]
-        return self.memo[key]
-
-    def jacobian(self, x: Array) -> Array:
-        """By differences, as coarsely as is faithful; a step that is exact serves the solver again."""
-        exact = all(self.problem.cases[c].coarse == 1.0 for c in self.train)
-        return _differences(self if exact else self._coarse, x, self.space)
-
-    def _coarse(self, x: Array) -> Array:
-        return self._weighted([self.problem.coarse_residuals(self.space.at(x), c) for c in self.train], x)
-
-    def _weighted(self, parts: Sequence[Array], x: Array) -> Array:
-        rows = [_alike(level * r) for level, r in zip(self.levels, parts, strict=True)]
-        return np.concatenate([*rows, PRIOR * (x - self.space.first)])
+    def steps(self, x: Array) -> list[tuple[Array, float]]:
+        """A moved vector for every value, and how far it moved."""
+        out = []
+        high = self.bounds()[1]
+        for k in range(len(x)):
+            step = self.step * max(abs(x[k]), 0.3)
+            if x[k] + step > high[k]:
+                step = -step
+            moved = x.copy()
+            moved[k] += step
+            out.append((moved, step))
+        return out
 
 
 def fit(
-    problem: Problem,
+    simulations: Simulations,
     changes: Sequence[Change],
     train: Sequence[int],
-    judge: Sequence[int],
-    budget: int = 12,
-    misfit: float = 1.0,
-) -> Fit:
-    """Fit changes jointly to the training motions and judge them on others.
+    metric: Metric,
+    coarse: Sequence[float],
+    budget: int = 8,
+) -> Fit | None:
+    """Fit changes jointly to the training motions; None where they cannot be simulated.
 
     Args:
-        problem: with its floors set.
+        simulations: of the problem.
         changes: with first guesses.
         train: cases to fit to.
-        judge: cases to judge on.
-        budget: iterations of the solver at most.
-        misfit: the gap in floors that counts as noise, because no model comes closer.
+        metric: of the stacked residual.
+        coarse: the least faithful share of the step rate, by case, for derivatives.
+        budget: steps of the solver at most.
     """
-    if not any(c.free for c in changes):
-        return Fit(list(changes), costs(problem, changes, [*train, *judge]))
-    space = _Space(problem, changes)
-    residual = _Residual(problem, space, train, misfit)
-    before = residual(space.first)
-    reach = 1.5 if misfit == 1.0 else OUTLIER
-    scale = max(1.0, reach * float(np.sqrt(np.mean(before**2) * len(before) / len(train))))
-    margin = scale / np.sqrt(_mean_length(problem, train))
+    space = Space(simulations.problem, changes)
+    before = residual(simulations, changes, train)
+    if before is None:
+        return None
+    if not len(space.first):
+        return Fit(tuple(changes), before)
+    failed = np.full(len(metric(np.zeros(len(before)))), WORST)
+    slopes: dict[bytes, Array] = {}
 
-    def solve(x: Array) -> OptimizeResult:
-        return least_squares(
-            residual,
-            x,
-            jac=residual.jacobian,
-            bounds=space.bounds(),
-            loss="soft_l1",
-            f_scale=margin,
-            max_nfev=budget,
-            xtol=CLOSE,
-            ftol=1e-4,
-            gtol=1e-10,
-        )
+    def residuals_at(x: Array) -> Array:
+        r = residual(simulations, space.at(x), train)
+        return np.concatenate([failed if r is None else metric(r), space.prior(x)])
 
-    def loss(x: Array) -> float:
-        return float(margin**2 * np.sum(np.sqrt(1.0 + (residual(x) / margin) ** 2) - 1.0))
+    def jacobian(x: Array) -> Array:
+        slopes[x.tobytes()] = slope(simulations, space, x, train, coarse)
+        return np.vstack([metric(slopes[x.tobytes()]), np.diag(1.0 / space.width)])
 
-    solution = solve(space.first)
-    for x in space.elsewhere(problem, solution.x):
-        if loss(x) < BETTER * solution.cost:
-            again = solve(x)
-            solution = again if again.cost < solution.cost else solution
-            break
-    out = Fit(space.at(solution.x), names=space.names, value=solution.x * space.scale, misfit=misfit)
-    fitted = dict(zip(train, residual.simulated(solution.x), strict=True))
-    out.cost = {c: _mean_square(r) for c, r in fitted.items()} | costs(problem, out.changes, set(judge) - set(train))
-    out.evaluations = len(residual.memo)
-    return out
+    solution = least_squares(
+        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
+        xtol=CLOSE, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
+    )  # fmt: skip
+    x = solution.x
+    after = residual(simulations, space.at(x), train)
+    if after is None:
+        return None
+    last = slopes[x.tobytes()] if x.tobytes() in slopes else slope(simulations, space, x, train, coarse)
+    return Fit(space.at(x), after, space.names, last, space.scale, space.prior(x))
 
 
-def costs(problem: Problem, changes: Sequence[Change], cases: Iterable[int]) -> dict[int, float]:
-    """The mean squared residual of each case with a changed plant; 1 is the floor."""
-    return {c: _mean_square(problem.residuals(changes, c)) for c in sorted(set(cases))}
-
-
-def _mean_square(residual: Array) -> float:
-    return float(np.mean(residual**2))
-
-
-def _mean_length(problem: Problem, cases: Sequence[int]) -> float:
-    return float(np.mean([problem.length(c) for c in cases]))
-
-
-def _alike(residual: Array) -> Array:
-    """A motion's residual so that its squares sum to their mean: every motion counts alike, however long."""
-    return np.asarray(residual / np.sqrt(len(residual)))
-
-
-def _differences(function: Callable[[Array], Array], x: Array, space: _Space) -> Array:
-    base, high = function(x), space.bounds()[1]
-    out = np.empty((len(base), len(x)))
-    for k in range(len(x)):
-        step = space.step * max(abs(x[k]), 0.3)
-        if x[k] + step > high[k]:
-            step = -step
-        moved = x.copy()
-        moved[k] += step
-        out[:, k] = (function(moved) - base) / step
-    return out
-
-
-def assess(problem: Problem, result: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
-    """A fit with standard deviations and with what each motion alone would say of its values."""
-    space = _Space(problem, result.changes)
-    out = replace(result, names=space.names, value=space.first * space.scale)
-    cases = sorted({*train, *judge})
-    p = len(space.first)
-    normal = np.zeros((p, p))
-    out.step_per_case, out.weight_per_case = np.zeros((len(cases), p)), np.zeros((len(cases), p))
-    for row, c in enumerate(cases):
-        level = problem.levels(c, result.misfit)
-
-        def coarse(y: Array, c: int = c, level: Array = level) -> Array:
-            return level * problem.coarse_residuals(space.at(y), c)
-
-        base = level * problem.residuals(result.changes, c)
-        slope = _differences(coarse, space.first, space)
-        robust = 1.0 / np.sqrt(1.0 + (base / (OUTLIER * max(1.0, np.sqrt(out.cost[c])))) ** 2)
-        gradient, curvature = slope.T @ (robust * base), (slope * robust[:, None]).T @ slope
-        out.step_per_case[row] = -gradient / np.maximum(np.diag(curvature), 1e-30) * space.scale
-        out.weight_per_case[row] = np.diag(curvature) / space.scale**2
-        if c in train:
-            inflation = max(float(np.mean(base**2)), 1.0) * _correlation_time(base, len(problem.cases[c].measured.time))
-            normal += curvature / inflation
-    covariance = np.linalg.pinv(normal + 1e-12 * np.eye(p) * max(float(np.trace(normal)), 1e-30))
-    out.deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * space.scale
-    return out
-
-
-def _correlation_time(residual: Array, samples: int) -> float:
-    """How many samples of a residual count as one: the integrated autocorrelation, at least 1."""
-    r = residual - residual.mean()
-    power = float(r @ r)
-    if power <= 0:
-        return 1.0
-    reach = min(samples // 4, 200)
-    total = 1.0
-    for lag in range(1, reach):
-        rho = float(r[:-lag] @ r[lag:]) / power
-        if rho < 0.05:
-            break
-        total += 2.0 * rho
-    return total
+def slope(simulations: Simulations, space: Space, x: Array, train: Sequence[int], coarse: Sequence[float]) -> Array:
+    """The change of the stacked residual per scaled value, by differences, simulated side by side. Shape (m, p)."""
+    moved = space.steps(x)
+    still, *answers = residuals(simulations, [space.at(x), *(space.at(y) for y, _ in moved)], train, coarse)
+    if still is None:
+        still = residual(simulations, space.at(x), train)
+        assert still is not None
+    return np.column_stack(
+        [
+            np.zeros(len(still)) if a is None else np.nan_to_num(a - still) / s
+            for a, (_, s) in zip(answers, moved, strict=True)
+        ]
+    )

@@ -1,80 +1,132 @@
-"""The floors of every sample: noise, disturbances and numerics, for the model as it stands."""
+"""The floors of every sample: the sensors' noise, disturbances and numerics, for a model as it stands."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from realitygap_engines import Diverged, Unsupported
 
-from realitygap.diagnose.data.case import TINY
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import Change, Problem
-from realitygap.diagnose.likelihood.disturbance import Moved, disturbances, sensitivity, spread
+from realitygap.diagnose.data.case import TINY, Case
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.noise import local_maximum
+from realitygap.diagnose.data.problem import Problem, Signals
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.data.worker import Question
+from realitygap.diagnose.likelihood.disturbance import disturbances, sensitivities, spread
 from realitygap.robot.drive import Array
 
 COARSE = (0.25, 0.5)
 """Where only the change of the traces counts, the least of these shares of the step rate is enough ..."""
 FAITHFUL = 0.3
-"""... that moves the traces by no more than this, in standard deviations (rms)."""
+"""... that moves the traces by no more than this, in floors (rms): it adds 5 % to what noise and floors make."""
+NEIGHBOURS = 3
+"""Samples around a step transient that share its numerical floor."""
 
 
-def set_floors(pool: Pool, changes: Sequence[Change]) -> Array:
-    """Measure the floors of every case with a changed plant, and keep them in the problem; then how coarse a step is
-    enough beside them.
+@dataclass(frozen=True)
+class Floors:
+    """How far samples may be off without meaning anything, by case and signal.
 
-    Returns:
-        The disturbing torque on each joint in one repetition [N·m], shape (n,).
+    Attributes:
+        noise: standard deviation of the sensor per joint, independent from sample to sample. Shape (n,).
+        slow: standard deviation of what lasts: numerics, disturbances. Shape (t, n).
+        coarse: the share of the step rate that is enough where only the change of the traces counts.
+        torque: the disturbing torque on each joint in one repetition [N·m]. Shape (n,).
     """
-    problem = pool.problem
-    each = [(tuple(changes), i) for i in range(len(problem.cases))]
-    answers = pool.map(_floors, each)
-    torque = disturbances(problem, [moved for _, moved in answers])
-    for case, (floor, moved) in zip(problem.cases, answers, strict=True):
-        case.floor, case.disturbed = floor, spread(case, moved, torque)
-    _set_noise(problem, bool(torque.any()))
-    pool.renew()
-    for case, share in zip(problem.cases, pool.map(_coarse, each), strict=True):
-        case.coarse = share
-    pool.renew()
-    return torque
+
+    noise: tuple[dict[str, Array], ...]
+    slow: tuple[dict[str, Array], ...]
+    coarse: tuple[float, ...]
+    torque: Array
+
+    def sigma(self, case: int, signal: str) -> Array:
+        """The floor of each sample. Shape (t, n)."""
+        return np.asarray(np.hypot(self.noise[case][signal], self.slow[case][signal]))
 
 
-def _floors(problem: Problem, changes: tuple[Change, ...], case: int) -> tuple[dict[str, Array], Moved]:
-    try:
-        floor = problem.numerical_floor(changes, case)
-    except (Diverged, Unsupported):
-        floor = {}
-    return floor, sensitivity(problem, changes, case)
+def measure(simulations: Simulations, changes: Sequence[Change]) -> Floors:
+    """The floors of every case for a model with changes, and how coarse a step is enough beside them."""
+    problem = simulations.problem
+    numerical = _numerical(simulations, changes)
+    moved = sensitivities(simulations, changes)
+    torque = disturbances(problem, moved)
+    disturbed = [spread(c, m, torque) for c, m in zip(problem.cases, moved, strict=True)]
+    noise = _noise(problem, disturbed, bool(torque.any()))
+    slow = []
+    for case, floor, pushed in zip(problem.cases, numerical, disturbed, strict=True):
+        none = {s: np.zeros_like(case.value(s)) for s in case.noise}
+        slow.append({s: np.hypot(floor.get(s, none[s]), pushed.get(s, none[s])) for s in case.noise})
+    fine = Floors(noise, tuple(slow), (1.0,) * len(problem.cases), torque)
+    return Floors(noise, fine.slow, _coarse(simulations, changes, fine), torque)
 
 
-def _coarse(problem: Problem, changes: tuple[Change, ...], case: int) -> float:
-    """The least share of the step rate that hardly moves the traces."""
-    full = problem.residuals(changes, case)
-    for share in COARSE:
-        if np.sqrt(np.mean((problem.residuals(changes, case, finer=share) - full) ** 2)) <= FAITHFUL:
-            return share
-    return 1.0
+def _numerical(simulations: Simulations, changes: Sequence[Change]) -> list[dict[str, Array]]:
+    """How far half the step moves each sample: the largest among neighbours, doubled. Shape (t, n).
+
+    A held command moves the effort at once, and which side of the jump a sample saw is not known: it is part of it.
+    """
+    problem = simulations.problem
+    out = []
+    asked = [
+        Question(tuple(changes), c, problem.engine, finer, jumps=finer == 1.0)
+        for c in range(len(problem.cases))
+        for finer in (1.0, 2.0)
+    ]
+    answers = simulations.ask(asked)
+    for i, case in enumerate(problem.cases):
+        coarse, fine = answers[2 * i : 2 * i + 2]
+        floor: dict[str, Array] = {}
+        if coarse is not None and fine is not None:
+            floor = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in case.noise}
+            if "effort" in floor and case.experiment.commands.held:
+                floor["effort"] = np.hypot(floor["effort"], coarse["jump"])
+        out.append(floor)
+    return out
 
 
-def _set_noise(problem: Problem, modelled: bool) -> None:
+def _coarse(simulations: Simulations, changes: Sequence[Change], floors: Floors) -> tuple[float, ...]:
+    """The least share of the step rate that hardly moves the traces, by case."""
+    problem = simulations.problem
+    every = range(len(problem.cases))
+    full, *less = (
+        simulations.ask([Question(tuple(changes), c, problem.engine, share) for c in every]) for share in (1.0, *COARSE)
+    )
+    out = []
+    for c in every:
+        shares = [1.0]
+        for share, answers in zip(reversed(COARSE), reversed(less), strict=True):
+            a, b = full[c], answers[c]
+            if a is not None and b is not None and _apart(problem, floors, c, a, b) <= FAITHFUL:
+                shares.append(share)
+        out.append(min(shares))
+    return tuple(out)
+
+
+def _apart(problem: Problem, floors: Floors, case: int, a: Signals, b: Signals) -> float:
+    squares = [problem.columns(s, ((a[s] - b[s]) / floors.sigma(case, s)) ** 2).ravel() for s in problem.signals(case)]
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def _noise(problem: Problem, disturbed: Sequence[dict[str, Array]], modelled: bool) -> tuple[dict[str, Array], ...]:
     """The noise of every case beside what disturbances explain of the spread between repetitions."""
+    out = [dict(c.noise) for c in problem.cases]
     for signal in {s for c in problem.cases for s in c.noise}:
-        repeated = [c for c in problem.cases if signal in c.spread]
+        repeated = [(c, d) for c, d in zip(problem.cases, disturbed, strict=True) if signal in c.spread]
         if not repeated:
             continue
-        seen = np.mean([c.spread[signal] ** 2 for c in repeated], axis=0)
+        seen = np.mean([c.spread[signal] ** 2 for c, _ in repeated], axis=0)
+        single = np.sqrt(seen)
         if modelled:
-            white = np.mean([c.white[signal] ** 2 for c in repeated], axis=0)
-            pushed = np.mean([_pushed(c.disturbed.get(signal), c.repetitions, seen) for c in repeated], axis=0)
+            white = np.mean([c.white[signal] ** 2 for c, _ in repeated], axis=0)
+            pushed = np.mean([_pushed(c, d.get(signal), seen) for c, d in repeated], axis=0)
             single = np.sqrt(np.maximum(white, seen - pushed))
-        else:
-            single = np.sqrt(seen)
-        single = np.where(seen > 0, single, repeated[0].white[signal])
-        for c in problem.cases:
-            if signal in c.noise:
-                c.noise[signal] = np.maximum(single / np.sqrt(c.repetitions), TINY[signal])
+        single = np.where(seen > 0, single, repeated[0][0].white[signal])
+        for case, noise in zip(problem.cases, out, strict=True):
+            if signal in noise:
+                noise[signal] = np.maximum(single / np.sqrt(case.repetitions), TINY[signal])
+    return tuple(out)
 
 
-def _pushed(disturbed: Array | None, repetitions: int, seen: Array) -> Array:
-    return np.zeros_like(seen) if disturbed is None else np.mean(disturbed**2, axis=0) * repetitions
+def _pushed(case: Case, disturbed: Array | None, seen: Array) -> Array:
+    return np.zeros_like(seen) if disturbed is None else np.mean(disturbed**2, axis=0) * case.repetitions

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.diagnose.candidates.suspects import neutral
-from realitygap.diagnose.data.problem import Change, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.rehearse.page import label, sentence, words, write_page
 from realitygap.diagnose.rehearse.planting import FINER, planted

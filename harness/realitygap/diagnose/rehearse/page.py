@@ -56,7 +56,7 @@ def write_page(result: Rehearsal, content: dict[str, Any], out: Path) -> Path:
         impossible=[(effect_label(e), reason.split(";")[0]) for e, reason in result.impossible.items()],
         notes=result.notes,
         split=problem.split,
-        disturbed=[f"{n} {number(t)}" for n, t in zip(joints, result.torque, strict=True) if t],
+        disturbed=[f"{n} {number(t)}" for n, t in zip(joints, result.floors.torque, strict=True) if t],
     )  # fmt: skip
     write_whole(path, text)
     return path

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import neutral, whole
 from realitygap.diagnose.data.case import Case
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
-from realitygap.diagnose.fit.fit import start
-from realitygap.diagnose.likelihood.disturbance import Push, coloured
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.push import Push
+from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.recording.quantum import quantum
 from realitygap.robot.drive import Array
-from realitygap.robot.effects import EFFECTS
+from realitygap.scenario.world import PhysicsSpec
 from realitygap.simulate.experiment import simulate
 from realitygap.trace.trace import Trace
 
@@ -24,7 +26,7 @@ FINER = 4.0
 
 def planted(problem: Problem, suspect: Suspect, factor: float) -> Change:
     """A suspect at some times its first size. Values that leave the effect's bounds are put back to them."""
-    effect, first = EFFECTS[suspect.effect], start(problem, suspect)
+    effect, first = suspect.kind, guess(problem, suspect)
     zero, values = neutral(problem.plant, suspect), first.parameters
     for p in effect.parameters:
         if p.shape:
@@ -34,46 +36,53 @@ def planted(problem: Problem, suspect: Suspect, factor: float) -> Change:
         else:
             value = zero[p.name] + factor * (values[p.name] - zero[p.name])
         values[p.name] = float(np.clip(value, p.low, p.high))
-    return replace(first, values=tuple(values.items()))
+    return first.at(values)
 
 
-def plant_recordings(problem: Problem, changes: Sequence[Change], engine: str, torque: Array, seed: int = 0) -> Problem:
+def plant_recordings(
+    problem: Problem, floors: Floors, changes: Sequence[Change], engine: str, seed: int = 0
+) -> Problem:
     """A copy of a problem in which what was measured is simulated with changes, in an engine and with a finer step.
 
     Args:
-        problem: with its floors set.
+        problem: the motions.
+        floors: of the model, which say how noisy its sensors are and what disturbs it.
         changes: what the simulated robot has and the model lacks.
         engine: that plays the robot.
-        torque: disturbing torque on each joint in one repetition [N·m], (n,).
         seed: of the noise.
 
     Raises:
         Unsupported, Diverged: as the engine says.
     """
     random = np.random.default_rng(seed)
-    cases = [_recorded(problem, changes, i, engine, torque, random) for i in range(len(problem.cases))]
-    return replace(problem, cases=cases)
+    cases = [_recorded(problem, floors, changes, i, engine, random) for i in range(len(problem.cases))]
+    return replace(problem, cases=tuple(cases))
 
 
 def _recorded(
-    problem: Problem, changes: Sequence[Change], number: int, engine: str, torque: Array, random: np.random.Generator
+    problem: Problem, floors: Floors, changes: Sequence[Change], number: int, engine: str, random: np.random.Generator
 ) -> Case:
     case = problem.cases[number]
     e, plant = case.experiment, problem.changed_plant(changes, number)
     rate = e.scenario.physics.step_rate * FINER
-    steps = int(e.duration * rate) + 3
-    for j in np.flatnonzero(torque > 0):
-        push = coloured(steps, 1 / rate, int(random.integers(1 << 31))) * torque[j] / np.sqrt(case.repetitions)
-        plant.efforts.append(Push(push, 1 / rate, int(j), len(torque)))
+    fast = replace(e, scenario=e.scenario.model_copy(update={"physics": physics_at(e.scenario.physics, rate)}))
+    for j in np.flatnonzero(floors.torque > 0):
+        Push(int(j), floors.torque[j] / np.sqrt(case.repetitions), int(random.integers(1 << 31))).on(plant, fast)
     trace = simulate(e.with_plant(plant), engine, step_rate=rate).trace.at(case.measured.time)
-    values = {s: _sensed(np.asarray(getattr(trace, s)), case, s, random) for s in problem.signals(number)}
+    noise = floors.noise[number]
+    values = {s: _sensed(np.asarray(getattr(trace, s)), case, s, noise[s], random) for s in problem.signals(number)}
     return replace(case, measured=_measured(case.measured, values), noise=dict(case.noise))
 
 
-def _sensed(value: Array, case: Case, signal: str, random: np.random.Generator) -> Array:
+def physics_at(physics: PhysicsSpec, rate: float) -> PhysicsSpec:
+    """The same physics at another step rate [Hz]."""
+    return physics.model_copy(update={"step_rate": rate})
+
+
+def _sensed(value: Array, case: Case, signal: str, noise: Array, random: np.random.Generator) -> Array:
     """What the scenario's own sensor would have said: its noise, its quantum, and its gaps."""
     step = quantum(case.value(signal)) if case.repetitions == 1 else np.zeros(value.shape[1])
-    beside = np.sqrt(np.maximum(case.noise[signal] ** 2 - step**2 / 12, 0.0))  # rounding is noise, too
+    beside = np.sqrt(np.maximum(noise**2 - step**2 / 12, 0.0))  # rounding is noise, too
     out = value + beside * random.standard_normal(value.shape)
     out = np.where(step > 0, np.round(out / np.where(step > 0, step, 1.0)) * step, out)
     if signal == "base_quaternion":

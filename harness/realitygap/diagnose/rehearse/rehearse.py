@@ -14,20 +14,20 @@ import numpy as np
 from realitygap_engines import Diverged, Unsupported
 
 from realitygap.check import certain
-from realitygap.diagnose.candidates.suspects import UNTRIED, suspects
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import Change, Problem, Suspect, build_problem
-from realitygap.diagnose.judge.rivals import rivals
-from realitygap.diagnose.likelihood.floors import set_floors
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.gaps import cost
+from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
 from realitygap.diagnose.rehearse.visible import Confusable, Visible, confusables, visible
+from realitygap.diagnose.result.diagnosis import CLEAR
 from realitygap.diagnose.result.workflow import SEARCH
-from realitygap.diagnose.search.found import name
-from realitygap.diagnose.search.outside import set_aside
-from realitygap.diagnose.search.search import AT_FLOOR, search
+from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
-from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
@@ -82,10 +82,10 @@ class Rehearsal:
     """What the recordings of a scenario could reveal.
 
     Attributes:
-        problem: of the scenario, with its floors.
+        problem: of the scenario.
         robot: the engine that played the robot; the problem's own is the one that searched.
         quiet: mean squared residual with nothing planted, on training and on held-out runs.
-        torque: disturbing torque on each joint in one repetition [N·m], (n,).
+        floors: of the scenario's model.
         found: every effect and target with the smallest size that is seen, as signatures tell.
         confusables: what could be taken for what.
         tried: full searches, the first with nothing planted.
@@ -97,7 +97,7 @@ class Rehearsal:
     problem: Problem
     robot: str
     quiet: tuple[float, float]
-    torque: Array
+    floors: Floors
     found: list[Visible] = field(default_factory=list)
     confusables: list[Confusable] = field(default_factory=list)
     tried: list[Tried] = field(default_factory=list)
@@ -107,23 +107,20 @@ class Rehearsal:
 
 
 def run_rehearsal(
-    path: Path, names: Sequence[str], out: Path, progress: Progress, budget: float = 300.0, workers: int | None = None
+    path: Path, names: Sequence[str], progress: Progress, budget: float = 300.0, workers: int | None = None
 ) -> Rehearsal:
-    """Rehearse a scenario and write what was found.
+    """Rehearse a scenario.
 
     Args:
         path: the scenario file.
         names: engines: the first searches, the second plays the robot; empty: MuJoCo searches, another one plays.
-        out: the result folder.
         progress: told what is being done.
         budget: seconds that it may take, about.
         workers: processes; None for one per core.
 
     Raises:
-        InputError: for a scenario that cannot be diagnosed, or a budget that is no time; nothing is written then.
+        InputError: for a scenario that cannot be diagnosed, or a budget that is no time.
     """
-    from realitygap.diagnose.rehearse.files import write_rehearsal
-
     if not budget > 0:
         raise InputError(f"--budget: found {budget:g}, expected seconds above 0")
     chosen = engine_names(names)
@@ -131,45 +128,47 @@ def run_rehearsal(
     file = load_scenario(path)
     warnings = certain(file)
     problem = build_problem(file, first)
-    with Pool(problem, workers) as pool:
-        result = rehearse(pool, [e for e in chosen if e != first], budget, progress.say)
+    with Simulations(problem, workers) as simulations:
+        result = rehearse(simulations, [e for e in chosen if e != first], budget, progress.say)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
-    write_rehearsal(result, out)
     return result
 
 
 def rehearse(
-    pool: Pool, others: Sequence[str], budget: float, say: Callable[[str], None] = lambda _: None
+    simulations: Simulations, others: Sequence[str], budget: float, say: Callable[[str], None] = lambda _: None
 ) -> Rehearsal:
     """Plant, look, search and compare, within a budget [s]; `others` are engines that may play the robot."""
     began = time.monotonic()
-    problem = pool.problem
+    problem = simulations.problem
     say(f"floors of {len(problem.cases)} motions")
-    torque = set_floors(pool, [])
-    result = _quiet(problem, others, torque)
+    floors = measure(simulations, [])
+    result = _quiet(problem, others, floors)
     took = time.monotonic() - began
-    everyone, result.left_out = _chosen(problem, budget, took / 4, pool.workers)
+    everyone, result.left_out = _chosen(problem, budget, took / 4, simulations.workers)
     result.impossible = _impossible(problem)
     say(f"planting {len(everyone)} effects and targets: looking for the smallest size of each that is seen")
-    result.found = visible(pool, everyone, result.quiet, say)
+    result.found = visible(simulations, floors, everyone, needed(len(suspects(problem))), say)
     result.confusables = confusables(result.found)
     seen = [v for v in result.found if v.seen]
     say(f"{len(seen)} of {len(everyone)} can be seen; trying full searches")
-    _search_all(pool, result, began + budget, say)
+    _search_all(simulations, result, began + budget, say)
     return result
 
 
-def _quiet(problem: Problem, others: Sequence[str], torque: Array) -> Rehearsal:
+def _quiet(problem: Problem, others: Sequence[str], floors: Floors) -> Rehearsal:
     """The check with nothing planted, in another engine where one agrees within the floors."""
     notes = []
     for engine in [*others, problem.engine]:
         try:
-            still = plant_recordings(problem, [], engine, torque)
+            still = plant_recordings(problem, floors, [], engine)
         except (Unsupported, Diverged) as error:
             notes.append(f"{engine} could not play the robot: {error}")
             continue
-        quiet = [float(np.mean([np.mean(still.residuals([], i) ** 2) for i in problem.of(u)])) for u in USES]
-        if engine != problem.engine and max(quiet) > AT_FLOOR:
+        with Simulations(still, 1) as own:
+            answers = own.of([], range(len(still.cases)))
+        every = [cost(still, floors, i, a) for i, a in enumerate(answers)]
+        quiet = [float(np.mean([every[i] for i in problem.of(use)])) for use in USES]
+        if engine != problem.engine and max(quiet) > CLEAR**2:
             notes.append(
                 f"{engine} and {problem.engine} differ by {np.sqrt(max(quiet)):.2g} floors in this scenario with "
                 "nothing planted, which would hide what is planted"
@@ -177,7 +176,7 @@ def _quiet(problem: Problem, others: Sequence[str], torque: Array) -> Rehearsal:
             continue
         if engine == problem.engine:
             notes.append(f"{engine} plays the robot itself, with a finer step: real robots differ more than that")
-        return Rehearsal(problem, engine, (quiet[0], quiet[1]), torque, notes=notes)
+        return Rehearsal(problem, engine, (quiet[0], quiet[1]), floors, notes=notes)
     raise InputError(f"{problem.file.path}: cannot be rehearsed: {'; '.join(notes)}")
 
 
@@ -190,7 +189,7 @@ def _chosen(problem: Problem, budget: float, cost: float, workers: int) -> tuple
     On a robot with many joints: patterns, the joints that move most and their links, as many as the time allows.
     `cost` is about what simulating every run once takes [s].
     """
-    everyone = [s for s in suspects(problem) if s.effect in EFFECTS]
+    everyone = suspects(problem)
     if int(problem.judged.sum()) <= FEW:
         return everyone, 0
     reach = np.max([np.ptp(np.nan_to_num(c.value("position")), axis=0) for c in problem.cases], axis=0)
@@ -212,11 +211,11 @@ def _chosen(problem: Problem, budget: float, cost: float, workers: int) -> tuple
 
 def _impossible(problem: Problem) -> dict[str, str]:
     """Effects that can act nowhere in this scenario, with the reason at the first place."""
-    there = {*UNTRIED, *(s.effect for s in suspects(problem))}
+    there = {s.effect for s in suspects(problem)}
     return {e.name: e.possible(problem.plant, 0) or "no place" for e in EFFECTS.values() if e.name not in there}
 
 
-def _search_all(pool: Pool, result: Rehearsal, deadline: float, say: Callable[[str], None]) -> None:
+def _search_all(simulations: Simulations, result: Rehearsal, deadline: float, say: Callable[[str], None]) -> None:
     """Full searches: nothing planted in any case, then while there is time every effect, and the sizes around."""
     took: list[float] = []
 
@@ -225,8 +224,8 @@ def _search_all(pool: Pool, result: Rehearsal, deadline: float, say: Callable[[s
         if seen is not None and began + (float(np.median(took)) if took else 0.0) > deadline:
             return None
         factor = seen.factor * times if seen else 0.0
-        change = planted(pool.problem, seen.suspect, factor) if seen else None
-        tried = searched(pool, result, change, factor)
+        change = planted(result.problem, seen.suspect, factor) if seen else None
+        tried = searched(simulations.workers, result, change, factor)
         if tried is not None:
             result.tried.append(tried)
             took.append(time.monotonic() - began)
@@ -251,25 +250,26 @@ def _round_robin(seen: Sequence[Visible]) -> list[Visible]:
     return [v for row in rows for v in row]
 
 
-def searched(pool: Pool, result: Rehearsal, change: Change | None, factor: float) -> Tried | None:
+def searched(workers: int, result: Rehearsal, change: Change | None, factor: float) -> Tried | None:
     """One full search on planted recordings; None where they cannot be simulated."""
+    planted_changes = [change] if change else []
     try:
         recorded = plant_recordings(
-            pool.problem, [change] if change else [], result.robot, result.torque, seed=len(result.tried)
+            result.problem, result.floors, planted_changes, result.robot, seed=len(result.tried)
         )
     except (Unsupported, Diverged):
         return None
-    with Pool(recorded, pool.workers) as own:
-        found = search(own)
-        set_aside(own, found, lambda _: None)
-        named = tuple(c.suspect for c in found.fit.changes)
-        other = change is not None and bool(named) and change.suspect not in named
-        listed = tuple(r.suspect for rest in rivals(own, found).values() for r in rest) if other else ()
+    everyone = suspects(recorded)
+    with Simulations(recorded, workers) as own:
+        found = search(own, everyone, velocity_filters(recorded, everyone), lambda _: None)
+    named = tuple(c.suspect for c in found.best.fit.changes)
+    other = change is not None and bool(named) and change.suspect not in named
+    listed = tuple(r.suspect for rest in found.rivals.values() for r in rest if r.open) if other else ()
     return Tried(change, factor, named, listed)
 
 
 def said(tried: Tried) -> str:
     """One line on a search."""
-    what = "nothing planted" if tried.planted is None else f"{name(tried.planted.suspect)} ×{tried.factor:.2g}"
-    named = ", ".join(name(s) for s in tried.named) or "nothing"
+    what = "nothing planted" if tried.planted is None else f"{tried.planted.suspect} ×{tried.factor:.2g}"
+    named = ", ".join(map(str, tried.named)) or "nothing"
     return f"{what}: named {named}"

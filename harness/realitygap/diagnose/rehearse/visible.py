@@ -1,41 +1,40 @@
 """From which size on recordings could show an effect, and what they could take it for: told from signatures alone.
 
-A signature is how an effect moves the traces, in floors. Its mean square is what the effect adds to the mean squared
-residual, so its size tells from when on a search would notice, and the angle between two signatures tells how much of
-one effect another one could explain.
+A signature is how an effect moves the residual, whitened. Half its square is the evidence that the effect gives, which
+tells from which size on a search would name it, and the angle between two signatures tells how much of one effect
+another one could explain.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from realitygap.diagnose.candidates.starts import sized
 from realitygap.diagnose.candidates.suspects import neutral, whole
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import WORST, Change, Problem, Suspect
-from realitygap.diagnose.fit.probes import SHAPES
-from realitygap.diagnose.judge.rivals import SAME_COST
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
 from realitygap.diagnose.rehearse.planting import planted
-from realitygap.diagnose.search.search import AT_FLOOR
-from realitygap.diagnose.search.worth import LEAST
+from realitygap.diagnose.search.exchange import ODDS
 from realitygap.robot.drive import Array
-from realitygap.robot.effects import EFFECTS
 
 CLEARLY = 1.5
-"""A gap is seen where it is larger than the least that the search looks at by this factor (in the mean square)."""
+"""An effect is seen where its evidence is larger than what a name needs by this factor."""
 ROUNDS = 4
 """Sizes that are simulated at most to find the smallest that is seen."""
 LARGEST, SMALLEST = 64.0, 1e-3
 """Sizes that are tried, in first sizes."""
 CLOSE = (0.85, 1.4)
-"""The smallest size is found when its mean square is this close to what is needed."""
+"""The smallest size is found when its evidence is this close to what is needed."""
 TWIN = 2e-3
 """Two signatures with less than this share of one outside the other are the same: no size tells them apart."""
-SAMPLES = 60_000
-"""Entries of a signature that are kept, about."""
 
 
 @dataclass
@@ -46,16 +45,14 @@ class Visible:
         suspect: the effect and where it sits.
         factor: the size, in first sizes; infinite where even the largest is not seen.
         change: the effect at that size (at the largest that was tried where it is not seen).
-        strength: what it adds there to the mean squared residual, over all runs.
-        signature: its change of the residual there. Shape (samples,), every run with the same weight.
-        basis: one signature for each parameter that is fitted. Shape (samples, p).
+        signature: its change of the training residual there, whitened. Shape (m,).
+        basis: one signature for each parameter that is fitted. Shape (m, p).
         one_sided: which of them cannot be followed backwards. Shape (p,).
     """
 
     suspect: Suspect
     factor: float
     change: Change
-    strength: float
     signature: Array
     basis: Array
     one_sided: Array
@@ -83,48 +80,75 @@ class Confusable:
 
 
 def visible(
-    pool: Pool, suspects: Sequence[Suspect], quiet: tuple[float, float], say: Callable[[str], None] = lambda _: None
+    simulations: Simulations,
+    floors: Floors,
+    suspects: Sequence[Suspect],
+    limit: float,
+    say: Callable[[str], None] = lambda _: None,
 ) -> list[Visible]:
     """The smallest size of every suspect that a search would see.
 
     Args:
-        pool: of the problem, with its floors set.
+        simulations: of the problem.
+        floors: of its model.
         suspects: what to plant.
-        quiet: the mean squared residual without any effect, on training and on held-out runs.
+        limit: the evidence that a name needs.
         say: told what is being done.
     """
-    problem = pool.problem
-    still = _residuals(problem, ())
+    problem = simulations.problem
+    look = Look(simulations, floors)
     tried: dict[Suspect, list[tuple[float, float]]] = {s: [] for s in suspects}
     factor = dict.fromkeys(suspects, 1.0)
     open_ = list(suspects)
     for number in range(ROUNDS):
         say(f"simulating {len(open_)} effects at their size number {number + 1}")
-        answers = pool.map(_residuals, [((planted(problem, s, factor[s]),),) for s in open_])
-        for s, answer in zip(open_, answers, strict=True):
-            tried[s].append((factor[s], _ratio(problem, _moved(answer, still), quiet)))
+        signatures = look.signatures([planted(problem, s, factor[s]) for s in open_])
+        for s, signature in zip(open_, signatures, strict=True):
+            tried[s].append((factor[s], 0.5 * float(signature @ signature) / (CLEARLY * limit)))
             factor[s] = _next(tried[s])
         open_ = [s for s in open_ if not CLOSE[0] <= tried[s][-1][1] <= CLOSE[1] and factor[s] != tried[s][-1][0]]
         if not open_:
             break
     found = {s: _nearest(tried[s]) for s in suspects}
-    limit, probes = {}, {}
-    for s in suspects:
-        limit[s] = planted(problem, s, found[s][0])
-        probes[s] = _probes(problem, limit[s])
-    questions = dict.fromkeys(c for s in suspects for c in (limit[s], *(p for p, _ in probes[s])))
-    say(f"simulating {len(questions)} changes of single parameters at the smallest sizes")
-    parts = dict(zip(questions, pool.map(_residuals, [((c,),) for c in questions]), strict=True))
+    least = {s: planted(problem, s, found[s][0]) for s in suspects}
+    probes = {s: _probes(problem, least[s]) for s in suspects}
+    asked = list(dict.fromkeys(c for s in suspects for c in (least[s], *(p for p, _ in probes[s]))))
+    say(f"simulating {len(asked)} changes of single parameters at the smallest sizes")
+    parts = dict(zip(asked, look.signatures(asked), strict=True))
     out = []
     for s in suspects:
         size, ratio = found[s]
-        moved = _moved(parts[limit[s]], still)
-        basis = np.column_stack([_joined(_moved(parts[p], still)) for p, _ in probes[s]])
-        strength = float(np.mean([np.mean(m**2) for m in moved]))
-        seen = size if ratio >= CLOSE[0] else np.inf
+        basis = np.column_stack([parts[p] for p, _ in probes[s]])
         one_sided = np.array([only_up for _, only_up in probes[s]])
-        out.append(Visible(s, seen, limit[s], strength, _joined(moved), basis, one_sided))
+        seen = size if ratio >= CLOSE[0] else np.inf
+        out.append(Visible(s, seen, least[s], parts[least[s]], basis, one_sided))
     return out
+
+
+class Look:
+    """Signatures: how changes move the training residual, whitened by the floors alone."""
+
+    def __init__(self, simulations: Simulations, floors: Floors) -> None:
+        self.simulations, self.coarse = simulations, floors.coarse
+        self.train = simulations.problem.of("train")
+        self.channels = tuple(channels(simulations.problem, floors, self.train))
+        random = np.random.default_rng(0)
+        self.noise = np.concatenate([c.noise * random.standard_normal(len(c.time)) for c in self.channels])
+
+    def signatures(self, changes: Sequence[Change]) -> list[Array]:
+        """Of each change alone, shape (m,); zero where it cannot be simulated, which says nothing of the real robot."""
+        still, *answers = residuals(self.simulations, [[], *([c] for c in changes)], self.train, self.coarse)
+        assert still is not None
+        columns = [np.zeros(len(still)) if a is None else np.nan_to_num(a - still) for a in answers]
+        return [self._white(column, np.isfinite(still).astype(float)) for column in columns]
+
+    def _white(self, column: Array, weight: Array) -> Array:
+        """Whitened, and as long as what would be recorded has facts: the change and the sensors' noise."""
+        few = facts(self.channels, column + self.noise)
+        plain, counted = (
+            Whitening(self.channels, {}, share)(column[:, None], weight)[0][:, 0] for share in (np.ones(len(few)), few)
+        )
+        return np.asarray(plain * np.linalg.norm(counted) / max(float(np.linalg.norm(plain)), 1e-30))
 
 
 def confusables(found: Sequence[Visible]) -> list[Confusable]:
@@ -136,7 +160,8 @@ def confusables(found: Sequence[Visible]) -> list[Confusable]:
             if a is b or not _different(a.suspect, b.suspect):
                 continue
             rest = _unexplained(a, b)
-            apart = a.factor * float(np.sqrt(SAME_COST / max(rest * a.strength, 1e-30))) if rest > TWIN else np.inf
+            left = 0.5 * rest * float(a.signature @ a.signature)
+            apart = a.factor * float(np.sqrt(ODDS / max(left, 1e-30))) if rest > TWIN else np.inf
             out.append(Confusable(a.suspect, b.suspect, 1.0 - rest, apart))
     return sorted(out, key=lambda c: -c.share)
 
@@ -152,13 +177,6 @@ def _unexplained(a: Visible, b: Visible) -> float:
     solution = lsq_linear(b.basis, a.signature, bounds=(low, np.inf), method="bvls", max_iter=50)
     rest = a.signature - b.basis @ solution.x
     return min(float(rest @ rest) / max(float(a.signature @ a.signature), 1e-30), 1.0)
-
-
-def _ratio(problem: Problem, moved: Sequence[Array], quiet: tuple[float, float]) -> float:
-    """The mean square of a signature over what is needed to be seen, and to be judged on held-out runs."""
-    train, judge = (float(np.mean([np.mean(moved[i] ** 2) for i in problem.of(use)])) for use in ("train", "held_out"))
-    noticed = max(train / max(AT_FLOOR - quiet[0], LEAST), judge / max(AT_FLOOR - quiet[1], LEAST))
-    return min(noticed, judge / LEAST) / CLEARLY
 
 
 def _next(tried: Sequence[tuple[float, float]]) -> float:
@@ -179,35 +197,14 @@ def _nearest(tried: Sequence[tuple[float, float]]) -> tuple[float, float]:
     return min(enough, key=lambda t: t[1]) if enough else max(tried, key=lambda t: t[1])
 
 
-def _residuals(problem: Problem, changes: tuple[Change, ...]) -> list[Array]:
-    """The residual of every run, thinned where there are very many samples."""
-    runs = range(len(problem.cases))
-    stride = max(1, sum(problem.length(i) for i in runs) // SAMPLES)
-    return [problem.residuals(changes, i)[::stride] for i in runs]
-
-
-def _moved(here: Sequence[Array], still: Sequence[Array]) -> list[Array]:
-    """The change of every run's residual; none where the simulation failed, which says nothing of the real robot."""
-    return [np.zeros_like(s) if np.abs(h).max() >= WORST / 1e3 else h - s for h, s in zip(here, still, strict=True)]
-
-
 def _probes(problem: Problem, change: Change) -> list[tuple[Change, bool]]:
     """A change of each of its parameters alone, and whether it cannot be less than nothing, as a friction cannot."""
-    effect, zero = EFFECTS[change.suspect.effect], neutral(problem.plant, change.suspect)
-    if effect.name == "torque_ripple":
+    effect, zero = change.suspect.kind, neutral(problem.plant, change.suspect)
+    if "phase" in change.free:
         turned = change.parameters["phase"] + np.pi / 2
-        return [(change, False), (_with(change, {"phase": turned}), False)]
-    moved = [n for n in change.free if n not in SHAPES and change.parameters[n] != zero[n]]
+        return [(change, False), (change.at({"phase": turned}), False)]
+    moved = [p.name for p in sized(change) if change.parameters[p.name] != zero[p.name]]
     one_sided = {n: not np.isfinite(zero[n]) or zero[n] <= effect.parameter(n).low for n in moved}
     if len(moved) < 2 or whole(effect):
         return [(change, whole(effect) or any(one_sided.values()))]
-    return [(_with(change, {n: zero[n] for n in moved if n != keep}), one_sided[keep]) for keep in moved]
-
-
-def _with(change: Change, values: dict[str, float]) -> Change:
-    return replace(change, values=tuple((change.parameters | values).items()))
-
-
-def _joined(moved: Sequence[Array]) -> Array:
-    """The runs' residuals as one vector in which every run counts alike."""
-    return np.asarray(np.concatenate([m / np.sqrt(len(m) * len(moved)) for m in moved]))
+    return [(change.at({n: zero[n] for n in moved if n != keep}), one_sided[keep]) for keep in moved]

@@ -1,81 +1,134 @@
-"""What a diagnosis says: the file that is promised, made from what the search found."""
+"""What a diagnosis says: the file that is promised, made from what the search and the judges found."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from realitygap.diagnose.data.locate import Place, locate
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import unit_there
-from realitygap.diagnose.data.worsened import Worsened, worsened
-from realitygap.diagnose.judge.confirm import Confirmed, confirm
-from realitygap.diagnose.judge.rivals import Rival, experiment, rivals
-from realitygap.diagnose.search.found import Found, name
-from realitygap.diagnose.search.outside import set_aside
-from realitygap.diagnose.search.search import enough, search
-from realitygap.diagnose.search.worth import CLEAR, rms, worst
-from realitygap.recording.faults import faults
+from realitygap.diagnose.judge.advice import experiment
+from realitygap.diagnose.judge.gaps import Shown, rms
+from realitygap.diagnose.judge.held_out import Verdict
+from realitygap.diagnose.judge.locate import Place
+from realitygap.diagnose.judge.worsened import InUnits, Worsened
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.search.exchange import Rival
+from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
-from realitygap.robot.effects import EFFECTS
 
-NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
+CLEAR = 1.3
+"""A gap up to this many floors leaves nothing to name: floors are known to some 30 % from two or three repetitions."""
+LAW = 0.1
+"""What findings leave of a gap is that of laws that are only nearly right up to this share: they are known to 5 to 10 %
+(Coulomb friction scatters by 4 to 10 % over angle and direction; Armstrong-Hélouvry et al. 1994)."""
+MOST = 3
+"""Rivals of a finding that are listed at most."""
 
 
-@dataclass
+@dataclass(frozen=True)
+class Closest:
+    """A candidate that was not named: its values, the gap on training runs with it, and why it was refused."""
+
+    change: Change
+    before: float
+    after: float
+    why: str
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """All that a diagnosis found, for the file, the page and the revised model.
 
-    `before` and `after` are the simulated signals by case, of the scenario's model and of the mended one.
+    Attributes:
+        problem: the motions.
+        engines: the searching one first.
+        found: by the search.
+        changes: the findings, what explains most first.
+        floors: under which gaps are said.
+        costs: mean squared gap in floors of every case, of the scenario's model and of the mended one.
+        shown: the held-out gap before and after each finding, by engine.
+        predicted: how much better what was kept back is predicted.
+        before, after: simulated signals by case.
     """
 
     problem: Problem
     engines: list[str]
     found: Found
-    confirmed: dict[Suspect, Confirmed]
-    rivals: dict[Suspect, list[Rival]]
+    changes: tuple[Change, ...]
+    floors: Floors
+    costs: tuple[dict[int, float], dict[int, float]]
+    shown: dict[Suspect, Shown]
+    predicted: Verdict
     where: list[Place]
     left: list[Place]
     worsened: list[Worsened]
+    units: list[InUnits]
     faults: list[str]
+    closest: list[Closest]
     before: dict[int, dict[str, Array]]
     after: dict[int, dict[str, Array]]
     notes: list[str] = field(default_factory=list)
 
+    def gap(self, use: str) -> tuple[float, float]:
+        """The gap before and after on `train` or `held_out` motions, in floors."""
+        part = self.problem.of(use)
+        return rms(self.costs[0], part), rms(self.costs[1], part)
+
     @property
     def verdict(self) -> str:
         """explained, partly explained, no gap or unexplained."""
-        base, left = worst(self.problem, self.found.base), worst(self.problem, self.found.fit)
-        if not self.found.fit.changes:
-            return "no gap" if base <= CLEAR else "unexplained"
-        return "explained" if left <= CLEAR else "partly explained"
+        gaps = [self.gap(use) for use in ("train", "held_out")]
+        if not self.changes:
+            return "no gap" if max(before for before, _ in gaps) <= CLEAR else "unexplained"
+        told = all(after <= max(CLEAR, LAW * before) for before, after in gaps)
+        return "explained" if told else "partly explained"
+
+    @property
+    def rivals(self) -> dict[Suspect, list[Rival]]:
+        """What cannot be told from each finding, the closest first."""
+        return {c.suspect: [r for r in self.found.rivals.get(c.suspect, []) if r.open][:MOST] for c in self.changes}
 
     def experiment(self) -> str:
         """What to record next."""
-        return experiment(self.rivals)
+        return experiment({s: [r.suspect for r in listed] for s, listed in self.rivals.items()})
+
+    def interval(self, change: Change, parameter: str) -> tuple[float, float]:
+        """The 95 % interval of a fitted parameter; its value twice where it was not fitted."""
+        value = change.parameters[parameter]
+        fitted = self.found.best.fit
+        for (i, name), deviation in zip(fitted.names, self.found.best.deviation, strict=True):
+            if fitted.changes[i].suspect == change.suspect and name == parameter:
+                p = change.suspect.kind.parameter(parameter)
+                wide = Z95 * float(deviation)
+                return max(value - wide, p.low), min(value + wide, p.high)
+        return value, value
 
     def to_json(self) -> dict[str, Any]:
         """The content of `diagnosis.json`."""
-        train, judge = self.problem.of("train"), self.problem.of("held_out")
-        base, fit = self.found.base, self.found.fit
         return {
             "schema": 1,
             "scenario": self.problem.file.scenario.name,
             "engines": self.engines,
             "verdict": self.verdict,
             "where": [_place(p) for p in self.where],
-            "findings": [self._finding(c) for c in fit.changes],
+            "findings": [self._finding(c) for c in self.changes],
             "gap": {
-                use: {"before": _round(rms(base.mean_cost(part))), "after": _round(rms(fit.mean_cost(part)))}
-                for use, part in (("train", train), ("held_out", judge))
+                use: dict(zip(("before", "after"), map(_round, self.gap(use)), strict=True))
+                for use in ("train", "held_out")
             }
             | {"unit": "floor-weighted rms, 1 is the floor"},
+            "in_units": [
+                {"signal": u.signal, "unit": u.unit, "before": _round(u.before), "after": _round(u.after)}
+                for u in self.units
+            ],
+            "predicted": {"gain": _round(self.predicted.gain), "error": _round(self.predicted.error)},
             "worsened": [
                 {
                     "joint": w.joint,
@@ -87,58 +140,63 @@ class Diagnosis:
                 for w in self.worsened
             ],
             "left": [_place(p) for p in self.left],
+            "closest": [
+                _name(c.change.suspect)
+                | {
+                    "parameters": {n: _round(v, 5) for n, v in c.change.values},
+                    "train": {"before": _round(c.before), "after": _round(c.after)},
+                    "why": c.why,
+                }
+                for c in self.closest
+            ],
+            "laws_imperfect_by": self.found.best.imperfect,
             "experiment": self.experiment(),
             "sensor_faults": self.faults,
-            "refused": self.found.refused,
             "split": self.problem.split,
             "notes": self.notes,
         }
 
     def _finding(self, change: Change) -> dict[str, Any]:
         suspect = change.suspect
-        effect = EFFECTS[suspect.effect]
-        number = self.found.fit.changes.index(change)
         parameters = {}
-        for k, (i, parameter) in enumerate(self.found.fit.names):
-            if i == number:
-                p = effect.parameter(parameter)
-                value, wide = self.found.fit.value[k], Z95 * self.found.fit.deviation[k]
-                parameters[parameter] = {
-                    "value": _round(value, 5),
-                    "low": _round(max(value - wide, p.low), 5),
-                    "high": _round(min(value + wide, p.high), 5),
-                    "unit": unit_there(self.problem, suspect, p),
-                }
-        for parameter, value in change.values:
-            if parameter not in parameters:
-                parameters[parameter] = {
-                    "value": value,
-                    "low": value,
-                    "high": value,
-                    "unit": unit_there(self.problem, suspect, effect.parameter(parameter)),
-                }
-        done = self.confirmed[suspect]
-        return {
-            "effect": suspect.effect,
-            "target": suspect.target if isinstance(suspect.target, str) else list(suspect.target),
+        for p in suspect.kind.parameters:
+            value = change.parameters[p.name]
+            low, high = self.interval(change, p.name)
+            unit = unit_there(self.problem, suspect, p)
+            parameters[p.name] = {
+                "value": _round(value, 5),
+                "low": _round(low, 5),
+                "high": _round(high, 5),
+                "unit": unit,
+            }
+        shown = self.shown[suspect]
+        rivals = self.found.rivals.get(suspect, [])
+        best = _name(rivals[0].suspect) | {"behind": _round(rivals[0].behind)} if rivals else None
+        return _name(suspect) | {
             "parameters": parameters,
-            "cannot_tell_from": [
-                {
-                    "effect": r.suspect.effect,
-                    "target": r.suspect.target if isinstance(r.suspect.target, str) else list(r.suspect.target),
-                    "why": r.why,
-                }
-                for r in self.rivals.get(suspect, [])
-            ],
-            "held_out": {"before": _round(done.before), "after": _round(done.after)},
-            "engines": {
-                e: {"before": _round(before), "after": _round(after)} for e, (before, after) in done.engines.items()
-            },
+            "cannot_tell_from": [_name(r.suspect) | {"why": why(r)} for r in self.rivals[suspect]],
+            "evidence": _round(self.found.gains.get(suspect, float("nan"))),
+            "next_best": best,
+            "held_out": {"before": _round(shown.before), "after": _round(shown.after)},
+            "engines": {e: {"before": _round(a), "after": _round(b)} for e, (a, b) in shown.engines.items()},
         }
 
 
-def _round(value: float, digits: int = 4) -> float:
-    return float(f"{value:.{digits}g}") if np.isfinite(value) else float(value)
+def why(rival: Rival) -> str:
+    """Why a rival cannot be told from a finding."""
+    if rival.behind <= 0:
+        return "its own fit explains the recordings as well"
+    return f"its own fit is behind by {rival.behind:.1f} in evidence, with a standard error of {rival.error:.1f}"
+
+
+def _name(suspect: Suspect) -> dict[str, Any]:
+    target = suspect.target if isinstance(suspect.target, str) else list(suspect.target)
+    return {"effect": suspect.effect, "target": target}
+
+
+def _round(value: float, digits: int = 4) -> float | None:
+    """A few digits; None, which JSON knows, for what is not a number."""
+    return float(f"{value:.{digits}g}") if np.isfinite(value) else None
 
 
 def _place(place: Place) -> dict[str, Any]:
@@ -153,55 +211,6 @@ def _place(place: Place) -> dict[str, Any]:
     }
 
 
-def diagnose(pool: Pool, names: Sequence[str], say: Callable[[str], None] = lambda _: None) -> Diagnosis:
-    """Find, name, add and prove.
-
-    Args:
-        pool: of the problem, which says in which engine to search.
-        names: engines in which findings are confirmed; the searching one may be among them.
-        say: told what is being done.
-    """
-    problem = pool.problem
-    told = sensor_faults(problem)
-    found = search(pool, say)
-    outside = set_aside(pool, found, say)
-    others = [e for e in names if e != problem.engine]
-    confirmed, artefacts = confirm(pool, found, others, say)
-    listed = rivals(pool, found) if found.fit.changes else {}
-    every = range(len(problem.cases))
-    before = problem.simulations([], every)
-    after = problem.simulations(found.fit.changes, every) if found.fit.changes else before
-    judge = problem.of("held_out")
-    where = locate(problem, before)
-    parts = (problem.of("train"), judge)
-    notes = [*dict.fromkeys(n for c in problem.cases for n in c.experiment.notes), *outside, *artefacts]
-    if not problem.repeated:
-        notes.append(NOT_REPEATED)
-    gap = any(found.fit.mean_cost(part) > enough(found.base.mean_cost(part)) for part in parts)
-    left = locate(problem, after) if gap and found.fit.changes else []
-    return Diagnosis(
-        problem=problem,
-        engines=[problem.engine, *others],
-        found=found,
-        confirmed=confirmed,
-        rivals=listed,
-        where=where,
-        left=left,
-        worsened=worsened(problem, judge, before, after) if found.fit.changes else [],
-        faults=told,
-        before=before,
-        after=after,
-        notes=notes,
-    )
-
-
-def sensor_faults(problem: Problem) -> list[str]:
-    """Sentences on faults of the sensors and the clock, once per kind."""
-    out = []
-    for case in problem.cases:
-        if case.experiment.recording is not None:
-            out += [f"{case.name}: {fault.sentence}" for fault in faults(case.experiment.recording)]
-    return list(dict.fromkeys(out))
-
-
-__all__ = ["Diagnosis", "diagnose", "name"]
+def names(changes: Sequence[Change]) -> str:
+    """Changes in words."""
+    return ", ".join(str(c.suspect) for c in changes)

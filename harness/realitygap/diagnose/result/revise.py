@@ -9,7 +9,8 @@ from typing import Any
 
 import yaml
 
-from realitygap.diagnose.data.problem import Change, Problem, changed
+from realitygap.diagnose.data.changes import Change, changed
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.result.revised_urdf import found_packages, moved_path, revised_urdf
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS

@@ -9,12 +9,13 @@ import numpy as np
 from markupsafe import Markup
 
 from realitygap.compare.gap import unit_of
-from realitygap.diagnose.data.locate import Place, phases
-from realitygap.diagnose.data.problem import Change
+from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
-from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.judge.locate import Place, phases
+from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import (
+    better,
     effect_label,
     interval,
     lacks,
@@ -24,7 +25,6 @@ from realitygap.diagnose.result.story_text import (
     target_label,
     verdict,
 )
-from realitygap.diagnose.search.worth import rms
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number, unit_label
@@ -43,12 +43,10 @@ def write_story(result: Diagnosis, out: Path) -> Path:
 
 
 def _story(result: Diagnosis) -> dict[str, Any]:
-    problem, found = result.problem, result.found
-    changes = found.fit.changes
+    problem = result.problem
+    changes = result.changes
     recordings = problem.file.scenario.recordings
-    train, judge = problem.of("train"), problem.of("held_out")
-    gaps = {use: [number(rms(f.mean_cost(part)), 3) for f in (found.base, found.fit)]
-            for use, part in (("held_out", judge), ("train", train))}  # fmt: skip
+    gaps = {use: [number(gap, 3) for gap in result.gap(use)] for use in USES}
     return {
         "title": problem.file.scenario.name,
         "meta": _meta(result),
@@ -62,7 +60,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "curves": _curves(result),
         "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
         "apart": [
-            (suspect_label(s), [(suspect_label(r.suspect), r.why) for r in listed])
+            (suspect_label(s), [(suspect_label(r.suspect), why(r)) for r in listed])
             for s, listed in result.rivals.items()
             if listed
         ],
@@ -72,7 +70,8 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         ],
         "left": [_place(p) for p in result.left],
         "faults": result.faults,
-        "refused": [text.replace("_", " ") for text in dict.fromkeys(found.refused)],
+        "closest": [_closest(result, c) for c in result.closest],
+        "units": [(u.signal, number(u.before), number(u.after), unit_label(u.unit)) for u in result.units],
         "notes": result.notes,
         "split": problem.split,
         "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
@@ -104,7 +103,7 @@ def _place(place: Place) -> dict[str, str]:
 
 
 def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
-    content = result.to_json()["findings"][result.found.fit.changes.index(change)]
+    content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = EFFECTS[change.suspect.effect], change.suspect
     parameters = []
     for p in effect.parameters:
@@ -119,7 +118,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
                 model_value(result.problem, suspect, p),
             )
         )
-    done = result.confirmed[suspect]
+    done = result.shown[suspect]
     searched = f"{engine_label(result.engines[0])} (searched)"
     pairs = [Pair(searched, done.before, done.after)]
     pairs += [Pair(engine_label(e), before, after) for e, (before, after) in done.engines.items()]
@@ -130,6 +129,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "target": target_label(suspect),
         "sits_at": effect.sits_at,
         "said": lacks(result, change),
+        "better": better(result, change),
         "parameters": parameters,
         "page": effect.page,
         "before": number(done.before),
@@ -139,13 +139,19 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     }
 
 
+def _closest(result: Diagnosis, closest: Closest) -> tuple[str, str, str, str]:
+    """A candidate that was not named: what it would be, the gap on training runs before and after, and why not."""
+    said = lacks(result, closest.change)
+    return said, number(closest.before, 3), number(closest.after, 3), closest.why
+
+
 def _runs(result: Diagnosis) -> list[Pair]:
-    base, fit = result.found.base, result.found.fit
+    before, after = result.costs
     return [
         Pair(
             result.problem.cases[i].name,
-            rms(base.cost[i]),
-            rms(fit.cost[i]) if fit.changes else None,
+            float(np.sqrt(before[i])),
+            float(np.sqrt(after[i])) if result.changes else None,
             "held out" if use == "held_out" else "training",
         )
         for use in USES
@@ -185,7 +191,7 @@ def _telling(result: Diagnosis, use: str, signal: str, j: int) -> int | None:
     def gap(i: int) -> float:
         case = result.problem.cases[i]
         delta = result.before[i][signal][:, j] - case.value(signal)[:, j]
-        return float(np.nanmean((delta / case.sigma(signal)[:, j]) ** 2))
+        return float(np.nanmean((delta / result.floors.sigma(i, signal)[:, j]) ** 2))
 
     return max(cases, key=gap, default=None)
 
@@ -194,14 +200,14 @@ def _curve(result: Diagnosis, case: int, signal: str, j: int, when: tuple[str, .
     problem = result.problem
     c = problem.cases[case]
     unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
-    masks = phases(problem, c, j, result.before[case])
+    masks = phases(c, j, result.before[case])
     inside = [masks[w] for w in when if w in masks]
     return Curves(
         time=c.measured.time,
         measured=c.value(signal)[:, j] * scale,
         before=result.before[case][signal][:, j] * scale,
-        after=result.after[case][signal][:, j] * scale if result.found.fit.changes else None,
-        sigma=c.sigma(signal)[:, j] * scale,
+        after=result.after[case][signal][:, j] * scale if result.changes else None,
+        sigma=result.floors.sigma(case, signal)[:, j] * scale,
         unit=unit,
         signal=signal,
         spans=_spans(c.measured.time, np.any(inside, axis=0)) if inside else (),

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from realitygap.diagnose.candidates.suspects import neutral
-from realitygap.diagnose.data.locate import Place
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.diagnose.search.worth import rms
 from realitygap.page.style import number
 from realitygap.robot.effects import EFFECTS, Parameter
 
@@ -83,9 +83,8 @@ def lacks(result: Diagnosis, change: Change) -> str:
 
 def verdict(result: Diagnosis) -> str:
     """The verdict in one sentence."""
-    judge = result.problem.of("held_out")
-    before, after = (rms(f.mean_cost(judge)) for f in (result.found.base, result.found.fit))
-    changes = result.found.fit.changes
+    before, after = result.gap("held_out")
+    changes = result.changes
     if result.verdict == "no gap":
         return (
             "Nothing is missing: simulation and recordings agree within the floors "
@@ -94,7 +93,7 @@ def verdict(result: Diagnosis) -> str:
     if result.verdict == "unexplained":
         return (
             f"Something is missing that no effect explains: the gap on held-out motions is {number(before, 2)} times "
-            f"the floor{_most(result.where)}, and no effect brings it down enough to be named."
+            f"the floor{_most(result.where)}, and no effect explains it better than something else would."
         )
     what = listed([lacks(result, c) for c in changes])
     text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
@@ -102,6 +101,24 @@ def verdict(result: Diagnosis) -> str:
     if result.verdict == "explained":
         return f"{text}, and nothing worth a name is left."
     return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
+
+
+def better(result: Diagnosis, change: Change) -> str:
+    """How much better a finding is than the next best explanation, in one sentence."""
+    rivals = result.found.rivals.get(change.suspect, [])
+    gain = result.found.gains.get(change.suspect)
+    said = "" if gain is None else f"Without it the recordings are {_odds(gain)} times less probable"
+    if not rivals:
+        return f"{said}, and nothing on the list comes near it." if said else ""
+    if rivals[0].open:
+        return f"{said}; {suspect_label(rivals[0].suspect)} in its place explains them as well."
+    return f"{said}; the next best explanation, {suspect_label(rivals[0].suspect)}, is {_odds(rivals[0].behind)} times."
+
+
+def _odds(evidence: float) -> str:
+    """Odds as people say them: 40, 10^12."""
+    decades = evidence / math.log(10)
+    return f"{math.exp(max(evidence, 0.0)):.0f}" if decades < 4 else f"10^{decades:.0f}"
 
 
 def _most(places: list[Place]) -> str:

@@ -3,24 +3,41 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from realitygap.check import certain
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import build_problem
-from realitygap.diagnose.result.diagnosis import Diagnosis, diagnose
+import numpy as np
+
+from realitygap.check import blamed_joints, certain
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
+from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.judge.locate import locate
+from realitygap.diagnose.judge.worsened import in_units, worsened
+from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.found import name
+from realitygap.diagnose.search.search import Found, search, told_change
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
+from realitygap.recording.faults import faults
+from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, load_scenario
 
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
+NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
+SHOWN = 3
+"""Candidates that were not named and are shown."""
+
+Say = Callable[[str], None]
 
 
 def run_diagnosis(
@@ -49,19 +66,130 @@ def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, work
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
-    with Pool(problem, workers) as pool:
-        result = diagnose(pool, chosen, progress.say)
+    with Simulations(problem, workers) as simulations:
+        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings))
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     return result
 
 
+def diagnose(
+    simulations: Simulations, names: Sequence[str], say: Say = lambda _: None, blamed: Collection[str] = ()
+) -> Diagnosis:
+    """Find, name, add and prove.
+
+    Args:
+        simulations: of the problem, which says in which engine to search.
+        names: engines in which findings are confirmed; the searching one may be among them.
+        say: told what is being done.
+        blamed: joints where a mistake of the recordings is likely: no physics is named there.
+    """
+    problem = simulations.problem
+    engines = [problem.engine, *(e for e in names if e != problem.engine)]
+    joints = problem.plant.model.joint_names
+    everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
+    notes = list(dict.fromkeys(n for c in problem.cases for n in c.experiment.notes))
+    told = velocity_filters(problem, everyone)
+    found = search(simulations, everyone, told, say)
+    say("looking at held-out runs and other engines")
+    changes = _ordered(found, told)
+    proofs = shown(simulations, found.floors, changes, engines)
+    mended = artefacts(proofs)
+    if mended:
+        notes += [
+            f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
+        ]
+        found = search(simulations, [s for s in everyone if s not in mended], told, say)
+        changes = _ordered(found, told)
+        proofs = shown(simulations, found.floors, changes, engines)
+    judged = predicted(simulations, found.floors, changes)
+    if judged.worse:
+        notes.append(
+            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f}: not named"
+        )
+        changes, proofs = (), {}
+    if not problem.repeated:
+        notes.append(NOT_REPEATED)
+    every = range(len(problem.cases))
+    before, after = _signals(simulations, []), _signals(simulations, changes)
+    gaps = costs(simulations, found.floors, [], every), costs(simulations, found.floors, changes, every)
+    judge = problem.of("held_out")
+    result = Diagnosis(
+        problem=problem,
+        engines=engines,
+        found=found,
+        changes=changes,
+        floors=found.floors,
+        costs=gaps,
+        shown=proofs,
+        predicted=judged,
+        where=locate(problem, found.floors, before),
+        left=[],
+        worsened=worsened(problem, found.floors, judge, before, after) if changes else [],
+        units=in_units(problem, judge, before, after),
+        faults=_sensor_faults(problem),
+        closest=_closest(simulations, found, changes),
+        before=before,
+        after=after,
+        notes=notes,
+    )
+    rest = changes and result.verdict != "explained"
+    return replace(result, left=locate(problem, found.floors, after)) if rest else result
+
+
+def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
+    """The joints that an effect sits at, or the joint that carries its link."""
+    if suspect.kind.sits_at == "joint":
+        return {joints[i] for i in suspect.indices}
+    return {joints[i - 1] for i in suspect.indices if suspect.kind.sits_at == "link" and i > 0}
+
+
+def _ordered(found: Found, told: Sequence[Change]) -> tuple[Change, ...]:
+    """The findings, what the recordings told first, then what explains most."""
+    first: list[Suspect] = [c.suspect for c in told]
+
+    def place(change: Change) -> tuple[bool, float]:
+        return change.suspect not in first, -found.gains.get(change.suspect, np.inf)
+
+    return tuple(sorted(found.best.fit.changes, key=place))
+
+
+def _signals(simulations: Simulations, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
+    every = range(len(simulations.problem.cases))
+    answers = simulations.of(changes, every)
+    return {c: a for c, a in zip(every, answers, strict=True) if a is not None}
+
+
+def _closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -> list[Closest]:
+    """The candidates that promised most and were not named, with the gap on training runs that they leave."""
+    train = simulations.problem.of("train")
+    out: list[Closest] = []
+    before = rms(costs(simulations, found.floors, changes, train), train)
+    for p in found.promised:
+        if len(out) == SHOWN or p.gain <= 0 or any(p.change.suspect == c.change.suspect for c in out):
+            continue
+        after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
+        if after < before:
+            reason = f"it gains {p.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
+            out.append(Closest(p.change, before, after, reason))
+    return out
+
+
+def _sensor_faults(problem: Problem) -> list[str]:
+    """Sentences on faults of the sensors and the clock, once per kind."""
+    out = []
+    for case in problem.cases:
+        if case.experiment.recording is not None:
+            out += [f"{case.name}: {fault.sentence}" for fault in faults(case.experiment.recording)]
+    return list(dict.fromkeys(out))
+
+
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
-    """Write `revised/`, the page with its figures and, last, `diagnosis.json`."""
-    if result.found.fit.changes:
-        write_revised(result.problem, result.found.fit.changes, out / "revised")
-    write_story(result, out)
+    """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result."""
+    if result.changes:
+        write_revised(result.problem, result.changes, out / "revised")
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
+    write_story(result, out)
 
 
 def _parameter(name: str, told: dict[str, Any]) -> str:
@@ -73,19 +201,22 @@ def _parameter(name: str, told: dict[str, Any]) -> str:
 def summary(result: Diagnosis) -> list[str]:
     """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
     content = result.to_json()
-    gap = content["gap"]
-    lines = [
-        f"{content['verdict']}: held-out gap {gap['held_out']['before']:g} -> {gap['held_out']['after']:g} "
-        "(floor-weighted rms, 1 is the floor)"
-    ]
-    for finding, change in zip(content["findings"], result.found.fit.changes, strict=True):
+    before, after = result.gap("held_out")
+    lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
+    lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.changes]
+    for finding, change in zip(content["findings"], result.changes, strict=True):
         values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
-        before, after = finding["held_out"]["before"], finding["held_out"]["after"]
-        lines.append(f"  {name(change.suspect)}: {values}; held out {before:g} -> {after:g}")
+        shown_ = finding["held_out"]
+        lines.append(f"  {change.suspect}: {values}; held out {shown_['before']:g} -> {shown_['after']:g}")
         for engine, pair in finding["engines"].items():
             lines.append(f"    {engine}: {pair['before']:g} -> {pair['after']:g}")
-        for rival in result.rivals.get(change.suspect, []):
-            lines.append(f"    cannot be told from {name(rival.suspect)}: {rival.why}")
+        for rival in finding["cannot_tell_from"]:
+            lines.append(f"    cannot be told from {rival['effect']} at {rival['target']}: {rival['why']}")
+    if not result.changes:
+        lines += [
+            f"  closest: {told_change(c.change)}: training gap {c.before:.3g} -> {c.after:.3g}; {c.why}"
+            for c in result.closest
+        ]
     lines += [
         f"  worse: {w['signal']} of {w['joint']}: {w['before']:g} -> {w['after']:g} {w['unit']}"
         for w in content["worsened"]

@@ -1,215 +1,281 @@
-"""The search: what explains most is added, judged on held-out motions, and dropped again where it became needless."""
+"""The search: from the scenario's model to the one with the best evidence, by adding, exchanging and dropping."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
-from realitygap.diagnose.candidates.suspects import richer, suspects
-from realitygap.diagnose.data.decoys import DECOYS
-from realitygap.diagnose.data.pool import Pool
-from realitygap.diagnose.data.problem import Problem, Suspect
-from realitygap.diagnose.data.split import keep_back
-from realitygap.diagnose.fit.fit import Fit, fit
-from realitygap.diagnose.likelihood.floors import set_floors
-from realitygap.diagnose.search.choice import choose
-from realitygap.diagnose.search.exchange import exchange
-from realitygap.diagnose.search.found import Found, Step, name
-from realitygap.diagnose.search.last_look import abstain, last_look, least_missed, new_floors, stays
-from realitygap.diagnose.search.sensors import velocity_filters
-from realitygap.diagnose.search.worth import CLEAR, FAR, GAIN, LEAST, large, much_left, rms, worst
+import numpy as np
 
-AT_FLOOR = 1.25
-"""A mean squared residual up to this is what noise alone would give."""
-CLOSE = (0.002, 0.4)
-"""Nor is what is left of a gap, up to this share of it and this much, to be explained: no model is as exact."""
-FITTED = 1.1
-"""Training runs with a mean squared residual up to this tell nothing more, whatever the others leave."""
-MOST = 6
-"""Findings at most."""
-MANY = 120
-"""Suspects that are looked at again after the first round, at most."""
-LESS = 0.25
-"""The share of what a search leaves, in mean squares, which another one may leave to be believed instead."""
-UNLIKE = 25.0
-"""A training run shows a gap of its own where its cost is this many times that of any held-out run (five times the
-gap)."""
+from realitygap.diagnose.candidates.starts import Start
+from realitygap.diagnose.candidates.suspects import fitted, richer
+from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import Block, residual, residuals
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.exchange import Rival, compare, without
+from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.search.model import Ground
+from realitygap.robot.effects import EFFECTS
+
+BEAM = 4
+"""Suspects that are fitted in a round: those that promise most."""
+DEEP = 14
+"""Suspects that are simulated at the amount that they promise."""
+FOLLOWED = (0.5, 1.0, 2.0)
+"""What that amount is multiplied by: a straight line may lead too far, or end too early."""
+EXCHANGED = 4
+"""Suspects that are fitted in the place of a finding."""
+SURE = 3.0
+"""A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
+EQUAL = 1.0
+"""Models whose evidence differs by less are equal: the simpler one is named."""
+ROUNDS = 30
+"""Rounds at most: more findings than this no page could show."""
+
+Say = Callable[[str], None]
 
 
-def search(pool: Pool, say: Callable[[str], None] = lambda _: None) -> Found:
-    """Find the effects that explain the gap, by forward selection with removal.
+@dataclass
+class Found:
+    """What a search found.
 
-    Where that ends in nothing or leaves much, because what helped first led astray, it is tried once more without that
-    effect, and believed if it explains everything, or leaves far less than what was found with it.
+    Attributes:
+        base: the scenario's own model, on the ground of the last round.
+        best: the model with the best evidence.
+        limit: what a finding has to gain.
+        floors: of the best model.
+        gains: evidence that is lost without each finding, by suspect.
+        rivals: what could stand in the place of each finding, the closest first.
+        promised: what was closest and not taken, best first.
     """
-    problem = pool.problem
-    everyone = suspects(problem)
-    base = _unchanged(pool)
-    if said := keep_back(problem.cases, alone(problem, base)):
-        problem.split = "; ".join(filter(None, [problem.split, said]))
-        base = _unchanged(pool)
-    found = _chain(pool, everyone, base, say)
-    first = misleading(problem, found)
-    if first is None or len(everyone) > MANY:
-        return found
-    say(f"looking again without {first.effect}")
-    kept = [replace(c, noise=dict(c.noise)) for c in problem.cases]  # the floors under which it was found
-    again = _chain(pool, [s for s in everyone if s.effect != first.effect], _unchanged(pool), say)
-    most = CLEAR if found.let_go else max(CLEAR, LESS * worst(problem, found.fit))
-    if again.fit.changes and worst(problem, again.fit) <= most:
-        return again
-    problem.cases = kept
-    pool.renew()
-    if found.let_go:
-        found.base = found.fit = _unchanged(pool)
+
+    base: Scored
+    best: Scored
+    limit: float
+    floors: Floors
+    gains: dict[Suspect, float] = field(default_factory=dict)
+    rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
+    promised: list[Promise] = field(default_factory=list)
+
+
+def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say) -> Found:
+    """Search until no move gains enough.
+
+    Args:
+        simulations: of the problem.
+        everyone: the suspects.
+        told: changes that the recordings show by themselves; they stay.
+        say: told what is being done.
+    """
+    limit = needed(len(everyone))
+    changes, seen, grows = tuple(told), set[frozenset[Suspect]](), True
+    for _ in range(ROUNDS):
+        round_ = Round(simulations, changes, everyone, limit, say)
+        here = frozenset(c.suspect for c in round_.now.fit.changes)
+        grows = grows and here not in seen  # what was dropped here once would only be added again
+        seen.add(here)
+        following = round_.grown() if grows else None
+        if following is None:
+            following = round_.exchanged(keep=[c.suspect for c in told])
+            if following is not None and len(following.fit.changes) == len(here):
+                following = None if frozenset(c.suspect for c in following.fit.changes) in seen else following
+        if following is None:
+            break
+        changes = following.fit.changes
+        say("; ".join(told_change(c) for c in changes))
+    base = residual(simulations, told, round_.ground.train)
+    assert base is not None
+    found = Found(round_.ground.score(Fit(tuple(told), base)), round_.now, limit, round_.ground.floors)
+    found.gains, found.rivals, found.promised = round_.gains, round_.rivals, round_.promised
     return found
 
 
-def _unchanged(pool: Pool) -> Fit:
-    """The model as it is, under its own floors."""
-    set_floors(pool, [])
-    return fit(pool.problem, [], pool.problem.of("train"), pool.problem.of("held_out"))
+def needed(suspects: int) -> float:
+    """The gain in evidence that a name needs among so many suspects."""
+    return float(np.log(max(suspects, 1))) + SURE
 
 
-def alone(problem: Problem, base: Fit) -> list[int]:
-    """The training runs that show a gap as no held-out run does."""
-    shown = max(base.cost[c] for c in problem.of("held_out"))
-    least = FAR if shown <= CLEAR else UNLIKE * shown
-    return [c for c in problem.of("train") if base.cost[c] > least]
+def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
+    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table.
 
-
-def misleading(problem: Problem, found: Found) -> Suspect | None:
-    """What was found first, where that may have led astray: all was let go, or much of a gap stays far from the floor.
-
-    What is not on the list of effects does not count: without it the search would only blame another for it.
+    On a linear axis without a stated armature, inertia is the link's mass.
     """
-    if found.let_go:
-        return found.let_go[0].suspect
-    first = next((s.suspect for s in found.steps if s.suspect not in found.told), None)
-    if first is None or first.effect in DECOYS or not much_left(problem, found.base, found.fit):
-        return None
-    return first
+    order = list(EFFECTS)
+
+    def place(suspect: Suspect) -> tuple[int, float]:
+        joints, drive = problem.plant.model.joints, problem.plant.drive
+        linear = suspect.effect == "rotor_inertia" and all(
+            joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
+        )
+        return len(fitted(suspect.kind)), order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
+
+    return place(a) < place(b)
 
 
-def _chain(pool: Pool, everyone: Sequence[Suspect], base: Fit, say: Callable[[str], None]) -> Found:
-    """One forward selection among the suspects, from the model as it is."""
-    problem = pool.problem
-    train, judge = problem.of("train"), problem.of("held_out")
-    found = Found(base, base)
-    for change in velocity_filters(problem, everyone):  # the recordings show them and tell their size
-        was, seen = found.fit, fit(problem, [*found.fit.changes, change], train, judge)
-        if min(was.mean_cost(cases) - seen.mean_cost(cases) for cases in (train, judge)) > LEAST:
-            say(f"added {name(change.suspect)}: the recorded velocity itself shows it")
-            found.steps.append(Step(change.suspect, was.mean_cost(judge), seen.mean_cost(judge)))
-            found.told.append(change.suspect)
-            found.fit = seen
-    _forward(pool, found, everyone, say)
-    for _ in range(MOST):
-        if not exchange(pool, found, train, judge, say):
-            break
-        _forward(pool, found, everyone, say)
-    _choose_again(pool, found, everyone, train, judge, say)
-    last_look(pool, found, base.mean_cost(judge), train, judge)
-    found.base = fit(problem, [], train, judge)
-    abstain(problem, found, judge)
-    return found
+class Round:
+    """One round of the search, around an accepted model."""
+
+    def __init__(
+        self, simulations: Simulations, changes: Sequence[Change], everyone: Sequence[Suspect], limit: float, say: Say
+    ) -> None:
+        self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
+        self.ground = ground = Ground(simulations, changes)
+        self.gains: dict[Suspect, float] = {}
+        self.rivals: dict[Suspect, list[Rival]] = {}
+        first = residual(simulations, changes, ground.train)
+        if first is None:
+            raise RuntimeError("the model that the search stands at cannot be simulated")
+        ground.take_facts(Fit(tuple(changes), first))
+        start = ground.score(Fit(tuple(changes), first))
+        done = ground.fit(changes, start.metric) if any(c.free for c in changes) else None
+        self.now = start if done is None else ground.settled(done)
+        ground.take_facts(self.now.fit)
+        self.blocks = ground.responses(self.now.fit, everyone)
+        ground.take_imperfections(self.now.fit, self.blocks)
+        self.now = ground.score(self.now.fit)
+        self.look = ground.sharp(self.now.fit).metric
+        say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
+        linear = self._linear(self.now.fit.residual, self.blocks)
+        self.promised = self._followed(linear.promises())
+        self.promised = sorted([*self.promised, *self._jumps()], key=lambda p: -p.gain)
+
+    def grown(self) -> Scored | None:
+        """The best model with one more finding, several, or a richer shape; None where none gains enough.
+
+        What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
+        """
+        accepted = list(self.now.fit.changes)
+        first: dict[Suspect, Promise] = {}
+        for p in self.promised:
+            first.setdefault(p.block.suspect, p)
+        ways = [([*accepted, p.block.start.first], self.limit) for p in list(first.values())[:BEAM] if p.gain > 0]
+        several = self._linear(self.now.fit.residual, [p.block for p in self.promised]).several(self.limit)
+        if len(several) > 1:
+            ways.append(([*accepted, *(p.block.start.first for p in several)], self.limit * len(several)))
+        for k, change in enumerate(accepted):
+            shaped = richer(self.simulations.problem.plant, change)
+            if shaped is not None and change.free and shaped.free != change.free:
+                ways.append(([*accepted[:k], shaped, *accepted[k + 1 :]], SURE))
+        best, most = None, 0.0
+        for way, needs in ways:
+            scored = self.ground.fit(way, self.look)
+            if scored is None:
+                continue
+            gain = scored.evidence - self.now.evidence
+            new = [c for c in scored.fit.changes if c.suspect not in {a.suspect for a in accepted}]
+            self.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
+            if gain - needs > most:
+                best, most = scored, gain - needs
+        return best
+
+    def exchanged(self, keep: Sequence[Suspect]) -> Scored | None:
+        """A model that is better with a finding dropped or exchanged; None where there is none.
+
+        Fills `gains` and `rivals` on the way.
+        """
+        best: Scored | None = None
+        for k, change in enumerate(self.now.fit.changes):
+            if change.suspect in keep:
+                continue
+            rest = without(self.now.fit.changes, k)
+            alone = self.ground.fit(rest, self.now.metric)
+            if alone is None:
+                continue
+            alone = self.ground.settled(alone)
+            gain = self.now.evidence - alone.evidence
+            self.gains[change.suspect] = gain
+            if gain < self.limit:
+                self.say(f"  without {change.suspect}: {-gain:+.1f}")
+                best = alone if best is None or alone.evidence > best.evidence else best
+                continue
+            self.rivals[change.suspect] = self._rivals(change, rest, alone)
+            for rival in self.rivals[change.suspect]:
+                equal = rival.behind < EQUAL and simpler(self.simulations.problem, rival.suspect, change.suspect)
+                ahead = rival.behind < -EQUAL or equal
+                if ahead and (best is None or rival.scored.evidence > best.evidence):
+                    best = rival.scored
+        return best
+
+    def _rivals(self, change: Change, rest: Sequence[Change], alone: Scored) -> list[Rival]:
+        """What explains nearly as much in the place of a finding, the closest first."""
+        here = [b for b in self.blocks if not any(clash(b.suspect, c.suspect) for c in rest)]
+        known = {b.suspect for b in here}
+        clashing = [
+            s
+            for s in self.everyone
+            if s not in known and s != change.suspect and clash(s, change.suspect)
+            and not any(clash(s, c.suspect) for c in rest)
+        ]  # fmt: skip
+        here += self.ground.responses(alone.fit, clashing)
+        promised = self._linear(alone.fit.residual, here, alone).promises()
+        chosen: dict[Suspect, Promise] = {}
+        for p in promised:
+            if p.gain > 0 and len(chosen) < EXCHANGED:
+                chosen.setdefault(p.block.suspect, p)
+        out = []
+        for suspect, p in chosen.items():
+            scored = self.ground.fit([*rest, p.change], self.look)
+            if scored is not None:
+                out.append(compare(self.ground.channels, self.now, scored, suspect))
+                self.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
+        return sorted(out, key=lambda r: r.behind)
+
+    def _linear(self, left: np.ndarray, blocks: Sequence[Block], at: Scored | None = None) -> Linear:
+        if at is None:
+            return Linear(self.look, left, self.now.fit.slope, blocks)
+        return Linear(self.ground.sharp(at.fit).metric, left, at.fit.slope, blocks)
+
+    def _jumps(self) -> list[Promise]:
+        """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
+        before = self.ground.sharp(self.now.fit).evidence
+        out = []
+        for block in self.blocks:
+            if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
+                there = replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
+                gain = self.ground.sharp(there).evidence - before
+                if gain > 0.0:
+                    try_ = block.start.tries[0]
+                    whole = Start(try_, (try_,), block.start.zero, "whole")
+                    out.append(Promise(Block(whole, block.columns), (1.0,), gain))
+        best: dict[Suspect, Promise] = {}
+        for p in sorted(out, key=lambda p: -p.gain):
+            best.setdefault(p.block.suspect, p)
+        return list(best.values())[:BEAM]
+
+    def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
+        """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
+        chosen: list[Promise] = []
+        for p in promises:
+            kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
+            same = [c for c in kin if c.block.suspect == p.block.suspect]
+            if p.gain > 0 and len(chosen) < DEEP and len(same) < 2 and len(kin) < 4:
+                chosen.append(p)
+        variants = [(p, f) for p in chosen for f in (FOLLOWED if p.block.start.kind != "whole" else (1.0,))]
+        changes = [p.block.start.at([a * f for a in p.amounts]) for p, f in variants]
+        accepted = self.now.fit.changes
+        still, *answers = residuals(
+            self.simulations,
+            [accepted, *([*accepted, c] for c in changes)],
+            self.ground.train,
+            self.ground.floors.coarse,
+        )
+        if still is None:
+            return chosen
+        best: dict[int, Promise] = {}
+        for (p, _), change, answer in zip(variants, changes, answers, strict=True):
+            if answer is None:
+                continue
+            block = Block(Start(change, (change,), p.block.start.zero, "whole"), np.nan_to_num(answer - still)[:, None])
+            followed = self._linear(self.now.fit.residual, [block]).promise(0)
+            if id(p) not in best or followed.gain > best[id(p)].gain:
+                best[id(p)] = followed
+        return sorted(best.values(), key=lambda p: -p.gain)
 
 
-def _forward(pool: Pool, found: Found, everyone: Sequence[Suspect], say: Callable[[str], None]) -> None:
-    """Add what helps most, as long as something does and is worth it."""
-    problem, base = pool.problem, found.base
-    train, judge = problem.of("train"), problem.of("held_out")
-    while len(found.fit.changes) < MOST:
-        now, kept = rms(found.fit.mean_cost(train)), rms(found.fit.mean_cost(judge))
-        say(f"gap {now:.2f} on training runs, {kept:.2f} held out")
-        left = [found.fit.mean_cost(part) - enough(base.mean_cost(part)) for part in (train, judge)]
-        if max(left) <= 0.0 or (found.fit.changes and found.fit.mean_cost(train) <= FITTED):
-            break
-        chosen = choose(pool, found, _near(everyone, found), train, judge, say)
-        if chosen is None:
-            break
-        best, step = chosen
-        if found.fit.changes and step.after > CLEAR and not large(base.mean_cost(judge), found.fit, best, judge):
-            found.refused.append(stays(step.suspect, step.before, step.after))
-            break
-        say(f"added {name(step.suspect)}: held out {rms(step.before):.2f} -> {rms(step.after):.2f}")
-        found.steps.append(step)
-        found.fit = best
-        new_floors(pool, found, best.changes)
-        found.fit = _shaped(pool, found.fit, train, judge)
-        pruned = _pruned(pool, found, train, judge, say)
-        if len(pruned.changes) < len(found.fit.changes):  # the floors are those of what stays
-            new_floors(pool, found, pruned.changes)
-            pruned = fit(problem, pruned.changes, train, judge)
-        found.fit = pruned
-
-
-def _near(everyone: Sequence[Suspect], found: Found) -> Sequence[Suspect]:
-    """Of a whole body, after the first round, what that one saw anything in."""
-    ranked = next((step.ranked for step in found.steps if step.ranked), [])
-    return [s.change.suspect for s in ranked[:MANY]] if ranked and len(everyone) > MANY else everyone
-
-
-def _choose_again(
-    pool: Pool,
-    found: Found,
-    everyone: Sequence[Suspect],
-    train: Sequence[int],
-    judge: Sequence[int],
-    say: Callable[[str], None],
-) -> None:
-    """What was chosen beside a finding that did not stay is chosen once more, beside those that did."""
-    problem = pool.problem
-    for number, step in enumerate(found.steps):
-        kept = found.fit
-        beside = {c.suspect for f in step.tried for c in f.changes[:-1]}
-        if beside <= {c.suspect for c in kept.changes}:
-            continue
-        say(f"looking again in place of {name(step.suspect)}")
-        own = [c for c in kept.changes if c.suspect == step.suspect]
-        others = [c for c in kept.changes if c not in own]
-        found.fit = fit(problem, others, train, judge)
-        same = fit(problem, [*found.fit.changes, *own], train, judge)
-        chosen = choose(pool, found, _near(everyone, found), train, judge, say, same)
-        if chosen is None:
-            found.fit = kept
-            continue
-        found.fit, found.steps[number] = chosen
-        newest = found.steps[number].suspect
-        if newest != step.suspect:
-            say(f"added {name(newest)} in its place")
-            new_floors(pool, found, found.fit.changes)
-            found.fit = _shaped(pool, found.fit, train, judge)
-
-
-def enough(base: float) -> float:
-    """The mean squared residual at which nothing is left to explain, of a gap that was `base`."""
-    share, most = CLOSE
-    return AT_FLOOR + min(share * max(base - 1.0, 0.0), most)
-
-
-def _shaped(pool: Pool, current: Fit, train: Sequence[int], judge: Sequence[int]) -> Fit:
-    """The fit with the shape of the last finding freed, where that helps on held-out motions."""
-    more = richer(pool.problem.plant, current.changes[-1])
-    if more is None:
-        return fit(pool.problem, current.changes, train, judge)
-    freed = [*current.changes[:-1], more]
-    plain, rich = pool.map(fit, [(current.changes, train, judge), (freed, train, judge)])
-    return rich if rich.mean_cost(judge) < 0.97 * plain.mean_cost(judge) else plain
-
-
-def _pruned(pool: Pool, found: Found, train: Sequence[int], judge: Sequence[int], say: Callable[[str], None]) -> Fit:
-    """The fit without findings that later ones made needless."""
-    current = found.fit
-    while len(current.changes) > 1:
-        least = least_missed(pool, found, current, current.changes[:-1], train, judge)
-        if least is None:
-            return current
-        needless, rest = least
-        lost = rest.mean_cost(judge) - current.mean_cost(judge)
-        if lost >= 0.5 * LEAST and lost >= 0.5 * GAIN * max(rest.mean_cost(judge) - 1.0, 0.0):
-            return current
-        say(f"dropped {name(needless)}: needless now")
-        found.forget(needless)
-        current = rest
-    return current
+def told_change(change: Change) -> str:
+    """A change in words, with its fitted values."""
+    return f"{change.suspect} " + ", ".join(f"{n} {v:.4g}" for n, v in change.values if n in change.free)

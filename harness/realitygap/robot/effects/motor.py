@@ -162,7 +162,7 @@ MOTOR_HEATING = Effect(
     name="motor_heating",
     changes="torque",
     sits_at="joint",
-    parameters=(Parameter("loss", "1/s", 0.0, 0.5, 0.01, absent=0.0),),
+    parameters=(Parameter("loss", "1/s", 0.0, 0.5, 0.03, absent=0.0),),
     signals=("effort", "position", "velocity"),
     own=reads(loss="heating"),
     apply=writes(loss="heating"),

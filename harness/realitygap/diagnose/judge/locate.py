@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import Array
 
 Mask = NDArray[np.bool_]
@@ -40,11 +41,12 @@ class Place:
     weight: float
 
 
-def locate(problem: Problem, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
+def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
     """Every joint and signal whose gap stands above its floors, the largest first.
 
     Args:
-        problem: with its floors set.
+        problem: the motions.
+        floors: of the model.
         simulated: signals by case.
     """
     names = problem.plant.model.joint_names
@@ -55,25 +57,26 @@ def locate(problem: Problem, simulated: Mapping[int, dict[str, Array]]) -> list[
         for signal in ("position", "velocity", "effort"):
             cases = [i for i in simulated if signal in problem.signals(i)]
             if cases:
-                place = _place(problem, joint, j, signal, {i: simulated[i] for i in cases})
+                place = _place(problem, floors, joint, j, signal, {i: simulated[i] for i in cases})
                 if place.weight > ABOVE:
                     out.append(place)
     return sorted(out, key=lambda p: -p.weight)
 
 
-def _place(problem: Problem, joint: str, j: int, signal: str, simulated: Mapping[int, dict[str, Array]]) -> Place:
+def _place(
+    problem: Problem, floors: Floors, joint: str, j: int, signal: str, simulated: Mapping[int, dict[str, Array]]
+) -> Place:
     unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
-    gaps, noises, floors, scaled = [], [], [], []
+    gaps, noises, slow, scaled = [], [], [], []
     masks: dict[str, list[Mask]] = {}
     for i, sim in simulated.items():
         case = problem.cases[i]
         delta = sim[signal][:, j] - case.value(signal)[:, j]
         gaps.append(np.abs(delta))
-        noises.append(np.full(len(delta), case.noise[signal][j] * np.sqrt(2 / np.pi)))
-        floor = case.floor.get(signal)
-        floors.append(np.zeros(len(delta)) if floor is None else floor[:, j])
-        scaled.append(delta / case.sigma(signal)[:, j])
-        for phase, mask in phases(problem, case, j, sim).items():
+        noises.append(np.full(len(delta), floors.noise[i][signal][j] * np.sqrt(2 / np.pi)))
+        slow.append(floors.slow[i][signal][:, j])
+        scaled.append(delta / floors.sigma(i, signal)[:, j])
+        for phase, mask in phases(case, j, sim).items():
             masks.setdefault(phase, []).append(mask)
     residual = np.nan_to_num(np.concatenate(scaled))
     whole = float(np.sqrt(np.mean(residual**2)))
@@ -86,10 +89,10 @@ def _place(problem: Problem, joint: str, j: int, signal: str, simulated: Mapping
     def mean(values: Sequence[Array]) -> float:
         return float(np.nanmean(np.concatenate(values)) * scale)
 
-    return Place(joint, signal, unit, mean(gaps), mean(noises), mean(floors), tuple(when) or ("throughout",), whole)
+    return Place(joint, signal, unit, mean(gaps), mean(noises), mean(slow), tuple(when) or ("throughout",), whole)
 
 
-def phases(problem: Problem, case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:
+def phases(case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:
     """Which samples of a motion belong to which phase of joint j. Shape (t,) each.
 
     Phases: holding, moving, reversal, saturation (the servo gives all it can), loaded, impact (of a moving base).
@@ -108,7 +111,7 @@ def phases(problem: Problem, case: Case, j: int, simulated: Mapping[str, Array])
     out["reversal"] = _around(turns, reach, len(time))
     command = case.measured.command
     if command is not None:
-        drive = problem.changed_plant([], problem.cases.index(case)).drive[j]
+        drive = case.experiment.plant.drive[j]
         error = np.abs(drive["gain"] * (command[:, j] - position))
         out["saturation"] = np.nan_to_num(error) >= drive["duty_limit"]
     effort = simulated.get("effort")

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.diagnose.data.problem import Change, Problem, Suspect
-from realitygap.diagnose.fit.fit import start
-from realitygap.diagnose.fit.probes import with_values
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.recording.faults import velocity_of_position
 
 SURE = 0.9
@@ -55,4 +55,4 @@ def _seen(problem: Problem, joint: int) -> list[tuple[float, float, bool]]:
 
 def _change(problem: Problem, suspect: Suspect, rows: Sequence[tuple[float, float, bool]]) -> Change:
     scale, constant = (float(np.median([row[k] for row in rows])) for k in (0, 1))
-    return replace(with_values(start(problem, suspect), {"scale": scale, "time": constant}), free=())
+    return replace(guess(problem, suspect).at({"scale": scale, "time": constant}), free=())

@@ -10,15 +10,13 @@ import numpy as np
 from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import Array
 
 SEEN = 1.05
 """A gap that grows less is the same ..."""
 ABOVE = 0.25
 """... and so is one that grows by less than this part of the noise floor."""
-
-HURT = 1.25
-"""A signal whose gap grows this many times, and by more than the floor, is hurt."""
 
 Simulations = Mapping[int, Mapping[str, Array]]
 """Simulated signals by case."""
@@ -38,7 +36,9 @@ class Worsened:
     after: float
 
 
-def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[Worsened]:
+def worsened(
+    problem: Problem, floors: Floors, judge: Sequence[int], before: Simulations, after: Simulations
+) -> list[Worsened]:
     """Joints and signals whose mean gap on held-out motions grew by more than the noise floor."""
     out = []
     for j, joint in enumerate(problem.plant.model.joints):
@@ -48,21 +48,9 @@ def worsened(problem: Problem, judge: Sequence[int], before: Simulations, after:
                 continue
             unit, scale = unit_of(signal, joint.prismatic)
             was, now = (_gap(problem, cases, signal, j, simulated) for simulated in (before, after))
-            noise = float(np.mean([problem.cases[i].noise[signal][j] for i in cases]))
+            noise = float(np.mean([floors.noise[i][signal][j] for i in cases]))
             if now > was * SEEN and now - was > ABOVE * noise:
                 out.append(Worsened(joint.name, signal, unit, was * scale, now * scale))
-    return out
-
-
-def hurt(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[str]:
-    """The signals that came out far worse over all joints and held-out motions, in floors."""
-    out = []
-    for signal in JOINT_SIGNALS:
-        cases = _compared(problem, signal, judge, before, after)
-        if cases:
-            was, now = (_mean_square(problem, cases, signal, simulated) for simulated in (before, after))
-            if now > HURT**2 * was and now - was > 1.0:
-                out.append(signal)
     return out
 
 
@@ -73,10 +61,35 @@ def _compared(
     return [i for i in judge if i in before and i in after and signal in problem.signals(i)]
 
 
-def _mean_square(problem: Problem, cases: Sequence[int], signal: str, simulated: Simulations) -> float:
-    return float(np.mean([np.nanmean(problem.scaled(i, signal, simulated[i]) ** 2) for i in cases]))
-
-
 def _gap(problem: Problem, cases: Sequence[int], signal: str, joint: int, simulated: Simulations) -> float:
     parts = [np.abs(simulated[i][signal][:, joint] - problem.cases[i].value(signal)[:, joint]) for i in cases]
     return float(np.nanmean(np.concatenate(parts)))
+
+
+@dataclass(frozen=True)
+class InUnits:
+    """The mean absolute gap of a signal over judged joints and held-out motions, before and after, in `unit`."""
+
+    signal: str
+    unit: str
+    before: float
+    after: float
+
+
+def in_units(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[InUnits]:
+    """The gaps of joints in units, by signal and kind of joint: floors change with the model, units do not."""
+    out = []
+    for signal in JOINT_SIGNALS:
+        cases = _compared(problem, signal, judge, before, after)
+        for prismatic in (False, True) if cases else ():
+            joints = [
+                j for j, t in enumerate(problem.plant.model.joints) if t.prismatic == prismatic and problem.judged[j]
+            ]
+            if joints:
+                unit, scale = unit_of(signal, prismatic)
+                was, now = (
+                    float(np.mean([_gap(problem, cases, signal, j, sim) for j in joints])) * scale
+                    for sim in (before, after)
+                )
+                out.append(InUnits(signal, unit, was, now))
+    return out

@@ -1,0 +1,211 @@
+"""Starts: how a suspect is tried before it is fitted, and what a multiple of each try means.
+
+A start is a list of tries, each a change at a visible size: the response of the traces to a try, times an amount, is
+what the effect is taken to do until it is simulated there. A visible size, because the derivative of backlash, stiction
+and stops at zero is zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes, whole
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.robot.drive import Array
+from realitygap.robot.effects import Effect, Parameter
+
+WHOLE_FIRST = (1.8, 0.9, 0.45, 0.2)
+WHOLE_SECOND = (1.0, 2.5)
+"""What the first sizes are multiplied by for effects whose parameters only mean something together."""
+SOFTER = (1.0, 0.3, 0.1)
+"""What the first size of a stiffness is multiplied by: a soft spring swings as no straight line tells."""
+SLIPPERIER = (0.6, 0.3, 0.15)
+"""What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
+TO_BOTH_SIDES = (1.0, -1.0)
+"""What the first size is multiplied by where it may have either sign: play and friction that holds answer unevenly."""
+FURTHEST = 12.0
+"""How many first sizes a straight line is followed at most."""
+PERIODS = np.arange(1.0, 61.0, 0.25)
+"""Periods of a ripple that are looked for: up to the slots of a servo's motor times a low gear's ratio."""
+PEAKS = 3
+"""Peaks of the spectrum over the angle that are tried."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Tries of one suspect, and what amounts of them mean.
+
+    Attributes:
+        first: the suspect at its first guess, with what is fitted later.
+        tries: changes at a visible size.
+        zero: the neutral values.
+        kind: `linear`: a parameter moves from neutral by the amount; `inverse`: a stiffness, twice as much is half of
+            it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave.
+    """
+
+    first: Change
+    tries: tuple[Change, ...]
+    zero: tuple[tuple[str, float], ...]
+    kind: Literal["linear", "inverse", "whole", "wave"]
+
+    @property
+    def suspect(self) -> Suspect:
+        """Whose start it is."""
+        return self.first.suspect
+
+    def moved(self, number: int) -> list[str]:
+        """The parameters that a try moves away from neutral."""
+        zero, values = dict(self.zero), self.tries[number].parameters
+        return [p.name for p in sized(self.first) if values[p.name] != zero[p.name]]
+
+    def at(self, amounts: Sequence[float]) -> Change:
+        """The change that amounts of the tries mean, within the bounds of its parameters."""
+        if self.kind == "whole":
+            return self.tries[0]
+        if self.kind == "wave":
+            sine, cosine = amounts
+            (wave,) = sized(self.first)
+            size = self.tries[0].parameters[wave.name] * math.hypot(sine, cosine)
+            return self.tries[0].at({wave.name: min(size, wave.high), "phase": math.atan2(cosine, sine)})
+        zero, values = dict(self.zero), {}
+        for k, amount in enumerate(amounts):
+            for name in self.moved(k):
+                p, tried = self.suspect.kind.parameter(name), self.tries[k].parameters[name]
+                value = (
+                    tried / max(amount, 1e-3) if self.kind == "inverse" else zero[name] + amount * (tried - zero[name])
+                )
+                values[name] = float(np.clip(value, p.low, p.high))
+        return self.first.at(values)
+
+    def reach(self, number: int) -> tuple[float, float]:
+        """The least and the largest amount of a try within the bounds of its parameters."""
+        if self.kind == "whole":
+            return 1.0, 1.0
+        if self.kind == "wave":
+            return -FURTHEST, FURTHEST
+        if self.kind == "inverse":
+            return 0.0, FURTHEST
+        low, high, zero = -FURTHEST, FURTHEST, dict(self.zero)
+        for name in self.moved(number):
+            p, change = self.suspect.kind.parameter(name), self.tries[number].parameters[name] - zero[name]
+            a, b = sorted(((p.low - zero[name]) / change, (p.high - zero[name]) / change))
+            low, high = max(low, a), min(high, b)
+        return min(low, 0.0), max(high, 0.0)
+
+
+def guess(problem: Problem, suspect: Suspect) -> Change:
+    """A suspect at a first guess: its neutral value plus a sensible size."""
+    effect = suspect.kind
+    first = effect.first_size(problem.plant, suspect.indices[0])
+    zero = neutral(problem.plant, suspect)
+    free = tuple(p.name for p in fitted(effect))
+    values = {}
+    for p in effect.parameters:
+        value = first[p.name]
+        if p.name in free and value == zero[p.name]:
+            value = zero[p.name] + sizes(problem.plant, suspect)[p.name]
+        values[p.name] = float(np.clip(value, p.low, p.high))
+        if p.name not in free and p.default is not None:
+            values[p.name] = p.default
+    return Change(suspect, tuple(values.items()), free)
+
+
+def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -> list[Start]:
+    """The starts of a suspect.
+
+    Args:
+        problem: the motions.
+        suspect: what is tried.
+        residual: of every training motion, of the suspect's joint by signal, for what shows in a spectrum: (t, k).
+    """
+    effect = suspect.kind
+    zero = neutral(problem.plant, suspect)
+    size = sizes(problem.plant, suspect)
+    first = guess(problem, suspect)
+    known = tuple(zero.items())
+    if {"lower", "upper"} <= set(first.free):
+        return [Start(t, (t,), known, "whole") for t in _stops(problem, first)]
+    if whole(effect):
+        one, two = first.free[:2]
+        grid = [(a, b) for a in WHOLE_FIRST for b in WHOLE_SECOND]
+        tries = [first.at({one: first.parameters[one] * a, two: first.parameters[two] * b}) for a, b in grid]
+        return [Start(first, (t,), known, "whole") for t in tries]
+    if "periods" in first.free:
+        waves = _periods(problem, suspect, residual)
+        return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
+    hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
+    if hard:
+        soft = [first.at({n: first.parameters[n] * k for n in hard}) for k in SOFTER]
+        return [Start(first, (t,), known, "inverse") for t in soft]
+    if effect.name == "ground_friction" and zero["coefficient"] > 0:
+        slippery = [first.at({"coefficient": zero["coefficient"] * k}) for k in SLIPPERIER]
+        return [Start(first, (t,), known, "linear") for t in slippery]
+    named = [p.name for p in sized(first)]
+    still = {n: zero[n] for n in named}
+    out = []
+    for factor in TO_BOTH_SIDES if signed(effect) else (1.0,):
+        group = []
+        for n in named:
+            p, step = effect.parameter(n), factor * size[n]
+            inside = p.low <= zero[n] + step <= p.high
+            group.append(first.at(still | {n: zero[n] + (step if inside else -step)}))
+        out.append(Start(first, tuple(group), known, "linear"))
+    return out
+
+
+def signed(effect: Effect) -> bool:
+    """Whether an effect is absent at zero and may have either sign."""
+    return all(p.absent == 0.0 and p.low < 0.0 for p in fitted(effect))
+
+
+def _wave(first: Change, size: Mapping[str, float], periods: float) -> tuple[Change, ...]:
+    (wave,) = sized(first)
+    return tuple(first.at({wave.name: size[wave.name], "periods": periods, "phase": p}) for p in (0.0, np.pi / 2))
+
+
+def _stops(problem: Problem, first: Change) -> list[Change]:
+    """A stop where the recorded motion turned at the latest, on either side alone."""
+    joint, zero = first.suspect.indices[0], neutral(problem.plant, first.suspect)
+    seen = np.concatenate([problem.cases[c].value("position")[:, joint] for c in problem.of("train")])
+    ends = {"lower": float(np.nanmin(seen)), "upper": float(np.nanmax(seen))}
+    out = []
+    for end, angle in ends.items():
+        other = "upper" if end == "lower" else "lower"
+        out.append(replace(first.at({end: angle, other: zero[other]}), free=(end, "stiffness")))
+    return out
+
+
+def sized(change: Change) -> list[Parameter]:
+    """The free parameters of a change that act on their own; the others only shape what these do."""
+    return [p for p in change.suspect.kind.parameters if p.name in change.free and not p.shape]
+
+
+def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array]) -> list[float]:
+    """The ripple frequencies that the residual of the target shows as a function of the joint angle.
+
+    A ripple moves the joint, and the effort, by nearly the same sine of the angle: sine and cosine are fitted to the
+    residual beside a straight line, without simulating, and the best few peaks are tried (Lomb-Scargle over the angle).
+    """
+    joint = suspect.indices[0]
+    score = np.zeros(len(PERIODS))
+    for c, r in zip(problem.of("train"), residual, strict=False):
+        angle = problem.cases[c].value("position")[:, joint]
+        good = np.isfinite(r).all(axis=1) & np.isfinite(angle)
+        plain = np.column_stack([np.ones(good.sum()), angle[good]])
+        q, _ = np.linalg.qr(plain)
+        rest = r[good] - q @ (q.T @ r[good])
+        for k, p in enumerate(PERIODS):
+            basis = np.column_stack([np.sin(p * angle[good]), np.cos(p * angle[good])])
+            basis -= q @ (q.T @ basis)
+            wave, triangle = np.linalg.qr(basis)
+            if np.abs(np.diag(triangle)).min() > 1e-6 * np.sqrt(len(angle)):
+                score[k] += float(np.sum((wave.T @ rest) ** 2))
+    peaks = [k for k in range(1, len(PERIODS) - 1) if score[k] >= score[k - 1] and score[k] >= score[k + 1]]
+    best = sorted(peaks, key=lambda k: -score[k])[:PEAKS] if score.any() else []
+    return [float(PERIODS[k]) for k in best] or [2.0, 5.0, 12.0]

@@ -1,0 +1,86 @@
+"""Suspects and changes: an effect at a target, and the values it has there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.plant import Plant
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means, and the name of
+    the `servo`, where they are all joints of one.
+    """
+
+    effect: str
+    target: str | tuple[str, ...]
+    indices: tuple[int, ...]
+    servo: str = field(default="", compare=False)
+
+    @property
+    def where(self) -> str:
+        """The target for people."""
+        if isinstance(self.target, str):
+            return self.target
+        return f"the {len(self.target)} joints of servo {self.servo}" if self.servo else ", ".join(self.target)
+
+    @property
+    def kind(self) -> Effect:
+        """The effect itself."""
+        return EFFECTS[self.effect]
+
+    def __str__(self) -> str:
+        return f"{self.effect} at {self.where}"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A suspect with the values of all its parameters; `free` names those that are fitted."""
+
+    suspect: Suspect
+    values: tuple[tuple[str, float], ...]
+    free: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values by parameter name."""
+        return dict(self.values)
+
+    def at(self, values: Mapping[str, float]) -> Change:
+        """The same with some of its parameters at other values."""
+        return replace(self, values=tuple((self.parameters | dict(values)).items()))
+
+
+def clash(a: Suspect, b: Suspect) -> bool:
+    """Whether two suspects cannot stand together: the same effect, or one that excludes it, at a common target."""
+    if a.kind.sits_at != b.kind.sits_at or not set(a.indices) & set(b.indices):
+        return False
+    return a.effect == b.effect or a.effect in b.kind.excludes or b.effect in a.kind.excludes
+
+
+def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:
+    """A plant with effects changed.
+
+    Where a run's own value differs from that of the reference (another gain, another load), a change keeps its ratio
+    to the reference: a gain that is 10 % low is 10 % low in every run.
+    """
+    out = plant.copy()
+    for change in changes:
+        effect = change.suspect.kind
+        indices = list(change.suspect.indices)
+        for i in indices:
+            here, there = effect.own(plant, i), effect.own(reference, i)
+            values = {}
+            for name, value in change.values:
+                own, first = here.get(name), there.get(name)
+                if effect.parameter(name).absent is None and own is not None and first and own != first:
+                    value = value * own / first
+                values[name] = value
+            if len(indices) > 1 and values == change.parameters:
+                effect.apply(out, indices, values)
+                break
+            effect.apply(out, [i], values)
+    return out

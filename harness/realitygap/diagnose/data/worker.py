@@ -1,0 +1,81 @@
+"""A process that simulates motions of a problem: `python -m realitygap.diagnose.data.worker`.
+
+It reads pickled messages from its standard input and answers on its standard output: first the problem, then one
+question after the other. It ends when its input ends, so that it never outlives the process that started it.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+from realitygap_engines import Diverged, Unsupported
+
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.push import Push
+from realitygap.robot.drive import Array
+from realitygap.simulate.experiment import simulate
+
+
+@dataclass(frozen=True)
+class Question:
+    """One simulation: of a case with changes, in an engine, at a multiple of the step rate.
+
+    `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well.
+    """
+
+    changes: tuple[Change, ...]
+    case: int
+    engine: str
+    finer: float = 1.0
+    push: Push | None = None
+    jumps: bool = False
+
+
+def answer(problem: Problem, question: Question) -> dict[str, Array] | None:
+    """The signals at the measured stamps; None for a simulation that failed."""
+    case = problem.cases[question.case]
+    plant = problem.changed_plant(question.changes, question.case)
+    if question.push is not None:
+        question.push.on(plant, case.experiment)
+    experiment = case.experiment.with_plant(plant)
+    rate = experiment.scenario.physics.step_rate * question.finer
+    try:
+        trace = simulate(experiment, question.engine, step_rate=rate).trace
+    except (Diverged, Unsupported):
+        return None
+    at = trace.at(case.measured.time)
+    out = {s: np.asarray(getattr(at, s)) for s in problem.signals(question.case)}
+    if question.jumps and "effort" in out:
+        h = experiment.scenario.timestep
+        before, after = (np.asarray(trace.at(case.measured.time + d).effort) for d in (-h, h))
+        out["jump"] = np.abs(after - before)
+    return out
+
+
+def main() -> None:
+    """Answer until the input ends."""
+    asked = sys.stdin.buffer
+    told = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what an engine prints is no answer
+    try:
+        problem = pickle.load(asked)
+        while True:
+            question = pickle.load(asked)
+            result: tuple[bool, object]
+            try:
+                result = True, answer(problem, question)
+            except Exception as error:  # told to the one who asked
+                result = False, f"{type(error).__name__}: {error}"
+            pickle.dump(result, told, pickle.HIGHEST_PROTOCOL)
+            told.flush()
+    except (EOFError, BrokenPipeError, KeyboardInterrupt):
+        return
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,122 @@
+"""Responses: how the residual changes with a try of every suspect, simulated at the model as it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.candidates.starts import Start
+from realitygap.diagnose.data.case import JOINT_SIGNALS
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.likelihood.whitening import Channel, stacked
+from realitygap.robot.drive import Array
+
+MANY_JOINTS = 2
+"""With more joints than this, an effect is tried on all joints at once, and each joint's answer is its own: what one
+joint does to another through the links is small beside it in a geared robot, and a try is later simulated alone."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A start with its responses: the change of the stacked residual per unit of each try. Shape (m, tries)."""
+
+    start: Start
+    columns: Array
+
+    @property
+    def suspect(self) -> Suspect:
+        """Whose responses they are."""
+        return self.start.suspect
+
+
+def residual(
+    simulations: Simulations, changes: Sequence[Change], cases: Sequence[int], coarse: Sequence[float] | None = None
+) -> Array | None:
+    """The stacked residual of some cases with changes; None where one cannot be simulated."""
+    answers = simulations.of(changes, cases, coarse=coarse)
+    signals = [a for a in answers if a is not None]
+    return stacked(simulations.problem, cases, signals) if len(signals) == len(cases) else None
+
+
+def residuals(
+    simulations: Simulations, variants: Sequence[Sequence[Change]], cases: Sequence[int], coarse: Sequence[float]
+) -> list[Array | None]:
+    """The same of many variants, as coarsely as is faithful, simulated side by side."""
+    asked = [simulations.question(changes, c, coarse=coarse) for changes in variants for c in cases]
+    answers, size = simulations.ask(asked), len(cases)
+    out: list[Array | None] = []
+    for k in range(len(variants)):
+        signals = [a for a in answers[k * size : (k + 1) * size] if a is not None]
+        out.append(stacked(simulations.problem, cases, signals) if len(signals) == size else None)
+    return out
+
+
+def respond(
+    simulations: Simulations,
+    accepted: Sequence[Change],
+    tried: Sequence[Start],
+    cases: Sequence[int],
+    coarse: Sequence[float],
+    channels: Sequence[Channel],
+) -> list[Block]:
+    """The responses of starts to a model with accepted changes; starts that cannot be simulated are left out."""
+    variants = _together(simulations, tried)
+    still, *answers = residuals(simulations, [accepted, *([*accepted, *v.values()] for v in variants)], cases, coarse)
+    if still is None:
+        return []
+    masks: dict[int, Array] = {}
+    found: dict[tuple[int, int], Array] = {}
+    for variant, answer in zip(variants, answers, strict=True):
+        if answer is None:
+            continue
+        change = np.nan_to_num(answer - still)
+        for (turn, number), try_ in variant.items():
+            column = change
+            if len(variant) > 1:
+                (joint,) = try_.suspect.indices
+                if joint not in masks:
+                    masks[joint] = own_joint(simulations, channels, joint)
+                column = np.where(masks[joint], change, 0.0)
+            found[turn, number] = column
+    out = []
+    for i, start in enumerate(tried):
+        columns = [found.get((i, k)) for k in range(len(start.tries))]
+        good = [c for c in columns if c is not None]
+        if good and len(good) == len(columns) and np.abs(good).max() > 0.0:
+            out.append(Block(start, np.column_stack(good)))
+    return out
+
+
+def _together(simulations: Simulations, tried: Sequence[Start]) -> list[dict[tuple[int, int], Change]]:
+    """What is simulated at once: with many joints the same try of one effect at all of them, otherwise each alone."""
+    many = int(simulations.problem.judged.sum()) > MANY_JOINTS
+    out: list[dict[tuple[int, int], Change]] = []
+    shared: dict[tuple[str, int, int], dict[tuple[int, int], Change]] = {}
+    counts: dict[Suspect, int] = {}
+    for i, start in enumerate(tried):
+        turn = counts.setdefault(start.suspect, 0)
+        counts[start.suspect] += 1
+        for k, change in enumerate(start.tries):
+            if many and single(start.suspect):
+                shared.setdefault((start.suspect.effect, turn, k), {})[i, k] = change
+            else:
+                out.append({(i, k): change})
+    return [*out, *shared.values()]
+
+
+def single(suspect: Suspect) -> bool:
+    """Whether it sits at one joint."""
+    return suspect.kind.sits_at == "joint" and len(suspect.indices) == 1
+
+
+def own_joint(simulations: Simulations, channels: Iterable[Channel], joint: int) -> Array:
+    """Which stacked samples are those of one joint. Shape (m,), of bool."""
+    judged = simulations.problem.judged
+    column = int(np.sum(judged[:joint]))
+    parts = [
+        np.full(len(c.time), c.signal in JOINT_SIGNALS and c.column == column and bool(judged[joint])) for c in channels
+    ]
+    return np.concatenate(parts)

@@ -1,0 +1,94 @@
+"""The gap of a model in floors, engine by engine, and what a finding does to runs that were kept back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem, Signals
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.likelihood.floors import Floors
+
+WORST = 1e6
+"""The gap in floors of a motion that cannot be simulated."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The held-out gap before and after one finding, in the searching engine and in others; 1 is the floor."""
+
+    before: float
+    after: float
+    engines: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def cost(problem: Problem, floors: Floors, case: int, simulated: Signals | None) -> float:
+    """The mean squared difference of one motion in floors; 1 is the floor."""
+    if simulated is None:
+        return WORST**2
+    parts = []
+    for s in problem.signals(case):
+        sigma = problem.columns(s, floors.sigma(case, s))
+        parts.append(((problem.delta(case, s, simulated) / sigma) ** 2).ravel())
+    return float(np.nanmean(np.minimum(np.concatenate(parts), WORST**2)))
+
+
+def costs(
+    simulations: Simulations,
+    floors: Floors,
+    changes: Sequence[Change],
+    cases: Sequence[int],
+    engine: str | None = None,
+) -> dict[int, float]:
+    """The cost of some cases with changes, by case."""
+    answers = simulations.of(changes, cases, engine=engine)
+    return {c: cost(simulations.problem, floors, c, a) for c, a in zip(cases, answers, strict=True)}
+
+
+def rms(costs: dict[int, float], cases: Sequence[int]) -> float:
+    """The gap over some cases, each counting alike: root of the mean cost."""
+    return float(np.sqrt(np.mean([costs[c] for c in cases])))
+
+
+def shown(
+    simulations: Simulations, floors: Floors, changes: Sequence[Change], engines: Sequence[str]
+) -> dict[Suspect, Shown]:
+    """The held-out gap with the first, the first two, ... findings, in every engine that can express them.
+
+    The first engine is the one that was searched in.
+    """
+    judge = simulations.problem.of("held_out")
+    prefixes = [tuple(changes[:k]) for k in range(len(changes) + 1)]
+    asked = [simulations.question(p, c, engine=e) for e in engines for p in prefixes for c in judge]
+    simulations.ask(asked)  # side by side; remembered
+    gaps = {
+        (e, k): rms(costs(simulations, floors, p, judge, e), judge) for e in engines for k, p in enumerate(prefixes)
+    }
+    out = {}
+    for k, change in enumerate(changes):
+        others = {
+            e: (gaps[e, k], gaps[e, k + 1])
+            for e in engines[1:]
+            if gaps[e, k] < WORST / 10 and gaps[e, k + 1] < WORST / 10
+        }
+        out[change.suspect] = Shown(gaps[engines[0], k], gaps[engines[0], k + 1], others)
+    return out
+
+
+ALIKE = 0.5
+"""A finding that lowers the mean square by less than this share of what it does in the searching engine, in every other
+engine, mends that engine's own error: what helps in all engines alike has a share of 1, what helps in one alone 0."""
+
+
+def artefacts(found: dict[Suspect, Shown]) -> list[Suspect]:
+    """The findings that help in the searching engine far more than in any other."""
+    out = []
+    for suspect, s in found.items():
+        lowered = s.before**2 - s.after**2
+        there = [before**2 - after**2 for before, after in s.engines.values()]
+        if there and lowered > 0 and max(there) < ALIKE * lowered:
+            out.append(suspect)
+    return out

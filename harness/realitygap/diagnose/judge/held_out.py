@@ -1,0 +1,48 @@
+"""Held-out runs, looked at once after the model is chosen: the difference in log predictive density, with its error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.whitening import channels, facts
+from realitygap.diagnose.search.evidence import Imperfections, score
+from realitygap.diagnose.search.exchange import LEVEL, Rival, compare
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How much more probable the chosen model makes what was kept back (natural logarithm), and the standard error."""
+
+    gain: float
+    error: float
+
+    @property
+    def worse(self) -> bool:
+        """Whether the chosen model predicts worse than the scenario's own, beyond the error."""
+        return self.gain < -LEVEL * self.error and self.gain < 0.0
+
+
+def predicted(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> Verdict:
+    """The difference in log predictive density on the held-out runs: with the changes, less without."""
+    judge = simulations.problem.of("held_out")
+    watched = channels(simulations.problem, floors, judge)
+    both = [residual(simulations, c, judge) for c in ([], changes)]
+    if both[1] is None:
+        return Verdict(-np.inf, 0.0)
+    if both[0] is None:
+        return Verdict(np.inf, 0.0)
+    none = np.zeros((len(both[1]), 0))
+    nothing = Imperfections(facts(watched, both[1]), none)
+    before, after = (score(watched, Fit((), r), nothing) for r in both if r is not None)
+    apart: Rival | None = None
+    if changes:
+        apart = compare(watched, after, before, changes[0].suspect)
+    return Verdict(0.0, 0.0) if apart is None else Verdict(apart.behind, apart.error)

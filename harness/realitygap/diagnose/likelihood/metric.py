@@ -1,0 +1,98 @@
+"""The metric of residuals: whitened, and with small imperfections of every law on the list marginalised.
+
+No law is exact: beside what is missing, everything on the list is wrong by a little. Each imperfection is a multiple
+of an effect's response with a normal prior of a common scale, so that the covariance of a residual is that of noise and
+what lasts, plus Φ·diag(scale²)·Φᵀ (Kennedy & O'Hagan 2001, with the discrepancy spanned by known laws). A parameter
+that an imperfection could mimic gets a wider interval, and a small effect that mends the law of a large one gains
+nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from realitygap.diagnose.likelihood.whitening import Channel, Rest, Whitening
+from realitygap.robot.drive import Array
+
+OUTLIER = 3.0
+"""An innovation beyond this many times their root mean square is trusted less (Cauchy; 0.3 % of normal ones are)."""
+
+
+@dataclass(frozen=True)
+class Metric:
+    """Turns stacked residuals and responses into vectors whose squared length is that under the covariance.
+
+    Attributes:
+        whitening: noise and what lasts.
+        weight: trust in every stacked sample, 0 where nothing was measured. Shape (m,).
+        imperfections: whitened responses times their scale. Shape (m, q).
+        factor: Cholesky factor of 1 + ΦᵀΦ of the imperfections.
+        determinant: half the logarithm of the covariance's determinant.
+    """
+
+    whitening: Whitening
+    weight: Array
+    imperfections: Array
+    factor: tuple[Array, bool]
+    determinant: float
+
+    def __call__(self, columns: Array) -> Array:
+        """Shape (m, k) or (m,) -> (m + q, k) or (m + q,): what is left, and the imperfections that were taken."""
+        one = columns.ndim == 1
+        white, _ = self.whitening(np.ascontiguousarray(np.nan_to_num(columns.reshape(len(columns), -1))), self.weight)
+        taken = cho_solve(self.factor, self.imperfections.T @ white)
+        out = np.vstack([white - self.imperfections @ taken, taken])
+        return out[:, 0] if one else out
+
+
+def metric(
+    channels: Sequence[Channel], facts: Array, rest: Rest, residual: Array, responses: Array, scale: Array
+) -> Metric:
+    """The metric for what a residual leaves.
+
+    Args:
+        channels: of the stacked residual.
+        facts: of a sample of each channel.
+        rest: what no law explains, by channel.
+        residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
+        responses: of every law that may be imperfect. Shape (m, q).
+        scale: how imperfect, as a multiple of the response. Shape (q,).
+    """
+    whitening = Whitening(tuple(channels), rest, facts)
+    finite = np.isfinite(residual).astype(float)
+    stack = np.column_stack([np.nan_to_num(residual), responses * scale])
+    white, _ = whitening(stack, finite)
+    size = np.abs(white[:, 0])
+    spread = math.sqrt(float(np.mean(size[finite > 0] ** 2))) if finite.any() else 1.0
+    spread = max(spread, 1e-12)
+    weight = finite / (1.0 + (size / (OUTLIER * spread)) ** 2)
+    white, determinant = whitening(stack, weight)
+    imperfections = white[:, 1:]
+    inner = np.eye(len(scale)) + imperfections.T @ imperfections
+    factor = cho_factor(inner, lower=True) if len(scale) else (np.zeros((0, 0)), True)
+    if len(scale):
+        determinant += float(np.sum(np.log(np.diag(factor[0]))))
+    return Metric(whitening, weight, imperfections, factor, determinant)
+
+
+def rest_of(channels: Sequence[Channel], residual: Array) -> Rest:
+    """What lasts in a residual beyond the floors, by channel, over all motions: the moment estimate.
+
+    The root mean square of each channel beyond what its noise and its floors make; of all motions, the mean.
+    """
+    squares: dict[tuple[str, int], list[float]] = {}
+    at = 0
+    for channel in channels:
+        n = len(channel.time)
+        part = residual[at : at + n]
+        at += n
+        good = np.isfinite(part)
+        if good.any():
+            excess = np.mean(part[good] ** 2 - channel.slow[good] ** 2) - channel.noise**2
+            squares.setdefault(channel.key, []).append(float(excess))
+    return {key: math.sqrt(max(sum(values) / len(values), 0.0)) for key, values in squares.items()}

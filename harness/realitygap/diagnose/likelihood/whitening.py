@@ -1,0 +1,134 @@
+"""The likelihood of residuals: a standard deviation for every sample, and how many facts the samples are.
+
+Every sample has the variance of its sensor, its floors (numerics, disturbances) and of what no law explains. Samples
+that follow one another are not as many facts: a channel's log likelihood is divided by the integrated autocorrelation
+time of its residual, in samples (Sokal 1997; a composite likelihood with the adjustment of Pauli, Racugno & Ventura
+2011). White noise counts in full; a residual that lasts for 0.3 s counts once in 0.3 s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.data.case import JOINT_SIGNALS
+from realitygap.diagnose.data.problem import Problem, Signals
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.robot.drive import Array
+
+LONGEST = 0.5
+"""Samples further apart than this [s] are two facts: a servo's position loop has answered by then."""
+FADED = 0.05
+"""Autocorrelation below this is noise of its own estimate."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One signal of one joint (or axis of the base) in one motion.
+
+    `noise` is the standard deviation of the sensor, `slow` that of what lasts (t,).
+    """
+
+    case: int
+    signal: str
+    column: int
+    time: Array
+    noise: float
+    slow: Array
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """Which channel it is, in whatever motion."""
+        return self.signal, self.column
+
+
+Rest = dict[tuple[str, int], float]
+"""The standard deviation of what no law explains, by channel: the same in all motions."""
+
+
+def channels(problem: Problem, floors: Floors, cases: Sequence[int]) -> list[Channel]:
+    """The judged channels of some cases, in the order of `stacked`."""
+    out = []
+    for c in cases:
+        case = problem.cases[c]
+        for signal in problem.signals(c):
+            noise = floors.noise[c][signal]
+            noise = noise[problem.judged] if signal in JOINT_SIGNALS else noise
+            slow = problem.columns(signal, floors.slow[c][signal])
+            for k in range(slow.shape[1]):
+                out.append(Channel(c, signal, k, case.measured.time, float(noise[k]), slow[:, k]))
+    return out
+
+
+def stacked(problem: Problem, cases: Sequence[int], simulated: Sequence[Signals]) -> Array:
+    """Simulated minus measured of all channels, one after the other; NaN where nothing was measured. Shape (m,)."""
+    parts = [
+        problem.delta(c, s, sim).T.ravel() for c, sim in zip(cases, simulated, strict=True) for s in problem.signals(c)
+    ]
+    return np.concatenate(parts)
+
+
+def facts(channels: Sequence[Channel], residual: Array) -> Array:
+    """How many facts a sample of each channel is: one over the integrated autocorrelation time. Shape (channels,).
+
+    Motions of one channel are taken together, so that a short one has not a share of its own.
+    """
+    found: dict[tuple[str, int], list[float]] = {}
+    at = 0
+    for channel in channels:
+        n = len(channel.time)
+        part = residual[at : at + n] / np.hypot(channel.noise, channel.slow)
+        rate = (n - 1) / (channel.time[-1] - channel.time[0])
+        lasting = _lasting(part[np.isfinite(part)], int(LONGEST * rate))
+        found.setdefault(channel.key, []).append(min(lasting, max(LONGEST * rate, 1.0)))
+        at += n
+    return np.array([1.0 / np.mean(found[c.key]) for c in channels])
+
+
+def _lasting(value: Array, longest: int) -> float:
+    """The integrated autocorrelation time of a series in samples, at least 1; about zero, as a gap is no mean."""
+    power = float(value @ value)
+    total = 1.0
+    if power > 0.0:
+        for lag in range(1, min(longest, len(value) - 1)):
+            rho = float(value[:-lag] @ value[lag:]) / power
+            if rho < FADED:
+                break
+            total += 2.0 * rho
+    return total
+
+
+@dataclass(frozen=True)
+class Whitening:
+    """Scales what is stacked over channels, so that its squared length is minus twice the log likelihood.
+
+    Attributes:
+        channels: in their order.
+        rest: what no law explains, by channel.
+        facts: of each sample of a channel. Shape (channels,).
+    """
+
+    channels: tuple[Channel, ...]
+    rest: Rest
+    facts: Array
+
+    def __call__(self, columns: Array, weight: Array) -> tuple[Array, float]:
+        """Scaled columns, and half the logarithm of the determinant of their covariance.
+
+        Args:
+            columns: Shape (m, k).
+            weight: trust in each sample: 0 leaves it out. Shape (m,).
+        """
+        scale, determinant, at = np.empty(len(columns)), 0.0, 0
+        for channel, share in zip(self.channels, self.facts, strict=True):
+            n = len(channel.time)
+            rest = self.rest.get(channel.key, 0.0)
+            variance = channel.noise**2 + channel.slow**2 + rest**2
+            trust = weight[at : at + n]
+            scale[at : at + n] = np.sqrt(share * trust / variance)
+            determinant += 0.5 * share * float(np.sum(np.log(variance)[trust > 0]))
+            determinant -= 0.5 * share * float(np.sum(np.log(trust[trust > 0])))
+            at += n
+        return columns * scale[:, None], determinant

@@ -1,0 +1,149 @@
+"""Moves at a glance: what adding suspects would gain, in the straight-line model of their responses.
+
+All in the metric of the residual, orthogonalised on what is already in: a suspect that does the same as an accepted
+value, or as an imperfection, gains nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from realitygap.diagnose.data.changes import Change, clash
+from realitygap.diagnose.fit.fit import SLAB
+from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.robot.drive import Array
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A start with the amounts that fit best, and the gain in evidence that it promises."""
+
+    block: Block
+    amounts: tuple[float, ...]
+    gain: float
+
+    @property
+    def change(self) -> Change:
+        """The suspect at these amounts."""
+        return self.block.start.at(self.amounts)
+
+
+class Linear:
+    """The straight-line model around an accepted model.
+
+    Args:
+        metric: of the residual.
+        residual: of the accepted model. Shape (m,).
+        slope: of its fitted values. Shape (m, p).
+        blocks: responses of the suspects.
+    """
+
+    def __init__(self, metric: Metric, residual: Array, slope: Array, blocks: Sequence[Block]) -> None:
+        self.blocks = list(blocks)
+        columns = [residual[:, None], slope, *(b.columns for b in blocks)]
+        white = metric(np.hstack([c for c in columns if c.shape[1]]))
+        p = slope.shape[1]
+        if p:  # what a change of the accepted values would do is no gain of a suspect's
+            basis, _ = np.linalg.qr(np.vstack([white[:, 1 : p + 1], np.eye(p) / SLAB]))
+            tall = np.vstack([white, np.zeros((p, white.shape[1]))])
+            white = tall - basis @ (basis.T @ tall)
+        self.white = np.delete(white, slice(1, p + 1), axis=1)
+        self.gram = self.white.T @ self.white
+        ends = np.cumsum([1, *(b.columns.shape[1] for b in blocks)])
+        self.places = [np.arange(a, b) for a, b in pairwise(ends)]
+
+    def promise(self, number: int, beside: Sequence[int] = ()) -> Promise:
+        """What one block gains beside others that are already taken."""
+        with_, _ = self._gain([*beside, number])
+        without, _ = self._gain(list(beside))
+        gain, amounts = with_ - without, self._amounts([*beside, number])
+        return Promise(self.blocks[number], tuple(amounts[-len(self.places[number]) :].tolist()), gain)
+
+    def promises(self) -> list[Promise]:
+        """What every block gains alone, best first."""
+        return sorted((self.promise(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
+
+    def several(self, least: float) -> list[Promise]:
+        """Blocks added one after the other, and exchanged, as long as each gains at least so much beside the others."""
+        taken: list[int] = []
+        while True:
+            best = self._best(taken)
+            if best is None or best[1] < least:
+                break
+            taken.append(best[0])
+            for i in list(taken[:-1]):  # what the new one made superfluous goes, or gives way
+                others = [k for k in taken if k != i]
+                other = self._best(others)
+                if (
+                    other is not None
+                    and other[0] != i
+                    and other[1] > self._gain(taken)[0] - self._gain(others)[0] + 1.0
+                ):
+                    taken = [*others, other[0]]
+                elif self._gain(taken)[0] - self._gain(others)[0] < least:
+                    taken = others
+            if len(taken) > len(self.blocks) // 2:
+                break
+        amounts = self._amounts(taken)
+        out, at = [], 0
+        total, _ = self._gain(taken)
+        for i in taken:
+            n = len(self.places[i])
+            gain = total - self._gain([k for k in taken if k != i])[0]
+            out.append(Promise(self.blocks[i], tuple(amounts[at : at + n].tolist()), gain))
+            at += n
+        return out
+
+    def _best(self, taken: Sequence[int]) -> tuple[int, float] | None:
+        """The block that gains most beside those that are taken."""
+        so_far, _ = self._gain(list(taken))
+        best: tuple[int, float] | None = None
+        for i, block in enumerate(self.blocks):
+            if any(clash(block.suspect, self.blocks[k].suspect) for k in taken):
+                continue
+            gain = self._gain([*taken, i])[0] - so_far
+            if best is None or gain > best[1]:
+                best = i, gain
+        return best
+
+    def _gain(self, numbers: Sequence[int]) -> tuple[float, Array]:
+        """The gain in evidence of some blocks together, at their best amounts within reach."""
+        if not numbers:
+            return 0.0, np.zeros(0)
+        at = np.concatenate([self.places[i] for i in numbers])
+        g, b = self.gram[np.ix_(at, at)], self.gram[at, 0]
+        x = self._amounts(numbers)
+        gain = -float(b @ x) - 0.5 * float(x @ g @ x)
+        free = [k for i in numbers for k in self.places[i] if self.blocks[i].start.kind != "whole"]
+        if free:
+            g = self.gram[np.ix_(free, free)]
+            inside = np.isin(at, free)
+            gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
+            gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
+        return gain, x
+
+    def _amounts(self, numbers: Sequence[int]) -> Array:
+        """The best amounts of some blocks together, within reach."""
+        if not numbers:
+            return np.zeros(0)
+        at = np.concatenate([self.places[i] for i in numbers])
+        reach = [self.blocks[i].start.reach(k) for i in numbers for k in range(len(self.places[i]))]
+        low, high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
+        g = self.gram[np.ix_(at, at)] + 1e-9 * np.eye(len(at))
+        try:
+            x = np.linalg.solve(g, -self.gram[at, 0])
+        except np.linalg.LinAlgError:
+            x = np.zeros(len(at))
+        if ((x < low) | (x > high)).any():
+            factor = np.linalg.cholesky(g + 1e-12 * np.trace(g) * np.eye(len(at)))
+            right = np.linalg.solve(factor, -self.gram[at, 0])
+            fixed = low == high
+            high = np.where(fixed, high + 1e-9, high)
+            x = lsq_linear(factor.T, right, bounds=(low, high)).x
+        return np.asarray(x)

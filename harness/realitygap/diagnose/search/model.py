@@ -1,0 +1,112 @@
+"""Where a search stands: an accepted model, what it leaves, and the responses of everything that could be added."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from realitygap.diagnose.candidates.starts import starts
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit, fit
+from realitygap.diagnose.fit.responses import Block, respond, single
+from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.diagnose.likelihood.whitening import channels, facts
+from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
+from realitygap.robot.drive import Array
+
+SETTLE = 3
+"""How often a model is fitted again at most, in the metric of what it leaves."""
+
+
+class Ground:
+    """What all models of one round are compared on: floors, training motions, and imperfections of every law.
+
+    Attributes:
+        simulations: of the problem.
+        floors: of the model that the round started from.
+        train: the cases that are fitted.
+        channels: of their stacked residual.
+        wrong: what laws may be imperfect by.
+    """
+
+    def __init__(self, simulations: Simulations, changes: Sequence[Change]) -> None:
+        self.simulations, self.problem = simulations, simulations.problem
+        self.train = self.problem.of("train")
+        self.floors: Floors = measure(simulations, changes)
+        self.channels = channels(self.problem, self.floors, self.train)
+        none = np.zeros((sum(len(c.time) for c in self.channels), 0))
+        self.wrong = Imperfections(np.ones(len(self.channels)), none)
+
+    def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
+        """The responses of every suspect that can stand beside the changes of a fit."""
+        accepted = [c.suspect for c in at.changes]
+        possible = [s for s in everyone if not any(clash(s, a) for a in accepted)]
+        tried = [start for s in possible for start in starts(self.problem, s, self._of_joint(at, s))]
+        return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
+
+    def take_facts(self, at: Fit) -> None:
+        """Count facts as the residual of a fit lasts."""
+        self.wrong = Imperfections(facts(self.channels, at.residual), self.wrong.responses)
+
+    def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
+        """Let laws be wrong by a little: those that follow a straight line at single targets, and the accepted ones."""
+        chosen, seen = [self.wrong.responses[:, :0]], set()
+        for block in blocks:
+            alone = block.suspect.kind.sits_at != "joint" or single(block.suspect)
+            if block.start.kind == "linear" and block.suspect not in seen and alone:
+                chosen.append(block.columns)
+                seen.add(block.suspect)
+        for k, (i, name) in enumerate(at.names):
+            zero = neutral(self.problem.plant, at.changes[i].suspect)
+            if not at.changes[i].suspect.kind.parameter(name).shape and np.isfinite(zero[name]):
+                chosen.append(at.slope[:, k : k + 1])
+        self.wrong = Imperfections(self.wrong.facts, np.hstack(chosen))
+
+    def score(self, found: Fit) -> Scored:
+        """The evidence of a fit."""
+        return score(self.channels, found, self.wrong)
+
+    def sharp(self, found: Fit) -> Scored:
+        """The evidence, and the metric in which moves from a fit are looked for."""
+        return sharp(self.channels, found, self.wrong)
+
+    def fit(self, changes: Sequence[Change], metric: Metric) -> Scored | None:
+        """Changes fitted in a metric, with their evidence; None where they cannot be simulated, or where the values
+        that fit are not these effects.
+        """
+        done = fit(self.simulations, changes, self.train, metric, self.floors.coarse)
+        return None if done is None or any(absurd(c) for c in done.changes) else self.score(done)
+
+    def settled(self, found: Scored) -> Scored:
+        """A model fitted again in the metric of what it leaves, as long as that finds more evidence."""
+        for _ in range(SETTLE):
+            again = self.fit(found.fit.changes, found.metric)
+            if again is None or again.evidence < found.evidence + 1.0:
+                return found if again is None else max(again, found, key=lambda s: s.evidence)
+            found = again
+        return found
+
+    def _of_joint(self, at: Fit, suspect: Suspect) -> list[Array]:
+        """The residual of a suspect's joint in floors, by training motion: (t, signals)."""
+        if not single(suspect):
+            return []
+        column = int(np.sum(self.problem.judged[: suspect.indices[0]]))
+        out: dict[int, list[Array]] = {}
+        start = 0
+        for channel in self.channels:
+            part = at.residual[start : start + len(channel.time)]
+            start += len(channel.time)
+            if channel.column == column:
+                floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
+                out.setdefault(channel.case, []).append(part / floor)
+        return [np.column_stack(out[c]) for c in self.train if c in out]
+
+
+def absurd(change: Change) -> bool:
+    """Whether the values of a change are not its effect, as a Stribeck friction that grows with speed."""
+    why = change.suspect.kind.absurd
+    return why is not None and why(change.parameters) is not None

@@ -1,0 +1,67 @@
+"""The likelihood: its closed forms, and what it says of noise that is known."""
+
+import numpy as np
+import pytest
+from realitygap.diagnose.likelihood.metric import metric, rest_of
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
+
+
+def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal: str = "position") -> Channel:
+    return Channel(case, signal, 0, np.arange(n) * 0.01, noise, np.full(n, slow))
+
+
+def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
+    """With imperfections marginalised: r'(V + Φ·s²·Φ')⁻¹r and its determinant, by the matrices themselves."""
+    rng = np.random.default_rng(3)
+    n, watched = 40, channel(40)
+    residual, responses, scale = rng.standard_normal(n), rng.standard_normal((n, 3)), np.array([0.3, 1.0, 2.0])
+    measure = metric([watched], np.ones(1), {watched.key: 0.1}, residual, responses, scale)
+    variance = np.diag((watched.noise**2 + watched.slow**2 + 0.1**2) / measure.weight)
+    dense = variance + (responses * scale**2) @ responses.T
+    whole = measure(residual)
+    assert whole @ whole == pytest.approx(residual @ np.linalg.solve(dense, residual))
+    assert measure.determinant == pytest.approx(0.5 * np.linalg.slogdet(dense)[1])
+
+
+def test_what_was_not_measured_counts_nothing() -> None:
+    rng = np.random.default_rng(4)
+    watched, residual = channel(30), rng.standard_normal(30)
+    residual[10:20] = np.nan
+    measure = metric([watched], np.ones(1), {}, residual, np.zeros((30, 0)), np.zeros(0))
+    assert np.all(measure(np.nan_to_num(residual, nan=7.0))[10:20] == 0.0)
+
+
+def test_white_noise_counts_in_full_and_what_lasts_once() -> None:
+    """An AR(1) series has the integrated autocorrelation time (1 + a)/(1 − a)."""
+    rng = np.random.default_rng(5)
+    n, keep = 20000, 0.9
+    white = rng.standard_normal(n)
+    lasting = np.empty(n)
+    lasting[0] = white[0]
+    for k in range(1, n):
+        lasting[k] = keep * lasting[k - 1] + np.sqrt(1 - keep**2) * white[k]
+    (one,), (few,) = facts([channel(n)], white), facts([channel(n)], lasting)
+    assert one == pytest.approx(1.0)
+    assert 1.0 / few == pytest.approx((1 + keep) / (1 - keep), rel=0.2)
+
+
+def test_a_constant_gap_is_no_mean_that_could_be_left_out() -> None:
+    (few,) = facts([channel(400)], np.full(400, 3.0))
+    assert few < 0.01
+
+
+def test_the_rest_is_what_lies_beyond_the_floors() -> None:
+    rng = np.random.default_rng(6)
+    watched = [channel(20000, case=c) for c in range(2)]
+    residual = rng.standard_normal(40000) * np.sqrt(0.5**2 + 0.2**2 + 0.7**2)
+    assert rest_of(watched, residual)[watched[0].key] == pytest.approx(0.7, rel=0.03)
+    assert rest_of(watched, 0.3 * residual)[watched[0].key] == 0.0
+
+
+def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:
+    residual = np.random.default_rng(7).standard_normal((50, 1))
+    (full, determinant), (half, less) = (
+        Whitening((channel(50),), {}, np.full(1, share))(residual, np.ones(50)) for share in (1.0, 0.5)
+    )
+    assert half == pytest.approx(np.sqrt(0.5) * full)
+    assert less == pytest.approx(0.5 * determinant)
