@@ -22,7 +22,6 @@ from realitygap.robot.plant import Plant, build_plant
 from realitygap.robot.suspicion import check_suspicion
 from realitygap.scenario.file import ScenarioFile
 
-
 SHIFTED = ("another_motion", "flipped_sign")
 """What a recording whose clocks differ may look like, too, where its offset is not seen: a sine half a period late."""
 
