@@ -88,7 +88,7 @@ def clock_offset(o: Observed, moving: Mask) -> list[Mistake]:
     lags = [lag for lag in LAGS if lag <= slowest(o)]
     every = max(1, round(COARSE / 2 / o.step))
     command, position, spacing = o.command[::every, chosen], o.position[::every, chosen], every * o.step
-    _, fit = following(command, position, spacing, lags=lags)
+    either, fit = following(command, position, spacing, lags=lags)
     allowed = np.nan_to_num(np.diag(fit.share))
     if allowed.mean() > ENOUGH:
         return []
@@ -102,7 +102,8 @@ def clock_offset(o: Observed, moving: Mask) -> list[Mistake]:
         if score > best[1]:
             best = (float(delay), score)
     offset, score = best
-    if score < EXPLAINED or 1.0 - float(allowed.mean()) < FAR_BETTER * (1.0 - score):
+    turned = float(np.nan_to_num(np.diag(either.share)).mean())  # a sine shifted by half a period is a flipped one
+    if score < EXPLAINED or 1.0 - max(float(allowed.mean()), turned) < FAR_BETTER * (1.0 - score):
         return []
     certain = offset <= BEFORE or offset >= LATE
     order = "later than" if offset > 0 else "before"

@@ -84,6 +84,23 @@ def effort_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
     return [*out, *swapped]
 
 
+def pushed(o: Observed, j: int) -> float:
+    """How much of what moving a joint takes is told by the side on which its command is, beside position and speed.
+
+    A servo that is far too weak for its motion pushes towards the command with all it has; a measurement of another
+    motion does not know where the command was. 0 on a floating base.
+    """
+    if o.plant.model.floating:
+        return 0.0
+    error = o.command[:, j] - o.position[:, j]
+    on = np.isfinite(error)
+    error = np.where(on, error, 0.0)
+    side = np.tanh(error / (0.1 * error[on].std() + 1e-12))
+    beside = [np.ones(len(side)), o.position[:, j], np.gradient(o.position[:, j], o.step)]
+    fit = _solved(o, beside, side, needed_effort(o)[:, j], on, 1.0)
+    return fit.part if fit.ratio > 0 else 0.0
+
+
 def _fit_load(o: Observed, j: int, load: Array | None) -> Fit:
     """The effort of a joint by what moving its links takes, beside dry and viscous friction."""
     assert o.effort is not None
