@@ -112,7 +112,8 @@ def better(result: Diagnosis, change: Change) -> str:
         return f"{said}, and nothing on the list comes near it." if said else ""
     if rivals[0].open:
         return f"{said}; {suspect_label(rivals[0].suspect)} in its place explains them as well."
-    return f"{said}; the next best explanation, {suspect_label(rivals[0].suspect)}, is {_odds(rivals[0].behind)} times."
+    other, odds = suspect_label(rivals[0].suspect), _odds(rivals[0].behind)
+    return f"{said}; with the next best explanation, {other}, they are {odds} times less probable than with it."
 
 
 def _odds(evidence: float) -> str:
