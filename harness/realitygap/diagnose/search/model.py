@@ -18,6 +18,8 @@ from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
 from realitygap.robot.drive import Array
 
+ELSEWHERE = (0.8, 1.25)
+"""A free body's fit is tried again from these multiples of its values: contacts make it rough."""
 SETTLE = 3
 """How often a model is fitted again at most, in the metric of what it leaves."""
 
@@ -89,6 +91,15 @@ class Ground:
                 return found if again is None else max(again, found, key=lambda s: s.evidence)
             found = again
         return found
+
+    def elsewhere(self, found: Scored) -> Scored:
+        """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""
+        best = found
+        for factor in ELSEWHERE if self.problem.plant.model.floating else ():
+            moved = [c.at({n: factor * c.parameters[n] for n in c.free}) for c in found.fit.changes]
+            again = self.fit(moved, found.metric)
+            best = best if again is None else max(best, again, key=lambda s: s.evidence)
+        return best
 
     def _of_joint(self, at: Fit, suspect: Suspect) -> list[Array]:
         """The residual of a suspect's joint in floors, by training motion: (t, signals)."""

@@ -132,7 +132,7 @@ class Round:
         ground.take_facts(Fit(tuple(changes), first))
         start = ground.score(Fit(tuple(changes), first))
         done = ground.fit(changes, start.metric) if any(c.free for c in changes) else None
-        self.now = start if done is None else ground.settled(done)
+        self.now = start if done is None else ground.elsewhere(ground.settled(done))
         ground.take_facts(self.now.fit)
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.now.fit, self.blocks)
