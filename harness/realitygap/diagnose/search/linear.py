@@ -58,12 +58,9 @@ class Linear:
         ends = np.cumsum([1, *(b.columns.shape[1] for b in blocks)])
         self.places = [np.arange(a, b) for a, b in pairwise(ends)]
 
-    def promise(self, number: int, beside: Sequence[int] = ()) -> Promise:
-        """What one block gains beside others that are already taken."""
-        with_, _ = self._gain([*beside, number])
-        without, _ = self._gain(list(beside))
-        gain, amounts = with_ - without, self._amounts([*beside, number])
-        return Promise(self.blocks[number], tuple(amounts[-len(self.places[number]) :].tolist()), gain)
+    def promise(self, number: int) -> Promise:
+        """What one block gains alone."""
+        return Promise(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
 
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""
@@ -79,43 +76,39 @@ class Linear:
             taken.append(best[0])
             for i in list(taken[:-1]):  # what the new one made superfluous goes, or gives way
                 others = [k for k in taken if k != i]
-                other = self._best(others)
-                if (
-                    other is not None
-                    and other[0] != i
-                    and other[1] > self._gain(taken)[0] - self._gain(others)[0] + 1.0
-                ):
+                other, own = self._best(others), self._gain(taken) - self._gain(others)
+                if other is not None and other[0] != i and other[1] > own + 1.0:
                     taken = [*others, other[0]]
-                elif self._gain(taken)[0] - self._gain(others)[0] < least:
+                elif own < least:
                     taken = others
             if len(taken) > len(self.blocks) // 2:
                 break
         amounts = self._amounts(taken)
         out, at = [], 0
-        total, _ = self._gain(taken)
+        total = self._gain(taken)
         for i in taken:
             n = len(self.places[i])
-            gain = total - self._gain([k for k in taken if k != i])[0]
+            gain = total - self._gain([k for k in taken if k != i])
             out.append(Promise(self.blocks[i], tuple(amounts[at : at + n].tolist()), gain))
             at += n
         return out
 
     def _best(self, taken: Sequence[int]) -> tuple[int, float] | None:
         """The block that gains most beside those that are taken."""
-        so_far, _ = self._gain(list(taken))
+        so_far = self._gain(taken)
         best: tuple[int, float] | None = None
         for i, block in enumerate(self.blocks):
             if any(clash(block.suspect, self.blocks[k].suspect) for k in taken):
                 continue
-            gain = self._gain([*taken, i])[0] - so_far
+            gain = self._gain([*taken, i]) - so_far
             if best is None or gain > best[1]:
                 best = i, gain
         return best
 
-    def _gain(self, numbers: Sequence[int]) -> tuple[float, Array]:
+    def _gain(self, numbers: Sequence[int]) -> float:
         """The gain in evidence of some blocks together, at their best amounts within reach."""
         if not numbers:
-            return 0.0, np.zeros(0)
+            return 0.0
         at = np.concatenate([self.places[i] for i in numbers])
         g, b = self.gram[np.ix_(at, at)], self.gram[at, 0]
         x = self._amounts(numbers)
@@ -126,7 +119,7 @@ class Linear:
             inside = np.isin(at, free)
             gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
             gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
-        return gain, x
+        return gain
 
     def _amounts(self, numbers: Sequence[int]) -> Array:
         """The best amounts of some blocks together, within reach."""

@@ -137,11 +137,10 @@ class Round:
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.now.fit, self.blocks)
         self.now = ground.score(self.now.fit)
-        self.look = ground.sharp(self.now.fit).metric
+        self.look = ground.sharp(self.now.fit)
         say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
-        linear = self._linear(self.now.fit.residual, self.blocks)
-        self.promised = self._followed(linear.promises())
-        self.promised = sorted([*self.promised, *self._jumps()], key=lambda p: -p.gain)
+        followed = self._followed(linear_at(self.look, self.blocks).promises())
+        self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 
     def grown(self) -> Scored | None:
         """The best model with one more finding, several, a richer shape, or a value for every joint of a group; None
@@ -154,7 +153,7 @@ class Round:
         for p in self.promised:
             first.setdefault(p.block.suspect, p)
         ways = [([*accepted, p.block.start.first], self.limit) for p in list(first.values())[:BEAM] if p.gain > 0]
-        several = self._linear(self.now.fit.residual, [p.block for p in self.promised]).several(self.limit)
+        several = linear_at(self.look, [p.block for p in self.promised]).several(self.limit)
         if len(several) > 1:
             ways.append(([*accepted, *(p.block.start.first for p in several)], self.limit * len(several)))
         for k, change in enumerate(accepted):
@@ -167,7 +166,7 @@ class Round:
                 ways.append(([*beside, *each], self.limit * (len(each) - 1)))
         best, most = None, 0.0
         for way, needs in ways:
-            scored = self.ground.fit(way, self.look)
+            scored = self.ground.fit(way, self.look.metric)
             if scored is None:
                 continue
             gain = scored.evidence - self.now.evidence
@@ -227,32 +226,26 @@ class Round:
             and not any(clash(s, c.suspect) for c in rest)
         ]  # fmt: skip
         here += self.ground.responses(alone.fit, clashing)
-        promised = self._linear(alone.fit.residual, here, alone).promises()
+        promised = linear_at(self.ground.sharp(alone.fit), here).promises()
         chosen: dict[Suspect, Promise] = {}
         for p in promised:
             if p.gain > 0 and len(chosen) < EXCHANGED:
                 chosen.setdefault(p.block.suspect, p)
         out = []
         for suspect, p in chosen.items():
-            scored = self.ground.fit([*rest, p.change], self.look)
+            scored = self.ground.fit([*rest, p.change], self.look.metric)
             if scored is not None:
                 out.append(compare(self.ground.channels, self.now, scored, suspect))
                 self.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
         return sorted(out, key=lambda r: r.behind)
 
-    def _linear(self, left: np.ndarray, blocks: Sequence[Block], at: Scored | None = None) -> Linear:
-        if at is None:
-            return Linear(self.look, left, self.now.fit.slope, blocks)
-        return Linear(self.ground.sharp(at.fit).metric, left, at.fit.slope, blocks)
-
     def _jumps(self) -> list[Promise]:
         """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
-        before = self.ground.sharp(self.now.fit).evidence
         out = []
         for block in self.blocks:
             if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
                 there = replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
-                gain = self.ground.sharp(there).evidence - before
+                gain = self.ground.sharp(there).evidence - self.look.evidence
                 if gain > 0.0:
                     try_ = block.start.tries[0]
                     whole = Start(try_, (try_,), block.start.zero, "whole")
@@ -281,15 +274,23 @@ class Round:
         )
         if still is None:
             return chosen
-        best: dict[int, Promise] = {}
+        there: list[tuple[Promise, Block]] = []
         for (p, _), change, answer in zip(variants, changes, answers, strict=True):
-            if answer is None:
-                continue
-            block = Block(Start(change, (change,), p.block.start.zero, "whole"), np.nan_to_num(answer - still)[:, None])
-            followed = self._linear(self.now.fit.residual, [block]).promise(0)
+            if answer is not None:
+                start = Start(change, (change,), p.block.start.zero, "whole")
+                there.append((p, Block(start, np.nan_to_num(answer - still)[:, None])))
+        linear = linear_at(self.look, [block for _, block in there])
+        best: dict[int, Promise] = {}
+        for k, (p, _) in enumerate(there):
+            followed = linear.promise(k)
             if id(p) not in best or followed.gain > best[id(p)].gain:
                 best[id(p)] = followed
         return sorted(best.values(), key=lambda p: -p.gain)
+
+
+def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
+    """The straight-line model around a fit, in its own metric."""
+    return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)
 
 
 def told_change(change: Change) -> str:
