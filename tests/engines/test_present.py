@@ -1,0 +1,53 @@
+"""Every engine of the table loads: the laws are tested in the engines at hand, and an absent one would fail none."""
+
+import os
+import subprocess
+import sys
+from importlib.metadata import requires
+from pathlib import Path
+
+import pytest
+import realitygap_engines as engines
+from packaging.requirements import Requirement
+
+
+def promised(entry: engines.Entry) -> bool:
+    """Whether an engine belongs on this platform: a library of the system, or a dependency whose marker holds here."""
+    asked = [Requirement(line) for line in requires("realitygap") or []]
+    here = {r.name for r in asked if r.marker is None or r.marker.evaluate({"extra": ""})}
+    return entry.library is not None or entry.install.split()[-1] in here
+
+
+@pytest.mark.parametrize("name", engines.ENGINES)
+def test_an_engine_of_the_table_loads(name: str) -> None:
+    entry = engines.ENGINES[name]
+    if not entry.installed:
+        absent = pytest.fail if "CI" in os.environ and promised(entry) else pytest.skip
+        absent(f"engine {name} is not installed: {entry.install}")
+    assert engines.load(name).name == name
+
+
+ABSENT = "import realitygap_engines as e\ne.ENGINES['dart'] = e.Entry('', 'nowhere', 'pip install dartpy')\n"
+BROKEN = "raise ImportError('libdart.so: cannot open shared object file')\n"
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "ci", "outcome"),
+    [
+        ("spoiler.py", ABSENT, True, "1 failed"),
+        ("spoiler.py", ABSENT, False, "1 skipped"),
+        ("dartpy.py", BROKEN, True, "1 failed"),
+        ("dartpy.py", BROKEN, False, "1 failed"),
+    ],
+)
+def test_in_ci_an_engine_that_is_not_there_is_a_failure(
+    file: str, text: str, ci: bool, outcome: str, tmp_path: Path
+) -> None:
+    (tmp_path / "spoiler.py").touch()
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    environment = {k: v for k, v in os.environ.items() if k != "CI"} | ({"CI": "true"} if ci else {})
+    environment["PYTHONPATH"] = os.pathsep.join([str(tmp_path), *sys.path])
+    law = f"{__file__}::{test_an_engine_of_the_table_loads.__name__}[dart]"
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "spoiler", law]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert outcome in done.stdout, done.stdout + done.stderr
