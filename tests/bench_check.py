@@ -153,6 +153,7 @@ def effect_of(plant: Plant, name: str, rng: np.random.Generator) -> EffectSpec |
     for p in effect.parameters:
         a, b = own.get(p.name, p.absent), first[p.name]
         if name == "controller_gain":
+            assert a is not None
             value = a * float(10 ** rng.uniform(-0.5, 0.3))
         elif name == "command_delay":
             value = float(rng.uniform(0.01, 0.2))

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -125,7 +126,7 @@ class Tape:
         )
 
 
-def mujoco_loop(simulation: engines.Simulation, tape: Tape) -> None:
+def mujoco_loop(simulation: Any, tape: Tape) -> None:
     import mujoco
 
     m, d = simulation._m, simulation._d
@@ -153,7 +154,7 @@ def mujoco_loop(simulation: engines.Simulation, tape: Tape) -> None:
         tape.base[1:, 10:] = Rotation.from_quat(tape.base[1:, 3:7], scalar_first=True).apply(tape.base[1:, 10:])
 
 
-def dart_loop(simulation: engines.Simulation, tape: Tape) -> None:
+def dart_loop(simulation: Any, tape: Tape) -> None:
     from realitygap_engines.dart import _quaternion_from_rotation_vector
 
     world, skeleton, law = simulation._world, simulation._skeleton, simulation._law
@@ -184,7 +185,7 @@ def dart_loop(simulation: engines.Simulation, tape: Tape) -> None:
             d1[:] = law.dry
 
 
-def drake_loop(simulation: engines.Simulation, tape: Tape) -> None:
+def drake_loop(simulation: Any, tape: Tape) -> None:
     plant, diagram, law = simulation._plant, simulation._diagram, simulation._law
     root, context = simulation._context, simulation._plant_context
     joints, update = simulation._joints, diagram.AllocateDiscreteVariables()
@@ -220,9 +221,9 @@ def drake_loop(simulation: engines.Simulation, tape: Tape) -> None:
             d1[:] = law.dry
 
 
-def pybullet_loop(simulation: engines.Simulation, tape: Tape) -> None:
+def pybullet_loop(simulation: Any, tape: Tape) -> None:
     import pybullet
-    from realitygap_engines.pybullet import _cross, _product, _rotate
+    from realitygap_engines.model.quaternion import cross, product, rotate
 
     body, client, law = simulation._body, simulation._client, simulation._law
     n, com, back = tape.q.shape[1], simulation._com, simulation._from_principal
@@ -246,9 +247,9 @@ def pybullet_loop(simulation: engines.Simulation, tape: Tape) -> None:
         if floating:
             at, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
             linear, angular = pybullet.getBaseVelocity(body, physicsClientId=client)
-            turn = _product((w, x, y, z), back)
-            arm = _rotate(turn, com)
-            swept = _cross(angular, arm)
+            turn = product((w, x, y, z), back)
+            arm = rotate(turn, com)
+            swept = cross(angular, arm)
             b = b1
             b[:3] = at[0] - arm[0], at[1] - arm[1], at[2] - arm[2]
             b[3:7] = turn
@@ -258,7 +259,7 @@ def pybullet_loop(simulation: engines.Simulation, tape: Tape) -> None:
             d1[:] = law.dry
 
 
-LOOPS: dict[str, Callable[[engines.Simulation, Tape], None]] = {
+LOOPS: dict[str, Callable[[Any, Tape], None]] = {
     "dart": dart_loop,
     "drake": drake_loop,
     "mujoco": mujoco_loop,

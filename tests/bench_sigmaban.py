@@ -49,8 +49,8 @@ def main() -> None:
     published = pd.read_csv(Path(os.environ["REALITYGAP_DATA"]) / "sigmaban" / "published_mae.csv")
     if options.model != "best":
         published = published[published["friction_model"] == options.model]
-    published = published.groupby("recording")["mae_rad"].min()
-    found.insert(0, f"published {options.model}", published.reindex(found.index))
+    best = published.groupby("recording")["mae_rad"].min()
+    found.insert(0, f"published {options.model}", best.reindex(found.index))
     print(found.round(5).to_string())
     if options.write:
         found.round(5).to_csv(options.write, lineterminator="\n")

@@ -85,7 +85,7 @@ def _lag(a: Array, b: Array) -> float:
 
 def on_grid(recording: Recording, span: tuple[float, float]) -> tuple[Trace, Array]:
     """What was measured and commanded on the protocol's grid."""
-    grid = span[0] + np.arange(round(LENGTH / GRID)) * GRID
+    grid = span[0] + GRID * np.arange(round(LENGTH / GRID), dtype=np.float64)
     return recording.trace.at(grid), held_at(recording.command_time, recording.command, grid)
 
 
@@ -98,9 +98,10 @@ def delayed(recording: Recording, span: tuple[float, float], time: float) -> Tra
 
 def whole_set(file: ScenarioFile) -> tuple[ScenarioFile, dict[str, tuple[float, float]], dict[str, Recording]]:
     """The scenario on every episode of its data set, the window of each and the recordings, by task."""
+    assert file.scenario.recordings is not None
     first = file.scenario.recordings.runs[0]
-    path = file.resolve(first.path, "recordings.runs[0].path")
     case = file.cases()[0]
+    path = file.resolve(first.path, "recordings.runs[0].path")
     joints = experiments(file, only=(case.name,))[0].plant.model.joint_names
     runs, windows, recordings = [], {}, {}
     for episode in open_folder(path).episodes:

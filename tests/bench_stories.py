@@ -10,18 +10,21 @@ before and after in every engine. `--only` leaves the rows of other stories as t
 import argparse
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import realitygap_engines as engines
-from realitygap.diagnose.data.problem import Change
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.gaps import cost, rms
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.workflow import run_diagnosis, summary
 from realitygap.files.progress import Progress
 from realitygap.recording.frames import angle_between
 from realitygap.robot.drive import Array
-from realitygap_engines import Diverged, Unsupported
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 STORIES = {
@@ -50,7 +53,7 @@ UNITS = {
 COLUMNS = ["story", "quantity", "effect", "target", "name", "engine", "unit", "before", "after", "low", "high", "known"]
 
 
-def findings(story: str, said: dict) -> list[dict[str, object]]:
+def findings(story: str, said: dict[str, Any]) -> list[dict[str, object]]:
     """A row per parameter of what was named; `after` is its value."""
     rows = []
     for number, finding in enumerate(said["findings"], 1):
@@ -76,27 +79,30 @@ def findings(story: str, said: dict) -> list[dict[str, object]]:
 
 def held_out(story: str, result: Diagnosis) -> list[dict[str, object]]:
     """A row per engine and signal: gap in floors and root mean square error before and after, on held-out motions."""
-    rows = []
-    for engine in engines.available():
-        try:
-            before, after = (errors(result, changes, engine) for changes in ([], result.found.fit.changes))
-        except (Diverged, Unsupported) as error:
-            rows.append({"story": story, "quantity": f"unsupported: {error}", "engine": engine})
-            continue
-        for name, value in before.items():
-            what = {"quantity": "gap" if name == "gap" else "rms", "name": name, "unit": UNITS.get(name, "floors")}
-            rows.append({"story": story, **what, "engine": engine, "before": value, "after": after[name]})
+    rows: list[dict[str, object]] = []
+    with Simulations(result.problem, 1) as simulations:
+        for engine in engines.available():
+            before, after = (errors(result, simulations, changes, engine) for changes in ((), result.changes))
+            if before is None or after is None:
+                rows.append({"story": story, "quantity": "cannot be simulated", "engine": engine})
+                continue
+            for name, value in before.items():
+                what = {"quantity": "gap" if name == "gap" else "rms", "name": name, "unit": UNITS.get(name, "floors")}
+                rows.append({"story": story, **what, "engine": engine, "before": value, "after": after[name]})
     return rows
 
 
-def errors(result: Diagnosis, changes: list[Change], engine: str) -> dict[str, float]:
+def errors(
+    result: Diagnosis, simulations: Simulations, changes: Sequence[Change], engine: str
+) -> dict[str, float] | None:
     """The gap in floors, and by signal the root mean square error of the held-out motions in SI units."""
-    problem = result.problem
+    problem, judge = result.problem, result.problem.of("held_out")
     squares: dict[str, list[Array]] = {}
-    costs = []
-    for case in problem.of("held_out"):
-        simulated = problem.simulated(changes, case, engine=engine)
-        costs.append(np.mean(problem.residual(case, simulated) ** 2))
+    costs = {}
+    for case, simulated in zip(judge, simulations.of(changes, judge, engine=engine), strict=True):
+        if simulated is None:
+            return None
+        costs[case] = cost(problem, result.floors, case, simulated)
         for signal, value in simulated.items():
             measured = problem.cases[case].value(signal)
             if signal == "base_quaternion":
@@ -104,7 +110,7 @@ def errors(result: Diagnosis, changes: list[Change], engine: str) -> dict[str, f
             else:
                 squares.setdefault(signal, []).append(np.sum((value - measured) ** 2, axis=1))
     means = {signal: float(np.sqrt(np.nanmean(np.concatenate(parts)))) for signal, parts in squares.items()}
-    return {"gap": float(np.sqrt(np.mean(costs)))} | means
+    return {"gap": rms(costs, judge)} | means
 
 
 def page(table: pd.DataFrame) -> str:
@@ -120,6 +126,7 @@ def page(table: pd.DataFrame) -> str:
         if own.empty:
             continue
         lines += ["", f"## {story}", "", f"{sentence} Scenario: `scenarios/{path}`."]
+        row: Any  # pandas cannot type the columns of a row
         for row in own[own["quantity"] == "seconds"].itertuples():
             lines[-1] += f" {row.after:.0f} s on {WHERE}."
         lines += ["", "| effect | at | parameter | value | 95 % | published |", "|---|---|---|---|---|---|"]

@@ -1,7 +1,9 @@
 """What all tests share: the folder of recordings that lies outside the repository."""
 
 import os
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ def data_dir() -> Path:
     return Path(folder).resolve()
 
 
-def _message(store, kind, values):
+def _message(store: Any, kind: str, values: dict[str, Any]) -> Any:
     """A ROS message from nested dicts; what is not given is 0, empty or ''."""
     from rosbags.interfaces import Nodetype
 
@@ -40,7 +42,7 @@ def _message(store, kind, values):
 
 
 @pytest.fixture(scope="session")
-def write_bag():
+def write_bag() -> Callable[..., Path]:
     """A function that writes messages to a rosbag 1 (`bag`) or rosbag 2 (`mcap`, `db3`) and returns its path.
 
     A message is topic, time of reception [s], type, and its fields as nested dicts; a `stamp` among them is the
@@ -49,10 +51,16 @@ def write_bag():
     from rosbags import rosbag1, rosbag2
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    def write(path, form, messages, definitions=None):
+    def write(
+        path: Path,
+        form: str,
+        messages: Iterable[tuple[str, float, str, dict[str, Any]]],
+        definitions: dict[str, str] | None = None,
+    ) -> Path:
         store = get_typestore(Stores.ROS1_NOETIC if form == "bag" else Stores.ROS2_HUMBLE)
         for kind, text in (definitions or {}).items():
             store.register(get_types_from_msg(text, kind))
+        writer: Any
         if form == "bag":
             writer = rosbag1.Writer(path)
         else:

@@ -1,9 +1,12 @@
 """Synthetic LeRobot data sets in both layouts: two joints that swing, another motion in every episode."""
 
 import json
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from realitygap.robot.drive import Array
 
 JOINTS = ("elbow", "gripper")
 PERIOD = 0.02
@@ -15,14 +18,22 @@ TASKS = ("lift", "lower")
 COUNT = 60
 
 
-def motion(episode, count=COUNT):
+def motion(episode: int, count: int = COUNT) -> tuple[Array, Array, Array]:
     """Position, command and velocity of both joints [rad], (t, 2) each."""
     time = np.arange(count)[:, None] * PERIOD
     pace = np.array([3.0, 5.0]) * (1 + episode)
     return 0.3 * np.sin(pace * time), 0.3 * np.sin(pace * (time + 0.05)), 0.3 * pace * np.cos(pace * time)
 
 
-def data_set(path, version="v3.0", tasks=TASKS, scale=180 / np.pi, offset=0.0, names="{}.pos", velocity=True):
+def data_set(
+    path: Path,
+    version: str = "v3.0",
+    tasks: Sequence[str] = TASKS,
+    scale: float = 180 / np.pi,
+    offset: float = 0.0,
+    names: str = "{}.pos",
+    velocity: bool = True,
+) -> Path:
     """A data set whose values are scale·angle + offset."""
     signals = {"observation.state": 0, "action": 1} | ({"observation.velocity": 2} if velocity else {})
     frames, episodes = [], []
@@ -52,11 +63,11 @@ def data_set(path, version="v3.0", tasks=TASKS, scale=180 / np.pi, offset=0.0, n
     return path
 
 
-def write(path, text):
+def write(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
 
 
-def table(frame, path):
+def table(frame: pd.DataFrame, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     frame.to_parquet(path)

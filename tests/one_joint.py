@@ -41,7 +41,9 @@ def wheel(n: int = 1) -> Plant:
     drive = neutral_drive(n)
     drive["kind"], drive["gain"], drive["supply"], drive["armature"] = DC, 5.0, SUPPLY, ARMATURE
     drive["torque_constant"], drive["resistance"] = TORQUE_CONSTANT, RESISTANCE
-    return Plant(Model("wheel", (base, *arms), joints, False), drive, None, *np.zeros((2, n)), np.ones(n), np.zeros(2))
+    return Plant(
+        Model("wheel", (base, *arms), joints, False), drive, None, np.zeros(n), np.zeros(n), np.ones(n), np.zeros(2)
+    )
 
 
 def pendulum() -> Plant:
@@ -81,7 +83,7 @@ def run(
     n = len(plant.model.joints)
     value = np.asarray(command, dtype=float)
     value = np.full((2, n), value) if value.ndim == 0 else value.reshape(len(value), -1) * np.ones(n)
-    commands = Commands(np.arange(len(value)) * 1e-3, value, held=False)
+    commands = Commands(1e-3 * np.arange(len(value), dtype=np.float64), value, held=False)
     start = start_state(plant, np.full(n, position))
     start.velocity = np.full(n, velocity)
     with engines.load(engine).open(plant.machine(), Physics(h, ground=plant.ground)) as simulation:

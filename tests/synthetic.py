@@ -4,6 +4,7 @@ import itertools
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -58,7 +59,11 @@ def cell(engine: str = "mujoco", **changes: object) -> Cell:
     return Cell(**(values | changes))  # type: ignore[arg-type]
 
 
-def planted(gaps: dict[tuple[object, ...], float], *, noise: float = 0.01, numerical: float = 0.01) -> pd.DataFrame:
+Gaps = dict[Any, float]
+"""Gaps by engine, changes of its cell (name, value), signal and group."""
+
+
+def planted(gaps: Gaps, *, noise: float = 0.01, numerical: float = 0.01) -> pd.DataFrame:
     """A table of single joints from {(engine, {changes}, signal, group): gap}; an infinite gap has diverged."""
     rows = []
     for (engine, changes, signal, group), gap in gaps.items():
@@ -66,7 +71,7 @@ def planted(gaps: dict[tuple[object, ...], float], *, noise: float = 0.01, numer
         outcome = "ok" if np.isfinite(gap) else "diverged"
         rows.append(
             Row(
-                **vars(cell(str(engine), **dict(changes))),  # type: ignore[call-overload]
+                **vars(cell(str(engine), **dict(changes))),
                 joint=f"{group}_joint",
                 group=str(group),
                 signal=str(signal),

@@ -122,15 +122,14 @@ def test_the_oracle_conserves_momentum_and_energy_in_free_flight() -> None:
     model = tree()
     oracle, state, effort = Oracle(model, np.zeros(3)), random_state(model, 0, fastest=0.5), np.zeros(len(model.joints))
     for _ in range(2):
-        start = None
+        momenta, energies = [], []
         for _ in range(200):
             mass, _ = oracle.inertia_and_bias(state)
-            momentum = (mass @ velocities(model, state))[:3]
-            energy = 0.5 * velocities(model, state) @ mass @ velocities(model, state)
-            start = start or (momentum, energy)
+            momenta.append((mass @ velocities(model, state))[:3])
+            energies.append(0.5 * velocities(model, state) @ mass @ velocities(model, state))
             state = oracle.step(state, 1e-4, effort)
-        np.testing.assert_allclose(momentum, start[0], atol=2e-3)
-        assert energy == pytest.approx(start[1], rel=1e-2)
+        np.testing.assert_allclose(momenta[-1], momenta[0], atol=2e-3)
+        assert energies[-1] == pytest.approx(energies[0], rel=1e-2)
 
 
 def test_all_joints_slide_through_the_step_that_is_audited() -> None:
@@ -174,7 +173,8 @@ class Blind(type(engines.load("mujoco"))):  # type: ignore[misc]
         return {**super().capabilities(), "armature": Capability(self.level, "has none")}
 
     def open(self, model: Model, physics: Physics) -> Simulation:
-        return super().open(model.with_armature(np.zeros(len(model.joints))), physics)
+        bare = model.with_armature(np.zeros(len(model.joints)))
+        return engines.load("mujoco").open(bare, physics)
 
 
 @pytest.mark.parametrize(("level", "verdict"), [("no", "declared"), ("native", "failed")])

@@ -16,7 +16,7 @@ from realitygap_engines import Capability, Engine, Physics, Simulation
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.model.robot import Array, Model
 
-Spoil = Callable[[Any], None]
+Spoil = Callable[[Any], object]
 
 
 class Spoiled(Engine):

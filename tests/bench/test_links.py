@@ -33,7 +33,7 @@ def link(inertia: np.ndarray, mass: float = 0.5, com: tuple[float, float, float]
 def rotated(inertia: np.ndarray, degrees: float) -> np.ndarray:
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-    return turn @ inertia @ turn.T
+    return np.asarray(turn @ inertia @ turn.T)
 
 
 def test_a_uniform_box_is_plausible_in_every_attitude() -> None:

@@ -2,6 +2,7 @@
 
 import base64
 import re
+from pathlib import Path
 
 from realitygap.bench.page import sections, write_page
 from realitygap.bench.summary import Summary
@@ -11,7 +12,7 @@ PIXEL = base64.b64decode(
 )
 
 
-def found(folder):
+def found(folder: Path) -> Summary:
     summary = Summary(["of two motors"])
     summary.section("Torque & speed")
     summary.table(["motor", "N·m"], [["left", "1.20"], ["right", "1.31"]])
@@ -24,7 +25,7 @@ def found(folder):
     return summary
 
 
-def test_headings_part_the_lines_and_nothing_is_lost(tmp_path):
+def test_headings_part_the_lines_and_nothing_is_lost(tmp_path: Path) -> None:
     summary = found(tmp_path)
     parts = sections(summary.lines)
     assert [title for title, _ in parts] == ["", "Torque & speed", "Friction"]
@@ -33,7 +34,7 @@ def test_headings_part_the_lines_and_nothing_is_lost(tmp_path):
     assert said == [line for title, text in parts for line in [title, *text.splitlines()] if line]
 
 
-def test_the_page_is_one_file_that_needs_no_other(tmp_path):
+def test_the_page_is_one_file_that_needs_no_other(tmp_path: Path) -> None:
     page = write_page(found(tmp_path), "knee motors", tmp_path).read_text()
     assert "<title>knee motors – bench – reality gap</title>" in page
     assert "Torque &amp; speed" in page

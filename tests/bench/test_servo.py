@@ -1,6 +1,7 @@
 """The servo bench gives back what was planted: the thesis' tables 3.1 and 4.4 to 4.8, and a known drive."""
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from realitygap.bench.motion import BenchMotion, Pendulum
 from realitygap.bench.torque_speed import fit_line
 from realitygap.files.errors import InputError
 from realitygap.scenario.schema import Scenario
+from realitygap.scenario.servos import DcServo
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
@@ -57,7 +59,7 @@ def planted_sweep() -> pd.DataFrame:
         basis = np.column_stack([np.ones_like(speed), speed])
 
         def off_the_line(x: np.ndarray, basis: np.ndarray = basis) -> np.ndarray:
-            return x - basis @ np.linalg.lstsq(basis, x, rcond=None)[0]
+            return np.asarray(x - basis @ np.linalg.lstsq(basis, x, rcond=None)[0])
 
         residual = off_the_line(table["excess"].to_numpy() * (1 - speed / max_speed))
         line = stall * (1 - speed / no_load)
@@ -128,6 +130,8 @@ def test_the_servo_text_is_a_scenario_servo(report: tuple[str, Path]) -> None:
     }
     scenario = Scenario.model_validate(data)
     mx106 = next(s for s in scenario.servos if s.name == "MX_106")
+    assert isinstance(mx106, DcServo)
+    assert isinstance(mx106.supply, float)
     assert mx106.torque_constant / mx106.resistance * mx106.supply == pytest.approx(6.80 + 0.075, rel=0.01)
     limits = (report[1] / "limits.xml").read_text(encoding="utf-8")
     assert '<limit effort="7.57" velocity="8.22"/>\n<dynamics friction="0.075"/>' in limits
@@ -245,7 +249,7 @@ def test_the_rotor_inertia_comes_back(armature: float) -> None:
 
 def test_speed_per_duty_comes_back() -> None:
     time = np.arange(0, 10, 1 / 300)
-    duty = np.round(np.sin(time * 1.7), 1)
+    duty = np.round(np.sin(time * 1.7), 1).astype(np.float64)
     position = 0.5 * np.sin(time)
     velocity = 5.2 * (duty - 0.02 * np.sign(duty) - 0.05 * position)
     keep = np.abs(duty) > 0.15  # where the friction does not decide the direction
@@ -256,7 +260,7 @@ def test_speed_per_duty_comes_back() -> None:
     assert found.restoring.value == pytest.approx(0.05, rel=1e-4)
 
 
-BAD = {
+BAD: dict[str, tuple[Callable[[pd.DataFrame], pd.DataFrame], str]] = {
     "no load": (lambda t: t.assign(load=t["load"].astype(object).where(t.index != 3, None)), "row 5 has no load"),
     "no voltage": (lambda t: t.assign(supply=t["supply"].where(t.index != 0)), "row 2 has no supply"),
     "two loads": (lambda t: t[t["load"] < 0.4], "MX 106 at 12.8 V was measured with 2 loads"),

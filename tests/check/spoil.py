@@ -75,7 +75,7 @@ def offset(seconds: float) -> Spoil:
 
 def another(team: Team, _: int) -> None:
     """The measurements of the first two recordings change places."""
-    first, second, *_ = team.tables.values()
+    first, second = list(team.tables.values())[:2]
     k = min(len(first.time), len(second.time))
     for table in (first, second):
         for signal in ("time", "command", "position", "velocity", "effort"):

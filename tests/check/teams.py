@@ -177,7 +177,12 @@ def generated(
         kt = supply / free
         if kind == "dc":
             stiff = rng.uniform(3.0, 6.0)
-            servo = {"gain": stiff, "supply": supply, "torque_constant": kt, "resistance": kt * supply / stall}
+            servo: dict[str, Any] = {
+                "gain": stiff,
+                "supply": supply,
+                "torque_constant": kt,
+                "resistance": kt * supply / stall,
+            }
             servo |= {"armature": 0.1 * inertia[i], "friction": {"coulomb": 0.02 * stall, "viscous": 0.005 * stall}}
         elif kind == "pid":
             kp = rng.uniform(8.0, 20.0) * beyond[i]

@@ -1,6 +1,7 @@
 """What the other commands ask of the checks: an error, warnings, what is accepted, where physics is not to blame."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -82,7 +83,12 @@ def test_an_unknown_word_in_accept_is_one_sentence(team: Team, tmp_path: Path, e
     [(flipped, 2, "certain: flipped_sign: "), (far, 0, "likely: far_start: "), (None, 0, "no mistake found")],
 )
 def test_the_command_lists_them_and_says_how_sure_it_is(
-    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str], make, status: int, line: str
+    team: Team,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    make: Callable[[Team, Path], Path] | None,
+    status: int,
+    line: str,
 ) -> None:
     path = make(team, tmp_path) if make else team.copy().write(tmp_path)
     with pytest.raises(SystemExit) as ended:

@@ -8,7 +8,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))  # plain modules, not a package
 
 from bench_check import ROBOTS, fits, found
-from spoil import MISTAKES
+from spoil import MISTAKES, Planted
 from teams import Team, demo, generated, recorded
 
 
@@ -22,7 +22,7 @@ def teams(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Team]:
 
 
 @pytest.mark.parametrize("planted", MISTAKES, ids=lambda m: m.name)
-def test_a_mistake_is_named_as_what_it_is(planted, teams: dict[str, Team], tmp_path: Path) -> None:
+def test_a_mistake_is_named_as_what_it_is(planted: Planted, teams: dict[str, Team], tmp_path: Path) -> None:
     """On one robot that it can happen to, another for every mistake."""
     able = [name for name, team in teams.items() if fits(planted, team)]
     number = MISTAKES.index(planted)

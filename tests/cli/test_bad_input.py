@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -207,11 +208,11 @@ CASES: dict[str, tuple[Edit, str]] = {
     "table without a joint": (table(TABLE.drop(columns="position_elbow")), "has no position of joint elbow"),
     "time goes back": (table(TABLE.assign(time=[0.0, 0.2, 0.1])), "time goes back from 0.2 to 0.1 s in line 4"),
     "time stands still": (table(TABLE.assign(time=[0.5, 0.5, 0.5])), "run.csv"),
-    "time is nan": (table(TABLE.assign(time=[0.0, None, 0.2])), "time is empty in line 3, expected a time in s"),
+    "time is nan": (table(TABLE.assign(time=[0.0, np.nan, 0.2])), "time is empty in line 3, expected a time in s"),
     "text in a table": (table(TABLE.assign(position_elbow=["a", "b", "c"])), "position_elbow is 'a' in line 2"),
     "infinite position": (table(TABLE.assign(position_elbow=[0.0, "inf", 0.0])), "run.csv"),
     "first position missing": (
-        table(TABLE.assign(position_elbow=[None, 0.0, 0.0])),
+        table(TABLE.assign(position_elbow=[np.nan, 0.0, 0.0])),
         "position of joint elbow is nan at 0.000 s",
     ),
     # the robot
@@ -407,7 +408,7 @@ def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str
 def test_the_installed_command_refuses(name: str, case: Path) -> None:
     edit, sentence = CASES[name]
     edit(case)
-    command = [Path(sys.executable).with_name("realitygap"), "run", "scenario.yaml", "--engine", "mujoco"]
+    command = [str(Path(sys.executable).with_name("realitygap")), "run", "scenario.yaml", "--engine", "mujoco"]
     done = subprocess.run(command, cwd=case, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert sentence in one_sentence((done.stdout, done.stderr))

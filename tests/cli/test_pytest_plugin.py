@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -17,26 +18,33 @@ def test_arm(reality_gap):
 """
 
 
-@pytest.fixture
-def project(tmp_path):
-    """A project with the scenario, and a function that runs pytest in it."""
-    shutil.copytree(DEMO, tmp_path / "demo")
-    scenario = tmp_path / "demo" / "scenario.yaml"
-    text = scenario.read_text()
-    runs = text.index("  runs:\n")
-    scenario.write_text(text[:runs] + "  runs:\n    - {path: chirp_1.mcap}\n    - {path: triangle_1.mcap}\n")
-    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+@dataclass(frozen=True)
+class Project:
+    """A project with the demo's scenario; called, it runs pytest in its folder."""
 
-    def run(*arguments):
+    folder: Path
+
+    @property
+    def scenario(self) -> Path:
+        return self.folder / "demo" / "scenario.yaml"
+
+    def __call__(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-rA", *arguments]
-        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-
-    run.folder = tmp_path
-    run.scenario = scenario
-    return run
+        return subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
 
 
-def test_a_scenario_on_the_command_line_is_a_test_per_engine_and_recording(project):
+@pytest.fixture
+def project(tmp_path: Path) -> Project:
+    shutil.copytree(DEMO, tmp_path / "demo")
+    made = Project(tmp_path)
+    text = made.scenario.read_text()
+    runs = text.index("  runs:\n")
+    made.scenario.write_text(text[:runs] + "  runs:\n    - {path: chirp_1.mcap}\n    - {path: triangle_1.mcap}\n")
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    return made
+
+
+def test_a_scenario_on_the_command_line_is_a_test_per_engine_and_recording(project: Project) -> None:
     project.scenario.write_text(project.scenario.read_text() + "budget: {position: 5.0, effort: 0.01}\n")
     done = project("--engines", "mujoco,dart", "demo/scenario.yaml", "--junit-xml", "junit.xml")
     assert done.returncode == 1, done.stdout
@@ -45,20 +53,21 @@ def test_a_scenario_on_the_command_line_is_a_test_per_engine_and_recording(proje
     assert "Traceback" not in done.stdout
     cases = ElementTree.parse(project.folder / "junit.xml").getroot().findall(".//testcase")
     assert len(cases) == 4
-    message = cases[0].find("failure").text
+    message = cases[0].findtext("failure")
+    assert message is not None
     for word in ("effort", "N·m, budget 0.01 N·m", "worst joint", "floor"):
         assert word in message
     assert "position" not in message
 
 
-def test_within_budget_it_passes(project):
+def test_within_budget_it_passes(project: Project) -> None:
     project.scenario.write_text(project.scenario.read_text() + "budget: {position: 5.0}\n")
     done = project("--engines", "mujoco", "demo/scenario.yaml")
     assert done.returncode == 0, done.stdout
     assert "2 passed" in done.stdout
 
 
-def test_a_budget_of_what_was_not_measured_fails(project):
+def test_a_budget_of_what_was_not_measured_fails(project: Project) -> None:
     text = project.scenario.read_text().replace("effort: motor", "effort: none")
     project.scenario.write_text(text + "budget: {position: 5.0, effort: 5.0}\n")
     done = project("--engines", "mujoco", "demo/scenario.yaml::mujoco-chirp_1")
@@ -67,7 +76,7 @@ def test_a_budget_of_what_was_not_measured_fails(project):
 
 
 @pytest.mark.parametrize(("budget", "status"), [("position=5.0", 0), ("position=0.001", 1)])
-def test_five_lines_of_their_own(project, budget, status):
+def test_five_lines_of_their_own(project: Project, budget: str, status: int) -> None:
     (project.folder / "test_arm.py").write_text(FIVE_LINES.format(budget=budget))
     done = project("--engines", "mujoco")
     assert done.returncode == status, done.stdout
@@ -75,7 +84,7 @@ def test_five_lines_of_their_own(project, budget, status):
     assert "test_arm[mujoco-triangle_1]" in done.stdout
 
 
-def test_without_engines_nothing_is_collected(project):
+def test_without_engines_nothing_is_collected(project: Project) -> None:
     done = project("demo")
     assert "no tests ran" in done.stdout
     done = project("demo", "--engines", "mujoco")
@@ -86,7 +95,7 @@ def test_without_engines_nothing_is_collected(project):
     ("engines", "sentence"),
     [("havok", "--engine: found havok; expected one of"), ("mujoco", "budget: is missing")],
 )
-def test_what_is_wrong_is_one_sentence(project, engines, sentence):
+def test_what_is_wrong_is_one_sentence(project: Project, engines: str, sentence: str) -> None:
     done = project("--engines", engines, "demo/scenario.yaml")
     assert done.returncode != 0
     assert sentence in done.stdout + done.stderr

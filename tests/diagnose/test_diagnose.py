@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str,
     return out, json.loads((out / "diagnosis.json").read_text(encoding="utf-8"))
 
 
-def test_the_planted_effect_is_named_and_nothing_else(diagnosed: tuple[Path, dict]) -> None:
+def test_the_planted_effect_is_named_and_nothing_else(diagnosed: tuple[Path, dict[str, Any]]) -> None:
     _, said = diagnosed
     assert [(f["effect"], f["target"]) for f in said["findings"]] == [("coulomb_friction", "elbow")]
     assert said["verdict"] == "explained"
@@ -46,7 +47,7 @@ def test_the_planted_effect_is_named_and_nothing_else(diagnosed: tuple[Path, dic
     assert value["low"] < value["value"] < value["high"]
 
 
-def test_it_is_judged_on_held_out_runs_and_in_another_engine(diagnosed: tuple[Path, dict]) -> None:
+def test_it_is_judged_on_held_out_runs_and_in_another_engine(diagnosed: tuple[Path, dict[str, Any]]) -> None:
     _, said = diagnosed
     assert said["gap"]["held_out"]["after"] < 1.3 < said["gap"]["held_out"]["before"]
     finding = said["findings"][0]
@@ -54,7 +55,7 @@ def test_it_is_judged_on_held_out_runs_and_in_another_engine(diagnosed: tuple[Pa
     assert said["where"][0]["joint"] == "elbow"
 
 
-def test_the_mended_model_runs_and_has_no_gap_left(diagnosed: tuple[Path, dict]) -> None:
+def test_the_mended_model_runs_and_has_no_gap_left(diagnosed: tuple[Path, dict[str, Any]]) -> None:
     out, _ = diagnosed
     problem = build_problem(load_scenario(out / "revised" / "scenario.yaml"), "mujoco")
     with Simulations(problem, 2) as simulations:
@@ -149,7 +150,7 @@ def test_a_sensor_that_never_moves_is_as_noisy_as_its_kind() -> None:
     assert shared_noise([np.zeros(2)])[0].tolist() == [0.0, 0.0]
 
 
-def variant(tmp_path: Path, change: Callable[[list[dict]], object], **recordings: object) -> Path:
+def variant(tmp_path: Path, change: Callable[[list[dict[str, Any]]], object], **recordings: object) -> Path:
     """The demo's scenario with other runs."""
     raw = yaml.safe_load(DEMO.read_text(encoding="utf-8"))
     raw["robot"]["urdf"] = str(DEMO.parent / raw["robot"]["urdf"])
@@ -164,16 +165,16 @@ def variant(tmp_path: Path, change: Callable[[list[dict]], object], **recordings
     return path
 
 
-def all_held_out(runs: list[dict]) -> None:
+def all_held_out(runs: list[dict[str, Any]]) -> None:
     for run in runs:
         run["use"] = "held_out"
 
 
-def overlapping(runs: list[dict]) -> None:
+def overlapping(runs: list[dict[str, Any]]) -> None:
     runs[:] = [runs[0] | {"window": [0, 3], "use": "train"}, runs[0] | {"window": [2, 4.5], "use": "held_out"}]
 
 
-def short(runs: list[dict]) -> None:
+def short(runs: list[dict[str, Any]]) -> None:
     runs[:] = [runs[0] | {"window": [2, 2.05]}]
 
 
@@ -187,14 +188,14 @@ def short(runs: list[dict]) -> None:
     ],
 )
 def test_what_cannot_be_fitted_and_judged_is_refused(
-    change: Callable[[list[dict]], None], recordings: dict, said: str, tmp_path: Path
+    change: Callable[[list[dict[str, Any]]], None], recordings: dict[str, Any], said: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         build_problem(load_scenario(variant(tmp_path, change, **recordings)), "mujoco")
 
 
 def test_a_motion_that_is_both_fitted_and_judged_on_is_said(tmp_path: Path) -> None:
-    def mixed(runs: list[dict]) -> None:
+    def mixed(runs: list[dict[str, Any]]) -> None:
         repeated = [run for run in runs if "sines_1" in run["path"]]
         assert len(repeated) > 1
         repeated[-1]["use"] = "held_out"
@@ -205,7 +206,7 @@ def test_a_motion_that_is_both_fitted_and_judged_on_is_said(tmp_path: Path) -> N
 
 
 def test_values_are_those_of_the_scenario_whatever_the_first_run_overrides(tmp_path: Path) -> None:
-    def loaded_first(runs: list[dict]) -> None:
+    def loaded_first(runs: list[dict[str, Any]]) -> None:
         runs.sort(key=lambda run: "robot.urdf" not in run.get("with", {}))
 
     problem = build_problem(load_scenario(variant(tmp_path, loaded_first)), "mujoco")

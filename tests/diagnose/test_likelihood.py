@@ -7,7 +7,7 @@ from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
 
 
 def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal: str = "position") -> Channel:
-    return Channel(case, signal, 0, np.arange(n) * 0.01, noise, np.full(n, slow))
+    return Channel(case, signal, 0, 0.01 * np.arange(n, dtype=np.float64), noise, np.full(n, slow))
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:

@@ -2,23 +2,25 @@
 
 import csv
 import json
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 import yaml
 from realitygap.cli.main import app
 from realitygap.diagnose.candidates.suspects import neutral, suspects
-from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import cost
-from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.rehearse.files import COLUMNS, searched_from, size, summary, to_json, write_rehearsal
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
 from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, rehearse, searched
-from realitygap.diagnose.rehearse.visible import Look, confusables, visible
+from realitygap.diagnose.rehearse.visible import Look, Visible, confusables, visible
 from realitygap.diagnose.search.exchange import ODDS
 from realitygap.files.errors import InputError
 from realitygap.recording.quantum import quantum
@@ -33,7 +35,7 @@ URDF = """<robot name="pendulum"><link name="base"/>
 <joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
 <limit lower="-3" upper="3" effort="12" velocity="8"/></joint></robot>"""
 SERVO = {"joints": "*", "kind": "dc", "gain": 6.0, "supply": 12.0, "torque_constant": 1.6, "resistance": 2.0}
-MOTIONS = {
+MOTIONS: dict[str, Callable[[Any], Any]] = {
     "sines": lambda t: 0.6 * np.sin(5 * t) + 0.3 * np.sin(11 * t),
     "steps": lambda t: 0.7 * np.sign(np.sin(5 * t)),
 }
@@ -42,7 +44,7 @@ STEP = 1e-3
 
 
 @pytest.fixture(scope="module")
-def scenario(tmp_path_factory) -> Path:
+def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One servo with a pendulum, two short motions; the recordings are the commands, roughly followed."""
     folder = tmp_path_factory.mktemp("pendulum")
     (folder / "pendulum.urdf").write_text(URDF, encoding="utf-8")
@@ -50,7 +52,10 @@ def scenario(tmp_path_factory) -> Path:
     t = np.arange(0, 1.5, 0.01)
     for name, motion in MOTIONS.items():
         angle = np.round((motion(t) + 2e-3 * random.standard_normal(len(t))) / STEP) * STEP
-        rows = [f"{a:.4f},{motion(a):.6f},{q:.4f},{random.normal(0, 0.05):.4f}" for a, q in zip(t, angle, strict=True)]
+        rows = [
+            f"{a:.4f},{motion(a):.6f},{q:.4f},{random.normal(0, 0.05):.4f}"
+            for a, q in zip(t.tolist(), angle.tolist(), strict=True)
+        ]
         (folder / f"{name}.csv").write_text("time,command,position,effort\n" + "\n".join(rows), encoding="utf-8")
     content = {
         "name": "pendulum",
@@ -67,26 +72,26 @@ def scenario(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def problem(scenario):
+def problem(scenario: Path) -> Problem:
     """The problem of the scenario."""
     return build_problem(load_scenario(scenario), "mujoco")
 
 
 @pytest.fixture(scope="module")
-def simulations(problem):
+def simulations(problem: Problem) -> Iterator[Simulations]:
     """Its simulations, in this process."""
     with Simulations(problem, 1) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def floors(simulations):
+def floors(simulations: Simulations) -> Floors:
     """The floors of its model."""
     return measure(simulations, [])
 
 
 @pytest.fixture(scope="module")
-def seen(simulations, floors, problem):
+def seen(simulations: Simulations, floors: Floors, problem: Problem) -> dict[str, Visible]:
     """Every effect's smallest size."""
     return {v.suspect.effect: v for v in visible(simulations, floors, suspects(problem), NEEDED)}
 
@@ -95,7 +100,7 @@ NEEDED = 6.0
 """The evidence that a name needs."""
 
 
-def test_a_planted_size_lies_within_its_bounds_and_none_is_neutral(problem):
+def test_a_planted_size_lies_within_its_bounds_and_none_is_neutral(problem: Problem) -> None:
     for suspect in suspects(problem):
         effect, zero = EFFECTS[suspect.effect], neutral(problem.plant, suspect)
         for factor in (1e-3, 1.0, 64.0, 1e9):
@@ -108,7 +113,7 @@ def test_a_planted_size_lies_within_its_bounds_and_none_is_neutral(problem):
             assert {n: small[n] for n in moved} == pytest.approx({n: zero[n] for n in moved})
 
 
-def test_planted_recordings_keep_stamps_quantum_and_noise(problem, floors):
+def test_planted_recordings_keep_stamps_quantum_and_noise(problem: Problem, floors: Floors) -> None:
     recorded = plant_recordings(problem, floors, [], "mujoco", seed=1)
     for old, new in zip(problem.cases, recorded.cases, strict=True):
         np.testing.assert_array_equal(new.measured.time, old.measured.time)
@@ -121,13 +126,13 @@ def test_planted_recordings_keep_stamps_quantum_and_noise(problem, floors):
     assert all(0.6 < g < 1.15 for g in gaps)  # as far apart as noise and rounding
 
 
-def test_the_same_seed_is_the_same_noise(problem, floors):
+def test_the_same_seed_is_the_same_noise(problem: Problem, floors: Floors) -> None:
     a, b, c = (plant_recordings(problem, floors, [], "mujoco", seed=s).cases[0].value("position") for s in (1, 1, 2))
     np.testing.assert_array_equal(a, b)
     assert not np.array_equal(a, c)
 
 
-def test_a_disturbing_torque_moves_the_robot_and_not_the_model(problem, floors):
+def test_a_disturbing_torque_moves_the_robot_and_not_the_model(problem: Problem, floors: Floors) -> None:
     still = plant_recordings(problem, floors, [], "mujoco", seed=1).cases[0].value("position")
     shaken = replace(floors, torque=np.array([1.0]))
     pushed = plant_recordings(problem, shaken, [], "mujoco", seed=1).cases[0].value("position")
@@ -137,7 +142,9 @@ def test_a_disturbing_torque_moves_the_robot_and_not_the_model(problem, floors):
 @pytest.mark.parametrize(
     "effect", ["coulomb_friction", "backlash", "command_delay", "link_mass", "torque_constant", "joint_compliance"]
 )
-def test_what_is_said_to_be_seen_shows_and_a_third_of_it_hardly(simulations, floors, problem, seen, effect):
+def test_what_is_said_to_be_seen_shows_and_a_third_of_it_hardly(
+    simulations: Simulations, floors: Floors, problem: Problem, seen: dict[str, Visible], effect: str
+) -> None:
     """By the definition: half the whitened square of its signature is the evidence that it gives."""
     found = seen[effect]
     assert found.seen
@@ -147,14 +154,14 @@ def test_what_is_said_to_be_seen_shows_and_a_third_of_it_hardly(simulations, flo
     assert given[0] < NEEDED < given[1] < given[2]
 
 
-def test_what_never_acts_is_never_seen(problem, seen):
+def test_what_never_acts_is_never_seen(problem: Problem, seen: dict[str, Visible]) -> None:
     change = seen["torque_speed_limit"].change
     assert change.parameters["stall_torque"] > 0
     assert "ground_friction" not in seen
     assert all(v.signature.any() for v in seen.values() if v.seen)
 
 
-def test_twins_are_known_and_different_things_are_not_taken_for_each_other(seen):
+def test_twins_are_known_and_different_things_are_not_taken_for_each_other(seen: dict[str, Visible]) -> None:
     pairs = {(c.planted.effect, c.other.effect): c for c in confusables(list(seen.values()))}
     assert pairs["rotor_inertia", "link_inertia"].apart_from == np.inf
     assert pairs["joint_offset", "base_tilt"].share > 0.98
@@ -169,7 +176,9 @@ def test_twins_are_known_and_different_things_are_not_taken_for_each_other(seen)
             assert whole * (c.apart_from / found.factor) ** 2 * (1 - c.share) == pytest.approx(ODDS, rel=0.01)
 
 
-def test_a_full_search_names_what_was_planted_in_another_engine(problem, floors, seen):
+def test_a_full_search_names_what_was_planted_in_another_engine(
+    problem: Problem, floors: Floors, seen: dict[str, Visible]
+) -> None:
     friction = seen["viscous_friction"]
     rehearsal = Rehearsal(problem, "dart", (1.0, 1.0), floors)
     size = 6 * friction.factor  # far beyond what laws may be imperfect by, because the motion is short
@@ -179,8 +188,10 @@ def test_a_full_search_names_what_was_planted_in_another_engine(problem, floors,
     assert tried.named == (friction.suspect,)
 
 
-def test_a_rehearsal_says_what_it_planted_and_what_it_saw(simulations, problem, tmp_path):
-    heard = []
+def test_a_rehearsal_says_what_it_planted_and_what_it_saw(
+    simulations: Simulations, problem: Problem, tmp_path: Path
+) -> None:
+    heard: list[str] = []
     result = rehearse(simulations, ["dart"], 10.0, heard.append)
     write_rehearsal(result, tmp_path)
     content = json.loads((tmp_path / "rehearsal.json").read_text(encoding="utf-8"))
@@ -208,10 +219,10 @@ def test_a_rehearsal_says_what_it_planted_and_what_it_saw(simulations, problem, 
     assert to_json(result) == content
 
 
-def test_a_search_counts_only_where_all_larger_sizes_were_right(problem):
+def test_a_search_counts_only_where_all_larger_sizes_were_right(problem: Problem) -> None:
     first = suspects(problem)[0]
 
-    def tried(factor, right):
+    def tried(factor: float, right: bool) -> Tried:
         return Tried(planted(problem, first, factor), factor, (first,) if right else (), ())
 
     assert searched_from([tried(1.0, True), tried(2.0, True)]) == 1.0
@@ -221,7 +232,7 @@ def test_a_search_counts_only_where_all_larger_sizes_were_right(problem):
     assert not Tried(None, 0.0, (first,), ()).right
 
 
-def test_no_time_is_an_error_and_writes_nothing(scenario, tmp_path):
+def test_no_time_is_an_error_and_writes_nothing(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["rehearse", str(scenario), "--out", str(out), "--budget", "0"])
     assert isinstance(result.exception, InputError)
@@ -229,9 +240,9 @@ def test_no_time_is_an_error_and_writes_nothing(scenario, tmp_path):
     assert not out.exists()
 
 
-def test_a_rigid_ground_has_no_stiffness_to_write_down(tmp_path):
+def test_a_rigid_ground_has_no_stiffness_to_write_down(tmp_path: Path) -> None:
     problem = build_problem(load_scenario(write_tosses(tmp_path, 0.17)), "mujoco")
     soft = next(s for s in suspects(problem) if s.effect == "soft_ground")
-    written = size(SimpleNamespace(problem=problem), soft, 1.0)
+    written = size(cast(Rehearsal, SimpleNamespace(problem=problem)), soft, 1.0)
     assert written["stiffness"]["model"] is None
     json.dumps(written, allow_nan=False)

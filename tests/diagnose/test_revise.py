@@ -1,28 +1,31 @@
 """The mended scenario and URDFs run as they are, and are the model that the diagnosis judged."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import yaml
 from realitygap.diagnose.data.changes import Change, Suspect
-from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.worker import Question, answer
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.place import targets
-from realitygap.scenario.file import load_scenario
+from realitygap.scenario.file import ScenarioFile, load_scenario
 from realitygap_engines.model.urdf import read_urdf
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
+Wanted = tuple[str, str, dict[str, Any]]
 
 
 @pytest.fixture
-def demo(tmp_path):
+def demo(tmp_path: Path) -> Callable[..., Path]:
     """A function that copies the demo with two runs of its own and further keys, and returns the scenario."""
 
-    def make(keys=None, runs=None):
+    def make(keys: dict[str, Any] | None = None, runs: list[dict[str, Any]] | None = None) -> Path:
         folder = tmp_path / "team" / "demo"
         shutil.copytree(DEMO, folder)
         content = yaml.safe_load((folder / "scenario.yaml").read_text(encoding="utf-8"))
@@ -34,19 +37,19 @@ def demo(tmp_path):
     return make
 
 
-def change(problem, effect, target, **values):
+def change(problem: Problem, effect: str, target: str, **values: float) -> Change:
     indices = targets(problem.plant, EFFECTS[effect], target)
     return Change(Suspect(effect, target, tuple(indices)), tuple(values.items()))
 
 
-def mended(scenario, changes, out):
+def mended(scenario: Path, changes: list[Wanted], out: Path) -> tuple[Problem, list[Change], ScenarioFile]:
     """The problem, its changes, and the problem of the mended scenario."""
     problem = build_problem(load_scenario(scenario), "mujoco")
     wanted = [change(problem, effect, target, **values) for effect, target, values in changes]
     return problem, wanted, load_scenario(write_revised(problem, wanted, out / "revised"))
 
 
-def assert_same(problem, changes, revised):
+def assert_same(problem: Problem, changes: list[Change], revised: ScenarioFile) -> None:
     """Every run of the mended scenario moves as the changed model did."""
     again = build_problem(revised, "mujoco")
     assert [c.name for c in again.cases] == [c.name for c in problem.cases]
@@ -85,12 +88,14 @@ LOADED = [
         ("payload", "forearm", {"mass": 0.2, "x": 0.01, "y": 0.0, "z": -0.1}),
     ],
 )
-def test_a_mended_scenario_moves_as_the_changed_model(demo, tmp_path, effect, target, values):
+def test_a_mended_scenario_moves_as_the_changed_model(
+    demo: Callable[..., Path], tmp_path: Path, effect: str, target: str, values: dict[str, float]
+) -> None:
     problem, changes, revised = mended(demo(runs=LOADED), [(effect, target, values)], tmp_path / "out")
     assert_same(problem, changes, revised)
 
 
-def test_it_runs_from_another_folder_when_all_is_moved_together(demo, tmp_path):
+def test_it_runs_from_another_folder_when_all_is_moved_together(demo: Callable[..., Path], tmp_path: Path) -> None:
     scenario = demo(runs=LOADED)
     problem, changes, _ = mended(scenario, [("link_mass", "forearm", {"mass": 0.4})], scenario.parent / "out")
     moved = tmp_path / "elsewhere"
@@ -101,7 +106,7 @@ def test_it_runs_from_another_folder_when_all_is_moved_together(demo, tmp_path):
     assert_same(problem, changes, again.file)
 
 
-def test_what_a_finding_replaces_does_not_stand_twice(demo, tmp_path):
+def test_what_a_finding_replaces_does_not_stand_twice(demo: Callable[..., Path], tmp_path: Path) -> None:
     effects = [
         {"effect": "coulomb_friction", "target": "*", "torque": 0.1},
         {"effect": "command_delay", "target": "*", "time": 0.004},
@@ -126,7 +131,9 @@ def test_what_a_finding_replaces_does_not_stand_twice(demo, tmp_path):
         {"effects": []},
     ],
 )
-def test_a_run_with_effects_of_its_own_keeps_them(demo, tmp_path, overrides):
+def test_a_run_with_effects_of_its_own_keeps_them(
+    demo: Callable[..., Path], tmp_path: Path, overrides: dict[str, Any]
+) -> None:
     runs = [
         {"path": "triangle_1.mcap", "use": "train"},
         {"path": "sines_2.mcap", "use": "held_out", "with": overrides},
@@ -136,7 +143,7 @@ def test_a_run_with_effects_of_its_own_keeps_them(demo, tmp_path, overrides):
     assert_same(problem, changes, revised)
 
 
-def test_every_repetition_has_the_values_of_its_run(demo, tmp_path):
+def test_every_repetition_has_the_values_of_its_run(demo: Callable[..., Path], tmp_path: Path) -> None:
     slow = {"servos.drive.gain": 2.5}
     runs = [
         {"path": "triangle_1.mcap", "use": "held_out"},
@@ -149,7 +156,7 @@ def test_every_repetition_has_the_values_of_its_run(demo, tmp_path):
     assert gains == pytest.approx([6.0, 6.0 * 2.5 / 5.048, 6.0 * 2.5 / 5.048])
 
 
-def test_paths_keep_their_meaning(demo, tmp_path, monkeypatch):
+def test_paths_keep_their_meaning(demo: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     scenario = demo({"revisions": {"heavy": "arm_heavy.urdf"}})
     monkeypatch.setenv("REALITYGAP_DATA", str(scenario.parent))
     content = yaml.safe_load(scenario.read_text(encoding="utf-8"))
@@ -190,7 +197,7 @@ URDF = """<?xml version="1.0"?>
 """
 
 
-def test_a_patched_urdf_has_the_link_with_all_that_is_fixed_to_it(demo, tmp_path):
+def test_a_patched_urdf_has_the_link_with_all_that_is_fixed_to_it(demo: Callable[..., Path], tmp_path: Path) -> None:
     import trimesh
 
     scenario = demo(runs=[{"path": "log.csv", "use": "train"}])

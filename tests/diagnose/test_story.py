@@ -1,8 +1,10 @@
 """The page of a diagnosis: every verdict tells its story in one offline file that a person and a machine can read."""
 
 import re
+from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import chromium
 import numpy as np
@@ -35,7 +37,7 @@ VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (
 
 
 @pytest.fixture(scope="module")
-def judged():
+def judged() -> Any:
     """The demo with its floors, the fit of what is missing, and what was simulated before and after: no search."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
     change = Change(FRICTION, (("torque", 0.6447),), ("torque",))
@@ -43,19 +45,18 @@ def judged():
         ground = Ground(simulations, [change])
         base = ground.score(Fit((), residual(simulations, [], ground.train)))
         done = ground.fit([change], base.metric)
-        signals = [
-            dict(enumerate(simulations.of(changes, range(len(problem.cases))))) for changes in ([], done.fit.changes)
-        ]
+        every = range(len(problem.cases))
+        signals = [dict(enumerate(simulations.of(c, every))) for c in (list[Change](), done.fit.changes)]
     return problem, ground.floors, base, done, *signals
 
 
 @pytest.fixture(scope="module")
-def told(judged):
+def told(judged: Any) -> Callable[[str], Diagnosis]:
     """A function from a verdict to the diagnosis that has it; the costs are invented, everything else is not."""
     problem, floors, base, done, before, after = judged
 
-    def make(verdict):
-        was, left = VERDICTS[verdict]
+    def make(verdict: str) -> Diagnosis:
+        was, left = (dict.fromkeys(range(len(problem.cases)), cost) for cost in VERDICTS[verdict])
         named = verdict in ("explained", "partly explained")
         best = done if named else base
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
@@ -67,7 +68,7 @@ def told(judged):
             found=found,
             changes=best.fit.changes,
             floors=floors,
-            costs=tuple(dict.fromkeys(range(len(problem.cases)), cost) for cost in (was, left)),
+            costs=(was, left),
             shown={FRICTION: Shown(3.0, 1.05, {"dart": (3.1, 1.2)})} if named else {},
             predicted=Verdict(30.0, 5.0),
             where=locate(problem, floors, before) if verdict != "no gap" else [],
@@ -88,12 +89,16 @@ def told(judged):
 class _Page(HTMLParser):
     """What a test wants to know of a page."""
 
-    def __init__(self, text):
+    def __init__(self, text: str) -> None:
         super().__init__()
-        self.ids, self.links, self.loads, self.open, self.text = [], [], [], [], ""
+        self.ids: list[str | None] = []
+        self.links: list[str | None] = []
+        self.loads: list[str] = []
+        self.open: list[str] = []
+        self.text = ""
         self.feed(text)
 
-    def handle_starttag(self, tag, attrs):
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         values = dict(attrs)
         if "id" in values:
             self.ids.append(values["id"])
@@ -104,28 +109,28 @@ class _Page(HTMLParser):
         if tag not in ("meta", "br", "path", "use", "rect", "link"):
             self.open.append(tag)
 
-    def handle_endtag(self, tag):
+    def handle_endtag(self, tag: str) -> None:
         if tag in ("path", "use", "rect"):
             return
         assert self.open, f"</{tag}> without a start"
         assert self.open.pop() == tag
 
-    def handle_startendtag(self, tag, attrs):
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         pass
 
-    def handle_data(self, data):
+    def handle_data(self, data: str) -> None:
         if "style" not in self.open:
             self.text += data + " "
 
 
-def page_of(result, folder):
+def page_of(result: Diagnosis, folder: Path) -> tuple[str, _Page, str]:
     text = write_story(result, folder).read_text(encoding="utf-8")
     page = _Page(text)
     return text, page, " ".join(page.text.split())
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
-def test_every_verdict_is_a_whole_offline_page(told, tmp_path, verdict):
+def test_every_verdict_is_a_whole_offline_page(told: Callable[[str], Diagnosis], tmp_path: Path, verdict: str) -> None:
     text, page, words = page_of(told(verdict), tmp_path)
     assert page.open == []
     assert page.loads == []
@@ -143,7 +148,9 @@ def test_every_verdict_is_a_whole_offline_page(told, tmp_path, verdict):
 
 
 @pytest.mark.parametrize("verdict", ["explained", "partly explained"])
-def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(told, tmp_path, verdict):
+def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(
+    told: Callable[[str], Diagnosis], tmp_path: Path, verdict: str
+) -> None:
     result = told(verdict)
     _, _, words = page_of(result, tmp_path)
     told_value = result.to_json()["findings"][0]["parameters"]["torque"]
@@ -161,7 +168,7 @@ def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(told, tmp_p
 
 
 @pytest.mark.parametrize("verdict", ["no gap", "unexplained"])
-def test_nothing_named_promises_no_mended_model(told, tmp_path, verdict):
+def test_nothing_named_promises_no_mended_model(told: Callable[[str], Diagnosis], tmp_path: Path, verdict: str) -> None:
     _, page, words = page_of(told(verdict), tmp_path)
     assert not [link for link in page.links if link.startswith("revised/")]
     assert "simulated after" not in words
@@ -169,25 +176,25 @@ def test_nothing_named_promises_no_mended_model(told, tmp_path, verdict):
     assert ("no effect explains it better than something else would" in words) == (verdict == "unexplained")
 
 
-def test_the_same_diagnosis_is_the_same_page(told, tmp_path):
+def test_the_same_diagnosis_is_the_same_page(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     first, second = (write_story(told("explained"), tmp_path / n).read_text("utf-8") for n in "ab")
     assert first == second
 
 
-def curves(offset):
+def curves(offset: float) -> Curves:
     t = np.linspace(0, 2, 400)
     return Curves(t, np.sin(t), np.sin(t) + offset, np.sin(t) + 0.001, np.full(400, 0.002), "deg", "position", [(0, 1)])
 
 
 @pytest.mark.parametrize(("offset", "panels"), [(0.5, 2), (0.02, 3)])
-def test_curves_that_hardly_part_are_drawn_close_up_too(offset, panels):
+def test_curves_that_hardly_part_are_drawn_close_up_too(offset: float, panels: int) -> None:
     drawn = fromstring(draw_curves(curves(offset), "a <title>"))
     labels = [t.text for t in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert ("close up" in labels) == (panels == 3)
     assert drawn.get("aria-label") == "a <title>"
 
 
-def test_figures_take_the_colours_of_the_page():
+def test_figures_take_the_colours_of_the_page() -> None:
     text = draw_pairs([Pair("MuJoCo", 30.0, 1.1, "held out"), Pair("DART", 29.0, None, "held out")], "gaps")
     assert "var(--before)" in text
     assert "var(--ink)" in text
@@ -199,18 +206,20 @@ def test_figures_take_the_colours_of_the_page():
     ("value", "unit", "words"),
     [(0.25, "N·m", "0.250 N·m"), (0.0147, "rad", "0.842° (0.0147 rad)"), (1.5, "", "1.50"), (np.inf, "N/m", "∞ N/m")],
 )
-def test_angles_are_read_in_degrees(value, unit, words):
+def test_angles_are_read_in_degrees(value: float, unit: str, words: str) -> None:
     assert quantity(value, unit) == words
 
 
-def test_a_gain_has_the_unit_of_its_servo(judged):
+def test_a_gain_has_the_unit_of_its_servo(judged: Any) -> None:
     gain = EFFECTS["controller_gain"].parameter("gain")
     assert unit_there(judged[0], Suspect("controller_gain", "elbow", (1,)), gain) == "duty/rad"
 
 
 @pytest.mark.skipif(chromium.PROGRAM is None, reason="needs Chromium: install it (Debian: apt install chromium)")
 @pytest.mark.parametrize(("width", "dark"), [(1280, False), (1280, True), (380, False)])
-def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(told, tmp_path, width, dark):
+def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(
+    told: Callable[[str], Diagnosis], tmp_path: Path, width: int, dark: bool
+) -> None:
     path = write_story(told("partly explained"), tmp_path)
     with chromium.Browser(width, 900, dark=dark) as browser:
         browser.open(path)

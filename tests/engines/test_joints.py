@@ -1,6 +1,7 @@
 """The joint law: its own dynamics against Pinocchio, its equation, and closed forms in every engine."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -43,7 +44,7 @@ def tree(floating: bool) -> Model:
     return Model("tree", tuple(links), tuple(joints), floating)
 
 
-def lever(**joint: float) -> Model:
+def lever(**joint: Any) -> Model:
     """One link of 0.01 kg·m² about a vertical hinge on a fixed base: gravity has no say."""
     arm = Link("arm", 1.0, np.zeros(3), np.eye(3) * 0.01)
     hinge = Joint("hinge", False, 0, np.eye(4), np.array([0.0, 0.0, 1.0]), **joint)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ EXACT = {"ode": 5e-4, "pybullet": 1e-6}
 """[rad] How near an engine is after a second; ODE's step is forward dynamics within 3e-5. Others: 1e-9."""
 
 
-def pendulums(**more: float) -> Model:
+def pendulums(**more: Any) -> Model:
     """Two pendulums beside each other on a fixed base; the second follows the first."""
     base = Link("base", 1.0, np.zeros(3), np.eye(3) * 1e-3)
     axis = np.array([0.0, 1.0, 0.0])

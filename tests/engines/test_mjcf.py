@@ -1,6 +1,8 @@
 """MJCF in: the canonical model of a file is the machine that MuJoCo itself simulates, and one sentence for the rest."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -142,7 +144,7 @@ def test_an_actuator_is_a_servo_with_mujocos_force(actuator: str, tmp_path: Path
     (servo,) = model.actuators
     assert (servo.joint, servo.kind, model.joints[0].effort) == ("j", kind, limit)
     values = servo.values
-    stiffness, damping = {
+    gains: dict[str, Callable[[Any], tuple[float, float]]] = {
         "pid": lambda v: (v["kp"], v.get("kd", 0.0)),
         "velocity": lambda v: (0.0, v["gain"]),
         "effort": lambda _: (0.0, 0.0),
@@ -151,7 +153,8 @@ def test_an_actuator_is_a_servo_with_mujocos_force(actuator: str, tmp_path: Path
             v["gain"] * v["supply"] * v["torque_constant"] / v["resistance"],
             v["torque_constant"] ** 2 / v["resistance"],
         ),
-    }[kind](values)
+    }
+    stiffness, damping = gains[kind](values)
     assert (stiffness, damping) == pytest.approx((kp, kd))
     m = mujoco.MjModel.from_xml_path(str(path))  # and this is what MuJoCo does, away from its limits
     d = mujoco.MjData(m)

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 from realitygap.diagnose.result.revised_urdf import revised_urdf
 from realitygap_engines.errors import ModelError
-from realitygap_engines.model import xacro_file
 from realitygap_engines.model.read import read_model
 
 ROBOT = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="mass" default="1.5"/>
@@ -43,7 +42,7 @@ def test_what_cannot_be_expanded_is_one_sentence(robot: Path) -> None:
 
 
 def test_without_the_package_the_sentence_says_how(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(xacro_file.importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(ModelError, match=r"robot.urdf.xacro: is a xacro file, not a URDF; expand it first: .*pip"):
         read_model(robot, floating=False)
 

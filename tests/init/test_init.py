@@ -1,6 +1,9 @@
 """A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
 
 import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,15 +14,24 @@ from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
 from realitygap.init.draft import init, parse_packages
 from realitygap.recording import read_recording
+from realitygap.recording.recording import Recording
 from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema import Scenario
+from realitygap.scenario.servos import DcServo, PidServo
 from realitygap_engines.errors import ModelError
 
 STATE = "sensor_msgs/msg/JointState"
 EPOCH = 1.7e9
 
 
-def arm(path, joints=("shoulder", "elbow"), effort=3.0, root="base", feet=False):
+def arm(
+    path: Path,
+    joints: Sequence[str] = ("shoulder", "elbow"),
+    effort: float = 3.0,
+    root: str = "base",
+    feet: bool = False,
+) -> Path:
     """A URDF with joints in a chain; with feet, both hang from the base and end in a foot."""
     links = [f'<link name="{root}">{INERTIAL}</link>']
     parent = root
@@ -39,11 +51,13 @@ def arm(path, joints=("shoulder", "elbow"), effort=3.0, root="base", feet=False)
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
-def goal(t):
+def goal(t: Any) -> Any:
     return np.sin(3 * t) + 0.3 * np.sin(7 * t)
 
 
-def messages(state="/joint_states", command="/joint_commands", velocity=True, lag=0.05):
+def messages(
+    state: str = "/joint_states", command: str = "/joint_commands", velocity: bool = True, lag: float = 0.05
+) -> list[tuple[str, float, str, dict[str, Any]]]:
     out = []
     for k in range(300):
         t = 0.01 * k
@@ -56,13 +70,13 @@ def messages(state="/joint_states", command="/joint_commands", velocity=True, la
     return out
 
 
-def read_all(path, joints):
+def read_all(path: Path, joints: Sequence[str]) -> tuple[Scenario, list[Recording]]:
     loaded = load_scenario(path)
     return loaded.scenario, [read_recording(c.path, c.scenario, joints, file=path) for c in loaded.cases()]
 
 
 @pytest.mark.parametrize("form", ["bag", "mcap", "db3"])
-def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
+def test_what_is_written_loads_and_reads(form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     bags = [write_bag(tmp_path / (f"{k}.bag" if form == "bag" else f"{k}"), form, messages()) for k in range(3)]
     path = init(arm(tmp_path / "arm.urdf"), bags, tmp_path / "scenarios" / "arm").path
     assert path == tmp_path / "scenarios" / "arm" / "scenario.yaml"
@@ -77,7 +91,9 @@ def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
     assert [run.use for run in scenario.recordings.runs] == [None] * 3  # repetitions of one motion stay together
     assert scenario.robot.base == "fixed"
     assert scenario.ground_name == "none"
-    assert scenario.servos[0].kp == pytest.approx(30.0)
+    (servo,) = scenario.servos
+    assert isinstance(servo, PidServo)
+    assert servo.kp == pytest.approx(30.0)
     assert all(len(r.trace.time) == 300 for r in recordings)
     for key in ("base", "kp", "kd", "state"):
         assert any(f"{key}:" in line and "GUESS" in line for line in text.splitlines())
@@ -85,7 +101,9 @@ def test_what_is_written_loads_and_reads(form, tmp_path, write_bag):
 
 @pytest.mark.parametrize("names", [("/a", "/b"), ("/b", "/a")])
 @pytest.mark.parametrize("velocity", [True, False])
-def test_where_names_say_nothing_the_command_comes_first(names, velocity, tmp_path, write_bag):
+def test_where_names_say_nothing_the_command_comes_first(
+    names: tuple[str, str], velocity: bool, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     state, command = names
     bag = write_bag(tmp_path / "run", "mcap", messages(state, command, velocity=velocity))
     path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").path
@@ -94,7 +112,7 @@ def test_where_names_say_nothing_the_command_comes_first(names, velocity, tmp_pa
     assert "comes 50 ms before" in path.read_text()
 
 
-def test_a_command_that_is_a_duty_gets_a_motor(tmp_path, write_bag):
+def test_a_command_that_is_a_duty_gets_a_motor(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     out = []
     for k in range(100):
         stamp = {"stamp": EPOCH + 0.01 * k, "name": ["elbow"]}
@@ -107,14 +125,15 @@ def test_a_command_that_is_a_duty_gets_a_motor(tmp_path, write_bag):
     scenario, (recording,) = read_all(path, ["elbow"])
     assert (scenario.motion.recorded, scenario.motion.meaning) == ("/duty_commands", "duty")
     servo = scenario.servos[0]
-    assert servo.kind == "dc"
+    assert isinstance(servo, DcServo)
+    assert isinstance(servo.supply, float)
     # stalls at the URDF's effort limit, runs free at its velocity limit
     assert servo.torque_constant * servo.supply / servo.resistance == pytest.approx(3.0, rel=0.01)
     assert servo.supply / servo.torque_constant == pytest.approx(6.0, rel=0.01)
     np.testing.assert_allclose(recording.trace.effort, 0.7)
 
 
-def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path, write_bag):
+def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     out = messages()
     for k in range(100):
         t = EPOCH + 0.03 * k
@@ -132,14 +151,14 @@ def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path, write_bag):
     assert load_scenario(without).scenario.robot.base == "floating"
 
 
-def test_a_root_called_world_is_fixed(tmp_path, write_bag):
+def test_a_root_called_world_is_fixed(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     urdf = arm(tmp_path / "arm.urdf", feet=True, root="world")
     path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out").path
     assert load_scenario(path).scenario.robot.base == "fixed"
     assert "the root link is called world" in path.read_text()
 
 
-def test_tables_with_other_column_names(tmp_path):
+def test_tables_with_other_column_names(tmp_path: Path) -> None:
     time = np.arange(100) * 0.01
     frame = pd.DataFrame({"t": time})
     for joint in ("shoulder", "elbow"):
@@ -162,7 +181,7 @@ def test_tables_with_other_column_names(tmp_path):
         ("time_s", "joint_{n}_position", "joint_{n}_target", "joint_{n}_effort"),
     ],
 )
-def test_columns_as_people_name_them(time, position, command, effort, tmp_path):
+def test_columns_as_people_name_them(time: str, position: str, command: str, effort: str, tmp_path: Path) -> None:
     clock = np.arange(100) * 0.01
     frame = pd.DataFrame({time: clock})
     joints = ("shoulder", "elbow")
@@ -180,7 +199,7 @@ def test_columns_as_people_name_them(time, position, command, effort, tmp_path):
     assert draft.told == ["not used: temperature_0, temperature_1"]
 
 
-def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path):
+def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path: Path) -> None:
     clock = np.arange(100) * 0.01
     frame = pd.DataFrame({"time": clock})
     for joint in ("shoulder", "elbow"):
@@ -192,7 +211,9 @@ def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path):
     np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
 
 
-def test_the_terminal_hears_what_was_guessed_not_used_and_missing(tmp_path, write_bag):
+def test_the_terminal_hears_what_was_guessed_not_used_and_missing(
+    tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     out = [*messages(), ("/tf", EPOCH, "tf2_msgs/msg/TFMessage", {}), ("/log", EPOCH, "std_msgs/msg/String", {})]
     bag = write_bag(tmp_path / "run", "mcap", out)
     lines = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").lines()
@@ -204,7 +225,7 @@ def test_the_terminal_hears_what_was_guessed_not_used_and_missing(tmp_path, writ
 
 
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])
-def test_every_episode_of_a_data_set_is_a_run(version, tmp_path):
+def test_every_episode_of_a_data_set_is_a_run(version: str, tmp_path: Path) -> None:
     data_set(tmp_path / "set", version)
     draft = init(arm(tmp_path / "arm.urdf", ("elbow", "gripper")), [tmp_path / "set"], tmp_path / "out")
     scenario, recordings = read_all(draft.path, ["elbow", "gripper"])
@@ -215,7 +236,7 @@ def test_every_episode_of_a_data_set_is_a_run(version, tmp_path):
     assert any("units: degrees (they fit" in line for line in draft.guessed)
 
 
-def test_units_and_names_of_a_data_set_are_guessed(tmp_path):
+def test_units_and_names_of_a_data_set_are_guessed(tmp_path: Path) -> None:
     urdf = arm(tmp_path / "arm.urdf", ("elbow", "gripper"))
     radians = init(urdf, [data_set(tmp_path / "r", scale=1.0)], tmp_path / "a").path
     assert load_scenario(radians).scenario.recordings.dataset.units == "radians"
@@ -230,7 +251,7 @@ def test_units_and_names_of_a_data_set_are_guessed(tmp_path):
         init(arm(tmp_path / "three.urdf", ("a", "b", "c")), [other], tmp_path / "c")
 
 
-def test_packages_are_named_on_the_command_line(tmp_path, write_bag):
+def test_packages_are_named_on_the_command_line(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     assert parse_packages([f"arm={tmp_path}"]) == {"arm": tmp_path}
     with pytest.raises(InputError, match=r"--package: found arm; expected NAME=DIR"):
         parse_packages(["arm"])
@@ -239,7 +260,7 @@ def test_packages_are_named_on_the_command_line(tmp_path, write_bag):
     assert load_scenario(path).scenario.robot.packages == {"arm": "../meshes"}
 
 
-def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag):
+def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     urdf = arm(tmp_path / "arm.urdf")
     good = write_bag(tmp_path / "good", "mcap", messages())
     power = {"stamp": EPOCH, "voltage": 12.0}
@@ -278,14 +299,16 @@ def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path, write_bag)
         ("ur10e/ur10e.urdf", "ur10e/free_*.csv", "fixed"),
     ],
 )
-def test_real_recordings(urdf, pattern, base, data_dir, tmp_path):
+def test_real_recordings(urdf: str, pattern: str, base: str, data_dir: Path, tmp_path: Path) -> None:
     path = init(data_dir / urdf, sorted(data_dir.glob(pattern)), tmp_path / "out").path
     scenario = load_scenario(path).scenario
     assert scenario.robot.base == base
     assert (scenario.motion is None) == (base == "free")
 
 
-def test_missing_meshes_are_no_error_where_nothing_touches_the_ground(tmp_path, write_bag):
+def test_missing_meshes_are_no_error_where_nothing_touches_the_ground(
+    tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     urdf = arm(tmp_path / "arm.urdf")
     mesh = '<collision><geometry><mesh filename="package://nowhere/link.stl"/></geometry></collision>'
     urdf.write_text(urdf.read_text().replace('<link name="elbow_link">', f'<link name="elbow_link">{mesh}'))

@@ -1,6 +1,7 @@
 """`import realitygap`: it costs nothing, changes nothing in the process, and its names are what they are said to be."""
 
 import ast
+import importlib.resources
 import subprocess
 import sys
 from pathlib import Path
@@ -77,7 +78,7 @@ def test_importing_every_module_changes_nothing_in_the_process() -> None:
 def test_checkers_and_python_find_the_same_names() -> None:
     tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
     (block,) = [node for node in tree.body if isinstance(node, ast.If)]
-    told = {alias.asname: node.module for node in block.body for alias in node.names}
+    told = {a.asname: n.module for n in block.body if isinstance(n, ast.ImportFrom) for a in n.names}
     assert told == rg._PLACES
     assert set(dir(rg)) == {*rg.__all__, "__version__"}
     assert [name for name in rg.__all__ if getattr(rg, name) is None] == []
@@ -102,7 +103,7 @@ def test_a_name_that_is_not_there() -> None:
 
 @pytest.mark.parametrize("package", ["realitygap", "realitygap_engines"])
 def test_the_types_are_for_users_too(package: str) -> None:
-    assert (Path(sys.modules[package].__file__).parent / "py.typed").is_file()
+    assert (importlib.resources.files(package) / "py.typed").is_file()
 
 
 def test_the_package_has_no_loose_files() -> None:

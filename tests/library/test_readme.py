@@ -3,6 +3,7 @@
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -36,7 +37,7 @@ def test_it_does_what_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     told["recordings"]["runs"] = RUNS
     (demo / "scenario.yaml").write_text(yaml.safe_dump(told), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    names: dict = {}
+    names: dict[str, Any] = {}
     exec(readme(), names)
     frame, gaps = names["t"].to_frame(), rg.compare(names["s"], engines=["mujoco"], floors=False).gaps
     assert isinstance(frame, pd.DataFrame)

@@ -7,7 +7,9 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from realitygap.files.errors import InputError
@@ -16,14 +18,15 @@ from realitygap.matrix.matrix import finished
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 from realitygap.matrix.store import FolderStore, open_store
+from realitygap.matrix.task import Task
 
 pytest.importorskip("distributed")
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
-QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+QUIET: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
 @pytest.fixture
-def tasks(tmp_path):
+def tasks(tmp_path: Path) -> list[Task]:
     """Six cells of about half a second."""
     path = tmp_path / "matrix.yaml"
     path.write_text(
@@ -34,7 +37,7 @@ def tasks(tmp_path):
 
 
 @pytest.fixture
-def cluster(tmp_path):
+def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     """The address of a scheduler, and its two worker processes."""
     address = tmp_path / "scheduler.json"
     common = ["--no-dashboard", "--scheduler-file", str(address)]
@@ -53,38 +56,44 @@ def cluster(tmp_path):
             process.wait()
 
 
-def address_of(file):
+def address_of(file: Path) -> str:
     wait_for(lambda: file.exists() and file.stat().st_size)
-    return json.loads(file.read_text())["address"]
+    return str(json.loads(file.read_text())["address"])
 
 
-def wait_for(what, seconds=180.0):
+def wait_for(what: Callable[[], object], seconds: float = 180.0) -> None:
     end = time.monotonic() + seconds
     while not what():
         assert time.monotonic() < end, "waited too long"
         time.sleep(0.05)
 
 
-def both_at_work(address):
+def both_at_work(address: str) -> None:
     from distributed import Client
 
     with Client(address, set_as_default=False) as client:
         client.wait_for_workers(2, timeout=120)
 
 
-def test_a_worker_killed_in_the_middle_costs_no_cell(tasks, cluster, tmp_path):
+def test_a_worker_killed_in_the_middle_costs_no_cell(
+    tasks: list[Task], cluster: tuple[str, list[subprocess.Popen[bytes]]], tmp_path: Path
+) -> None:
     address, workers = cluster
     both_at_work(address)
     store = FolderStore(tmp_path / "cells")
-    undone = []
+    undone: list[tuple[str, str]] = []
 
-    def kill():
+    def done(task: Task, what: str | None) -> None:
+        if what:
+            undone.append((task.title, what))
+
+    def kill() -> None:
         wait_for(lambda: len(store.keys()) >= 2)
         os.kill(workers[0].pid, signal.SIGKILL)
 
     killer = threading.Thread(target=kill, daemon=True)
     killer.start()
-    run_cluster(tasks, address, str(tmp_path / "cells"), 120.0, lambda t, what: what and undone.append((t.title, what)))
+    run_cluster(tasks, address, str(tmp_path / "cells"), 120.0, done)
     killer.join()
     assert undone == []
     outcomes = finished(tasks, store)
@@ -92,13 +101,15 @@ def test_a_worker_killed_in_the_middle_costs_no_cell(tasks, cluster, tmp_path):
     assert workers[0].wait(10) == -signal.SIGKILL
 
 
-def test_a_scheduler_that_is_not_there_is_one_sentence(tasks, tmp_path, monkeypatch):
+def test_a_scheduler_that_is_not_there_is_one_sentence(
+    tasks: list[Task], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("realitygap.matrix.cluster.CONNECT", "1s")
     with pytest.raises(InputError, match=r"--scheduler: tcp://127.0.0.1:9 does not answer .*; expected host:port"):
         run_cluster(tasks, "tcp://127.0.0.1:9", str(tmp_path), 1.0, lambda *_: None)
 
 
-def test_a_store_at_a_url_is_one_at_a_folder(tmp_path):
+def test_a_store_at_a_url_is_one_at_a_folder(tmp_path: Path) -> None:
     remote, local = open_store(f"file://{tmp_path}/cells"), open_store(str(tmp_path / "cells"))
     assert remote.keys() == set()
     remote.write("a", b"one")
@@ -109,6 +120,6 @@ def test_a_store_at_a_url_is_one_at_a_folder(tmp_path):
     assert sorted(p.name for p in (tmp_path / "cells").iterdir()) == ["a.zip", "b.zip"]
 
 
-def test_a_url_that_cannot_be_reached_is_one_sentence():
+def test_a_url_that_cannot_be_reached_is_one_sentence() -> None:
     with pytest.raises(InputError, match=r"nowhere://cells: cannot be reached .*; expected a URL that fsspec knows"):
         open_store("nowhere://cells")

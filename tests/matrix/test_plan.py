@@ -1,6 +1,7 @@
 """Matrix files, the cells they mean, and keys by content."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,15 +11,16 @@ from realitygap.files.errors import InputError
 from realitygap.matrix.digest import code_digest
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
+from realitygap.matrix.task import Task
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
 
 
 @pytest.fixture
-def write(tmp_path):
+def write(tmp_path: Path) -> Callable[..., list[Task]]:
     """A function that writes a matrix of the demo scenario and returns its cells."""
 
-    def write(text, folder=DEMO):
+    def write(text: str, folder: Path = DEMO) -> list[Task]:
         path = tmp_path / "matrix.yaml"
         path.write_text(f"name: test\nscenarios: {folder}/scenario.yaml\nrecordings: chirp_*\n{text}")
         return plan(load_matrix(path))
@@ -27,12 +29,12 @@ def write(tmp_path):
 
 
 @pytest.fixture
-def copy(tmp_path):
+def copy(tmp_path: Path) -> Path:
     """The demo scenario in a folder of its own."""
     return Path(shutil.copytree(DEMO, tmp_path / "copy"))
 
 
-def test_every_combination_is_a_cell(write):
+def test_every_combination_is_a_cell(write: Callable[..., list[Task]]) -> None:
     tasks = write("engines: [mujoco, dart]\naxes: {step_rate: [500, 1000], servos.drive.gain: [4, 5, 6]}\n")
     assert len(tasks) == 12
     found = {(t.engine, t.cell.step_rate, t.cell.overrides) for t in tasks}
@@ -51,7 +53,7 @@ def test_every_combination_is_a_cell(write):
         ("{step_rate: [500, 1000], engine: d*}", 6),
     ],
 )
-def test_combinations_are_left_out(write, leave_out, count):
+def test_combinations_are_left_out(write: Callable[..., list[Task]], leave_out: str, count: int) -> None:
     text = f"engines: [mujoco, dart]\naxes: {{step_rate: [500, 1000, 2000, 4000]}}\nleave_out: [{leave_out}]\n"
     if count:
         assert len(write(text)) == count
@@ -60,7 +62,7 @@ def test_combinations_are_left_out(write, leave_out, count):
             write(text)
 
 
-def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path):
+def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path: Path) -> None:
     path = tmp_path / "matrix.yaml"
     path.write_text(
         f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: sines_1_*\n"
@@ -89,16 +91,18 @@ def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path):
         ("speed: 3", "speed: unknown key; known here: axes, "),
     ],
 )
-def test_what_is_wrong_is_one_sentence(write, text, sentence):
+def test_what_is_wrong_is_one_sentence(write: Callable[..., list[Task]], text: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         write(f"{text}\n")
 
 
-def keys(write, folder):
+def keys(write: Callable[..., list[Task]], folder: Path) -> list[str]:
     return [t.key for t in write("engines: mujoco\n", folder)]
 
 
-def test_a_key_does_not_depend_on_where_files_lie_or_what_they_say_besides(write, copy):
+def test_a_key_does_not_depend_on_where_files_lie_or_what_they_say_besides(
+    write: Callable[..., list[Task]], copy: Path
+) -> None:
     urdf = copy / "arm.urdf"
     urdf.write_text(urdf.read_text().replace("</robot>", "<!-- the same arm --></robot>"))
     scenario = copy / "scenario.yaml"
@@ -114,7 +118,9 @@ def test_a_key_does_not_depend_on_where_files_lie_or_what_they_say_besides(write
         ("scenario.yaml", "effort: motor", "effort: joint"),
     ],
 )
-def test_a_key_changes_with_what_a_cell_depends_on(write, copy, file, old, new):
+def test_a_key_changes_with_what_a_cell_depends_on(
+    write: Callable[..., list[Task]], copy: Path, file: str, old: str, new: str
+) -> None:
     path = copy / file
     text = path.read_text()
     assert old in text
@@ -122,12 +128,12 @@ def test_a_key_changes_with_what_a_cell_depends_on(write, copy, file, old, new):
     assert keys(write, copy) != keys(write, DEMO)
 
 
-def test_a_key_changes_with_the_recording(write, copy):
+def test_a_key_changes_with_the_recording(write: Callable[..., list[Task]], copy: Path) -> None:
     shutil.copy(copy / "triangle_1.mcap", copy / "chirp_1.mcap")
     assert keys(write, copy) != keys(write, DEMO)
 
 
-def test_a_further_recording_changes_no_key(write, copy):
+def test_a_further_recording_changes_no_key(write: Callable[..., list[Task]], copy: Path) -> None:
     scenario = copy / "scenario.yaml"
     scenario.write_text(scenario.read_text().replace("    - {path: triangle_1.mcap, use: train}\n", ""))
     assert keys(write, copy) == keys(write, DEMO)
@@ -150,7 +156,7 @@ def test_a_further_recording_changes_no_key(write, copy):
         ("realitygap_engines/law/joints.py", False),
     ],
 )
-def test_cells_are_kept_until_code_that_computes_them_changes(tmp_path, file, kept):
+def test_cells_are_kept_until_code_that_computes_them_changes(tmp_path: Path, file: str, kept: bool) -> None:
     places = [Path(package.__file__).parent for package in (realitygap_engines, realitygap)]
     copies = [shutil.copytree(p, tmp_path / p.name, ignore=shutil.ignore_patterns("__pycache__")) for p in places]
     before = code_digest(*copies)

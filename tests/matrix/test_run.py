@@ -10,6 +10,7 @@ import time
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -131,7 +132,7 @@ def test_traces_open_in_other_tools(demo: Run) -> None:
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as bag:
         assert {c.msgtype for c in bag.connections} == {"sensor_msgs/msg/JointState"}
         for connection, stamp, raw in bag.messages():
-            m = bag.deserialize(raw, connection.msgtype)
+            m: Any = bag.deserialize(raw, connection.msgtype)
             assert m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec == pytest.approx(1e-9 * stamp, abs=1e-9)
             read.setdefault(connection.topic, []).append((1e-9 * stamp, m.name, m.position, m.effort))
     assert set(read) == {"/simulated/joint_states", "/measured/joint_states"}

@@ -7,8 +7,10 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 from realitygap.compare.table import read_gaps
@@ -17,21 +19,23 @@ from realitygap.matrix.matrix import finished
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 from realitygap.matrix.store import FolderStore
+from realitygap.matrix.task import Outcome, Task
 
+T = TypeVar("T")
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
 WORDS = "name: test\nscenarios: {demo}/scenario.yaml\nengines: mujoco\nrecordings: [chirp_1, triangle_1]\n"
 SAME = ("gaps.csv", "manifest.json")
 
 
 @pytest.fixture
-def matrix(tmp_path):
+def matrix(tmp_path: Path) -> Path:
     """A matrix of four cells of about half a second."""
     path = tmp_path / "matrix.yaml"
     path.write_text(WORDS.format(demo=DEMO) + "axes: {step_rate: [8000, 9000]}\nfloors: false\n")
     return path
 
 
-def workers(parent):
+def workers(parent: int) -> list[int]:
     """The worker processes of a process."""
     found = []
     for task in Path(f"/proc/{parent}/task").iterdir():
@@ -45,7 +49,7 @@ def workers(parent):
     return found
 
 
-def wait_for(what, seconds=120.0):
+def wait_for(what: Callable[[], T], seconds: float = 120.0) -> T:
     end = time.monotonic() + seconds
     while not (found := what()):
         assert time.monotonic() < end, "waited too long"
@@ -53,7 +57,7 @@ def wait_for(what, seconds=120.0):
     return found
 
 
-def send(signals, store):
+def send(signals: list[int], store: FolderStore) -> None:
     """Send signals to the worker of this process, each after a further cell is done."""
     for number in signals:
         wait_for(partial(grown, store, len(store.keys())))
@@ -61,16 +65,19 @@ def send(signals, store):
         os.kill(wait_for(lambda: workers(os.getpid()))[0], number)
 
 
-def grown(store, size):
+def grown(store: FolderStore, size: int) -> bool:
     return len(store.keys()) > size
 
 
-def run(matrix, folder, signals, limit=60.0):
+def run(
+    matrix: Path, folder: Path, signals: list[int], limit: float = 60.0
+) -> tuple[dict[str, Outcome], dict[str, str]]:
     """What became of the cells of a matrix whose worker got signals: outcome by key, and what was not done."""
     tasks = plan(load_matrix(matrix))
-    store, undone = FolderStore(folder), {}
+    store = FolderStore(folder)
+    undone: dict[str, str] = {}
 
-    def done(task, what):
+    def done(task: Task, what: str | None) -> None:
         if what is not None:
             undone[task.key] = what
 
@@ -82,7 +89,7 @@ def run(matrix, folder, signals, limit=60.0):
     return finished(tasks, store), undone
 
 
-def test_a_segmentation_fault_is_the_outcome_of_one_cell(matrix, tmp_path):
+def test_a_segmentation_fault_is_the_outcome_of_one_cell(matrix: Path, tmp_path: Path) -> None:
     outcomes, undone = run(matrix, tmp_path / "cells", [signal.SIGSEGV])
     assert not undone
     crashed = [o for o in outcomes.values() if o.outcome != "ok"]
@@ -98,31 +105,31 @@ def test_a_segmentation_fault_is_the_outcome_of_one_cell(matrix, tmp_path):
     assert len(finished(tasks, FolderStore(tmp_path / "cells"), retry_crashed=True)) == 3
 
 
-def test_a_process_that_hangs_is_ended_at_the_time_limit(matrix, tmp_path):
+def test_a_process_that_hangs_is_ended_at_the_time_limit(matrix: Path, tmp_path: Path) -> None:
     outcomes, undone = run(matrix, tmp_path / "cells", [signal.SIGSTOP], limit=20.0)
     assert not undone
     bad = [(o.outcome, o.note) for o in outcomes.values() if o.outcome != "ok"]
     assert bad == [("timeout", "took longer than the time limit of 20 s")]
 
 
-def test_a_cell_whose_process_was_killed_is_tried_once_more(matrix, tmp_path):
+def test_a_cell_whose_process_was_killed_is_tried_once_more(matrix: Path, tmp_path: Path) -> None:
     outcomes, undone = run(matrix, tmp_path / "cells", [signal.SIGKILL, signal.SIGKILL])
     assert not undone
     assert [o.outcome for o in outcomes.values()] == ["ok"] * 4
 
 
-def command(matrix, out):
+def command(matrix: Path, out: Path) -> list[str]:
     return [sys.executable, "-m", "realitygap.cli.main", "matrix", str(matrix), "-j", "2", "--out", str(out)]
 
 
-def content(folder):
+def content(folder: Path) -> dict[str, bytes]:
     """The files of a result folder that tell physics: without timings and what is drawn from them."""
     paths = [folder / name for name in SAME] + sorted((folder / "curves").glob("*"))
     paths += sorted((folder / "traces").glob("*")) + sorted((folder / "figures").glob("*"))
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in paths}
 
 
-def test_killed_and_started_again_it_ends_with_the_same_files(matrix, tmp_path):
+def test_killed_and_started_again_it_ends_with_the_same_files(matrix: Path, tmp_path: Path) -> None:
     disturbed = tmp_path / "a" / "out"
     process = subprocess.Popen(command(matrix, disturbed), stderr=subprocess.DEVNULL)
     store = FolderStore(disturbed / "cells")
@@ -150,7 +157,7 @@ def test_killed_and_started_again_it_ends_with_the_same_files(matrix, tmp_path):
     assert json.loads(a["manifest.json"])["failures"] == {}
 
 
-def test_interrupted_it_ends_at_once_and_goes_on_from_there(matrix, tmp_path):
+def test_interrupted_it_ends_at_once_and_goes_on_from_there(matrix: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = subprocess.Popen(command(matrix, out), stderr=subprocess.PIPE, text=True)
     store = FolderStore(out / "cells")
@@ -171,7 +178,7 @@ def test_interrupted_it_ends_at_once_and_goes_on_from_there(matrix, tmp_path):
     assert (read_gaps(out / "gaps.csv")["outcome"] == "ok").all()
 
 
-def test_a_broken_file_of_a_cell_counts_as_absent(matrix, tmp_path):
+def test_a_broken_file_of_a_cell_counts_as_absent(matrix: Path, tmp_path: Path) -> None:
     tasks = plan(load_matrix(matrix))[:2]
     store = FolderStore(tmp_path / "cells")
     run_local(tasks, 1, str(tmp_path / "cells"), 60.0, lambda *_: None)

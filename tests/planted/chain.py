@@ -37,7 +37,7 @@ class Chain:
     inertia: Array
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -GRAVITY]))
 
-    def arrays(self):
+    def arrays(self) -> tuple[np.ndarray, ...]:
         return (
             self.prismatic,
             self.axis,
@@ -58,22 +58,22 @@ class Chain:
 
 
 @numba.njit(inline="always")
-def _cross(a, b):
+def _cross(a, b):  # type: ignore[no-untyped-def]
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 @numba.njit(inline="always")
-def _add(a, b):
+def _add(a, b):  # type: ignore[no-untyped-def]
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
 @numba.njit(inline="always")
-def _scaled(v, s):
+def _scaled(v, s):  # type: ignore[no-untyped-def]
     return (v[0] * s, v[1] * s, v[2] * s)
 
 
 @numba.njit(inline="always")
-def _times(m, v):
+def _times(m, v):  # type: ignore[no-untyped-def]
     return (
         m[0, 0] * v[0] + m[0, 1] * v[1] + m[0, 2] * v[2],
         m[1, 0] * v[0] + m[1, 1] * v[1] + m[1, 2] * v[2],
@@ -82,7 +82,7 @@ def _times(m, v):
 
 
 @numba.njit(inline="always")
-def _back(m, v):
+def _back(m, v):  # type: ignore[no-untyped-def]
     return (
         m[0, 0] * v[0] + m[1, 0] * v[1] + m[2, 0] * v[2],
         m[0, 1] * v[0] + m[1, 1] * v[1] + m[2, 1] * v[2],
@@ -91,12 +91,12 @@ def _back(m, v):
 
 
 @numba.njit(inline="always")
-def _row(x, i):
+def _row(x, i):  # type: ignore[no-untyped-def]
     return (x[i, 0], x[i, 1], x[i, 2])
 
 
 @numba.njit(cache=True)
-def _rotation(turn, axis, angle, out):
+def _rotation(turn, axis, angle, out):  # type: ignore[no-untyped-def]
     """Turn times the rotation about an axis (Rodrigues)."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, z = axis[0], axis[1], axis[2]
@@ -112,7 +112,7 @@ def _rotation(turn, axis, angle, out):
 
 
 @numba.njit(cache=True)
-def inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, gravity, q, w, a, R, wrench, out):
+def inverse_dynamics(prismatic, axis, origin, turn, mass, com, inertia, gravity, q, w, a, R, wrench, out):  # type: ignore[no-untyped-def]
     """Efforts `out` (n,) for a motion; `R` (n, 3, 3) and `wrench` (n, 6) are room to work in."""
     n = mass.size
     om, al = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

@@ -120,7 +120,7 @@ def at_rest(q: NDArray[np.float64], command: NDArray[np.float64]) -> NDArray[np.
 
 
 @numba.njit(cache=True)
-def joint_efforts(drive, state, sag, law, bus, noise, t, h, q, w):
+def joint_efforts(drive, state, sag, law, bus, noise, t, h, q, w):  # type: ignore[no-untyped-def]
     """The effort that each link gets from its joint (`applied`) over one step of length h at time t; returns the
     supply.
 
@@ -163,7 +163,7 @@ def joint_efforts(drive, state, sag, law, bus, noise, t, h, q, w):
 
 
 @numba.njit(cache=True)
-def _beside(d, q, w):
+def _beside(d, q, w):  # type: ignore[no-untyped-def]
     """What pulls a link beside its drive."""
     out = -d.spring * (q - d.spring_rest)
     if q > d.stop_upper:
@@ -180,7 +180,7 @@ def _beside(d, q, w):
 
 
 @numba.njit(cache=True)
-def _touch(d, s, q, w):
+def _touch(d, s, q, w):  # type: ignore[no-untyped-def]
     """What a rotor with play gives to its link."""
     gap = s.rotor - q
     over = gap - min(max(gap, -0.5 * d.backlash), 0.5 * d.backlash)

@@ -122,13 +122,13 @@ def simulate(
         steps,
         out,
     )
-    time = np.arange(room) * EVERY * step - settle
+    time = np.arange(room, dtype=np.float64) * EVERY * step - settle
     keep = time >= -0.05
     return Motion(time[keep], *(x[keep] for x in out))
 
 
 @numba.njit(cache=True)
-def _solve(M, b, n):
+def _solve(M, b, n):  # type: ignore[no-untyped-def]
     """Gaussian elimination without pivoting: M is symmetric and positive definite. Overwrites M and b."""
     for i in range(n):
         for j in range(i + 1, n):
@@ -143,7 +143,7 @@ def _solve(M, b, n):
 
 
 @numba.njit(cache=True)
-def _run(
+def _run(  # type: ignore[no-untyped-def]
     prismatic, axis, origin, turn, mass, com, inertia, gravity,
     drive, state, sag, law, times, command, enabled, disturbance, push, out_joint, out_off, out_on,
     q, settle, h, steps, out,

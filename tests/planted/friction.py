@@ -8,7 +8,7 @@ import numpy as np
 
 
 @numba.njit(cache=True)
-def bound_of(d, speed, side, q, through):
+def bound_of(d, speed, side, q, through):  # type: ignore[no-untyped-def]
     """The largest dry friction on the side to which the bristles are bent: 1 forward, -1 backward, 0 neither."""
     bound = d.coulomb
     if d.static != d.coulomb:
@@ -27,7 +27,7 @@ def bound_of(d, speed, side, q, through):
 
 
 @numba.njit(cache=True)
-def bristle(d, s, v, q, h):
+def bristle(d, s, v, q, h):  # type: ignore[no-untyped-def]
     """Bristle force at sliding speed v and angle q; moves the deflection (backward Euler: stiff at high speed)."""
     side = np.sign(s.bristle) if s.bristle != 0.0 else np.sign(v)
     bound = bound_of(d, abs(v), side, q, s.through)
@@ -46,7 +46,7 @@ def bristle(d, s, v, q, h):
 
 
 @numba.njit(cache=True)
-def drag(d, w):
+def drag(d, w):  # type: ignore[no-untyped-def]
     """Viscous friction, which thins with speed where the law is only nearly right."""
     if d.thinning == 0.0:
         return d.viscous * w

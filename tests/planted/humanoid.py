@@ -103,7 +103,8 @@ def _humanoid(robot: Robot) -> Humanoid:
         for key, value in {**COMMON, **motor, **friction}.items():
             drive[key][i] = 0 if key == "kind" else value
         drive["static"][i] = drive["coulomb"][i]
-    empty = Chain(*(np.zeros(0) for _ in range(7)))
+    none = np.zeros(0)
+    empty = Chain(none.astype(bool), none, none, none, none, none, none)
     return Humanoid(Foreign(empty, drive), robot.joints)
 
 

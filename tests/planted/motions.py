@@ -20,11 +20,12 @@ class Command:
 
 def _rise(time: Array, length: float = 0.5) -> Array:
     x = np.clip((time - 0.2) / length, 0.0, 1.0)
-    return x * x * (3 - 2 * x)
+    return np.asarray(x * x * (3 - 2 * x))
 
 
 def sine(time: Array, rng: np.random.Generator) -> Array:
-    return rng.uniform(0.5, 0.9) * np.sin(2 * np.pi * rng.uniform(0.5, 1.2) * (time - 0.2)) * _rise(time)
+    swing = rng.uniform(0.5, 0.9) * np.sin(2 * np.pi * rng.uniform(0.5, 1.2) * (time - 0.2))
+    return np.asarray(swing * _rise(time))
 
 
 def sines(time: Array, rng: np.random.Generator) -> Array:
@@ -32,7 +33,7 @@ def sines(time: Array, rng: np.random.Generator) -> Array:
     size = np.array([0.5, 0.35, 0.15, 0.06])
     phase = rng.uniform(0, 2 * np.pi, 4)
     total = sum(a * np.sin(2 * np.pi * f * time + p) for a, f, p in zip(size, frequency, phase, strict=True))
-    return total * _rise(time)
+    return np.asarray(total * _rise(time))
 
 
 def steps(time: Array, rng: np.random.Generator) -> Array:

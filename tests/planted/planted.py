@@ -4,6 +4,7 @@ Parameters are totals, as in DESIGN.md. `size` scales the departure from the mod
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import firmware
 import numpy as np
@@ -301,7 +302,8 @@ def plant(effect: str, plant_: Foreign, robot: Robot, j: int, size: float, rng: 
 def plant_everywhere(effect: str, plant_: Foreign, robot: Robot, size: float, seed: int) -> Planted:
     """Plant one effect with the same values at every joint, of the size that suits their mean."""
     n = len(robot.joints)
-    typical = {k: np.full(n, np.mean(getattr(robot, k))) for k in ("torque", "speed", "peak", "fastest")}
+    names = ("torque", "speed", "peak", "fastest")
+    typical: dict[str, Any] = {k: np.full(n, np.mean(getattr(robot, k))) for k in names}
     mean, values = replace(robot, **typical), {}
     for j in range(n):
         values = EVERY[effect](plant_, mean, j, size, np.random.default_rng(seed))

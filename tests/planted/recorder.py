@@ -67,7 +67,7 @@ def disturbance(robot: Robot, sensing: Sensing, duration: float, rng: np.random.
     out = np.zeros_like(white)
     for k in range(1, count):
         out[k] = decay * out[k - 1] + np.sqrt(1 - decay**2) * white[k]
-    return out * sensing.disturbance * robot.torque
+    return np.asarray(out * sensing.disturbance * robot.torque)
 
 
 def reported_velocity(plant: Foreign, motion: Motion) -> np.ndarray:

@@ -49,7 +49,7 @@ def diagnose(name: str, make: Make, work: Path, engines: list[str], limit: float
         out.mkdir(parents=True, exist_ok=True)
         written.unlink(missing_ok=True)
         options = [x for engine in engines for x in ("--engine", engine)]
-        command = [*COMMAND, "diagnose", work / "cases" / name / "scenario.yaml", "--out", out, *options]
+        command = [*COMMAND, "diagnose", str(work / "cases" / name / "scenario.yaml"), "--out", str(out), *options]
         start = time.monotonic()
         with (out / "log.txt").open("w") as log:
             try:

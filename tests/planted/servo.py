@@ -16,7 +16,7 @@ NOMINAL_ERROR = 0.1
 
 
 @numba.njit(cache=True)
-def take_commands(drive, state, times, command, enabled, t, begun, h):
+def take_commands(drive, state, times, command, enabled, t, begun, h):  # type: ignore[no-untyped-def]
     """The command in force at time t at each joint, with its own delay and profile, and its rate (`feed`)."""
     for j in range(drive.size):
         d, s = drive[j], state[j]
@@ -36,7 +36,7 @@ def take_commands(drive, state, times, command, enabled, t, begun, h):
 
 
 @numba.njit(cache=True)
-def _profile(d, s, goal, h):
+def _profile(d, s, goal, h):  # type: ignore[no-untyped-def]
     """Towards the goal with bounded speed and acceleration, braking in time to rest there."""
     if s.live == 0:
         s.held, s.feed = goal, 0.0
@@ -59,7 +59,7 @@ def _profile(d, s, goal, h):
 
 
 @numba.njit(cache=True)
-def _look(d, s, t):
+def _look(d, s, t):  # type: ignore[no-untyped-def]
     """Whether a servo of its own rate looks at its error now."""
     s.looks = 1
     if d.rate > 0.0:
@@ -69,7 +69,7 @@ def _look(d, s, t):
 
 
 @numba.njit(cache=True)
-def position_error(d, s, reading):
+def position_error(d, s, reading):  # type: ignore[no-untyped-def]
     """The error as the controller takes it: sampled, cut by protection, less its dead band, bent by its gain law."""
     if d.rate > 0.0:
         if s.looks == 1:
@@ -87,7 +87,7 @@ def position_error(d, s, reading):
 
 
 @numba.njit(cache=True)
-def _fading(d, t):
+def _fading(d, t):  # type: ignore[no-untyped-def]
     """What is left of the torque constant at time t, before the current is known."""
     left = max(0.0, 1.0 - d.heating * max(t, 0.0))
     if d.fading != 0.0:
@@ -96,13 +96,13 @@ def _fading(d, t):
 
 
 @numba.njit(cache=True)
-def _saturation(d, torque):
+def _saturation(d, torque):  # type: ignore[no-untyped-def]
     """What is left of the torque constant at the current that would give this torque."""
     return 1.0 - d.saturation * min(1.0, (torque / d.saturation_torque) ** 2)
 
 
 @numba.njit(cache=True)
-def supply_voltage(drive, state, speed, sag, law, bus, t, h):
+def supply_voltage(drive, state, speed, sag, law, bus, t, h):  # type: ignore[no-untyped-def]
     """The voltage of the supply that all servos share: what they draw is duty·current, as lossless choppers do."""
     drawn = 0.0
     for j in range(drive.size):
@@ -117,7 +117,7 @@ def supply_voltage(drive, state, speed, sag, law, bus, t, h):
 
 
 @numba.njit(cache=True)
-def motor_effort(d, s, w, bus, t, h):
+def motor_effort(d, s, w, bus, t, h):  # type: ignore[no-untyped-def]
     """The motor's effort at the output before friction; `w` is the speed of its shaft."""
     if s.live == 0:
         s.integral, s.current = 0.0, 0.0

@@ -106,7 +106,7 @@ def soles(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
 
 
 @numba.njit(cache=True)
-def _ground(points, pos, mat, com, velocity, about, mu, stiffness, damping, anchor, touching, wrench):
+def _ground(points, pos, mat, com, velocity, about, mu, stiffness, damping, anchor, touching, wrench):  # type: ignore[no-untyped-def]
     """Wrench (2, 6) on both feet at their centres of mass: force, torque, world axes."""
     shear, drag = 1e5, 60.0
     for f in range(2):
@@ -183,7 +183,7 @@ def simulate(
         state["link"] = np.where(rigid, state["applied"] - drive["armature"] * data.qacc[6:], state["link"])
         if disturbance is None:
             noise[:] = 0.0
-    time = np.arange(steps + 1) * STEP - settle
+    time = np.arange(steps + 1, dtype=np.float64) * STEP - settle
     keep = time >= -0.05
     return Motion(time[keep], *(x[keep] for x in out)), height[keep]
 

@@ -3,6 +3,7 @@
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_the_truth_removes_its_own_gap(effect: str, kind: str, tmp_path: Path) -
     measured = rg.read_run(path, name).trace
     added = {"effect": told.effect, "target": told.target, **told.parameters}
 
-    def apart(effects: list[dict]) -> float:
+    def apart(effects: list[dict[str, Any]]) -> float:
         trace = rg.simulate(path, "mujoco", run=name, effects=effects, step_rate=4000).at(measured.time)
         signal = "velocity" if effect == "velocity_filter" else "position"
         return float(np.sqrt(np.mean((getattr(trace, signal) - getattr(measured, signal)) ** 2)))

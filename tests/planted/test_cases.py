@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 import cases
 import planted
 import robots
+from catalogue import COUNTS, catalogue
 from chain import GRAVITY
 
 
@@ -29,7 +30,7 @@ def test_every_effect_is_planted_as_it_is_told(effect: str) -> None:
     assert all(np.isfinite(v) for v in told.parameters.values())
     model = robot.plant()
     changed = (
-        any(not np.array_equal(plant.drive[n], model.drive[n]) for n in plant.drive.dtype.names)
+        any(not np.array_equal(plant.drive[n], model.drive[n]) for n in plant.drive.dtype.names or ())
         or plant.sag > 0
         or any(not np.array_equal(a, b) for a, b in zip(plant.chain.arrays(), model.chain.arrays(), strict=True))
         or plant.velocity_time.any()
@@ -39,7 +40,7 @@ def test_every_effect_is_planted_as_it_is_told(effect: str) -> None:
 
 @pytest.mark.parametrize(("kind", "robot"), [("single", "pendulum"), ("nothing", "skew"), ("nearly_several", "planar")])
 def test_a_case_is_written_alike_twice_and_reads_as_a_scenario(kind: str, robot: str, tmp_path: Path) -> None:
-    case = next(c for c in cases.catalogue(kind) if c.robot == robot)
+    case = next(c for c in catalogue(kind) if c.robot == robot)
     truths = [cases.generate(case, tmp_path / name) for name in ("a", "b")]
     assert truths[0] == truths[1]
     folder = tmp_path / "a" / "cases" / case.name
@@ -52,14 +53,14 @@ def test_a_case_is_written_alike_twice_and_reads_as_a_scenario(kind: str, robot:
 
 
 def test_the_catalogue_is_as_large_as_promised() -> None:
-    assert {k: len(cases.catalogue(k)) for k in cases.COUNTS} == cases.COUNTS
-    singles = cases.catalogue("single")
+    assert {k: len(catalogue(k)) for k in COUNTS} == COUNTS
+    singles = catalogue("single")
     assert len({c.name for c in singles}) == len(singles) >= 60
     assert {c.effects[0][0] for c in singles} == set(planted.EVERY)
     assert all(
         planted.fits(e, robots.BUILDERS[c.robot](np.random.default_rng(0))) for c in singles for e, _ in c.effects
     )
-    half = cases.catalogue("half")
+    half = catalogue("half")
     assert {(c.sensing.rate, c.sensing.effort) for c in half} == {(100.0, False)}
 
 

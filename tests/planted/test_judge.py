@@ -3,6 +3,7 @@
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ import run
 import summary
 from recorder import Sensing
 
-TRUTH = {
+TRUTH: dict[str, Any] = {
     "case": "c",
     "kind": "single",
     "robot": "planar",
@@ -39,7 +40,7 @@ TILT = {
 BUS = {**TRUTH, "truth": [{"effect": "command_delay", "target": "*", "parameters": {"time": 0.01}, "twins": []}]}
 
 
-def found(effect: str, target: object, *others: tuple[str, str], **parameters: float) -> dict:
+def found(effect: str, target: object, *others: tuple[str, str], **parameters: float) -> dict[str, Any]:
     return {
         "effect": effect,
         "target": target,
@@ -48,7 +49,7 @@ def found(effect: str, target: object, *others: tuple[str, str], **parameters: f
     }
 
 
-def diagnosis(*findings: dict, before: float = 5.0, after: float = 1.2) -> dict:
+def diagnosis(*findings: dict[str, Any], before: float = 5.0, after: float = 1.2) -> dict[str, Any]:
     return {"verdict": "explained", "findings": list(findings), "gap": {"held_out": {"before": before, "after": after}}}
 
 
@@ -77,7 +78,9 @@ ELSE = [("viscous_friction", "elbow"), ("backlash", "elbow"), ("torque_ripple", 
         ({**NOTHING, "tolerated": [["coulomb_friction", "elbow"]]}, [FRICTION], None, True, 0, 0),
     ],
 )
-def test_the_judge(truth: dict, findings: list[dict], first: bool | None, exact: bool, wrong: int, missed: int) -> None:
+def test_the_judge(
+    truth: dict[str, Any], findings: list[dict[str, Any]], first: bool | None, exact: bool, wrong: int, missed: int
+) -> None:
     score = judge.judge(truth, diagnosis(*findings))
     assert (score.first_right, score.exact, score.wrong, score.missed) == (first, exact, wrong, missed)
 
@@ -112,7 +115,7 @@ def test_friction_that_leans_is_one_law_in_two_wordings() -> None:
     assert not judge.judge(LEANS, diagnosis(two[0])).exact
 
 
-def spread_truth(shared: bool) -> dict:
+def spread_truth(shared: bool) -> dict[str, Any]:
     one = {"effect": "coulomb_friction", "parameters": {"torque": 0.2}, "twins": []}
     places = ["*"] if shared else TRUTH["joints"]
     return {**TRUTH, "kind": "several", "truth": [{**one, "target": t} for t in places]}

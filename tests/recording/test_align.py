@@ -1,25 +1,35 @@
 """Repetitions are found and brought to one clock, and the noise floor is what was put in."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from realitygap.recording import Recording
-from realitygap.recording.align import group_repetitions, noise_floor, quantum
+from realitygap.recording.align import group_repetitions, noise_floor
 from realitygap.recording.delay import delay, mean_squared_difference
 from realitygap.recording.frames import angle_between, unit_quaternions
+from realitygap.recording.quantum import quantum
+from realitygap.robot.drive import Array
 from realitygap.trace.trace import Trace
 
 PERIOD = 0.01
 
 
-def motion(t):
+def motion(t: Array) -> Array:
     """A kick: still, then a swing, then still."""
     return np.exp(-(((t - 4.0) / 0.6) ** 2)) * np.sin(3.0 * t)
 
 
-def recording(name="run", late=0.0, length=8.0, jitter=0.0, goal=motion, seed=0):
+def recording(
+    name: str = "run",
+    late: float = 0.0,
+    length: float = 8.0,
+    jitter: float = 0.0,
+    goal: Callable[[Array], Array] = motion,
+    seed: int = 0,
+) -> Recording:
     rng = np.random.default_rng(seed)
     time = np.arange(0.0, length, PERIOD)
     time[1:] += jitter * PERIOD * rng.uniform(-0.5, 0.5, len(time) - 1)
@@ -40,22 +50,22 @@ class Run:
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])
 @pytest.mark.parametrize("late", [-1.234, -0.003, 0.0, 0.0042, 0.5, 2.0])
-def test_delay_is_found_below_the_sampling_period(late, jitter):
+def test_delay_is_found_below_the_sampling_period(late: float, jitter: float) -> None:
     found = delay(recording(jitter=jitter), recording(late=late, length=9.5, jitter=jitter, seed=1))
     assert found == pytest.approx(late, abs=0.1 * PERIOD)
 
 
-def test_delay_of_a_periodic_motion_is_the_smallest():
+def test_delay_of_a_periodic_motion_is_the_smallest() -> None:
     found = delay(recording(goal=np.sin), recording(goal=np.sin, late=0.3, length=30.0))
     assert found == pytest.approx(0.3, abs=0.1 * PERIOD)
 
 
-def test_delay_without_motion_is_none():
+def test_delay_without_motion_is_none() -> None:
     still = recording(goal=np.zeros_like)
     assert delay(still, recording()) == 0.0
 
 
-def test_correlation_is_the_sum_it_stands_for():
+def test_correlation_is_the_sum_it_stands_for() -> None:
     rng = np.random.default_rng(0)
     a, b = rng.normal(size=(40, 2)), rng.normal(size=(30, 2))
     a[5:9, 0] = np.nan
@@ -67,7 +77,7 @@ def test_correlation_is_the_sum_it_stands_for():
     assert np.isinf(error[0])
 
 
-def test_repetitions_are_one_motion_under_one_set_of_conditions():
+def test_repetitions_are_one_motion_under_one_set_of_conditions() -> None:
     runs = [
         Run("kick_rep1", recording("1"), use="train"),
         Run("kick_rep2", recording("2", late=0.3, jitter=0.3), use="train"),
@@ -83,15 +93,15 @@ def test_repetitions_are_one_motion_under_one_set_of_conditions():
     np.testing.assert_allclose(groups[0].shifts, [0.0, 0.3, -0.2], atol=1e-3)
 
 
-def test_windows_elsewhere_in_the_motion_are_not_repetitions():
+def test_windows_elsewhere_in_the_motion_are_not_repetitions() -> None:
     first = Run("a", recording("1"), window=(2.0, 6.0))
     again = Run("b", recording("2", late=0.5), window=(2.5, 6.5))
     other = Run("c", recording("3"), window=(4.0, 8.0))
     assert [g.indices for g in group_repetitions([first, again, other])] == [(0, 1), (2,)]
 
 
-def test_runs_without_commands_are_repetitions_where_they_start_alike():
-    def toss(name, height):
+def test_runs_without_commands_are_repetitions_where_they_start_alike() -> None:
+    def toss(name: str, height: float) -> Recording:
         time = np.arange(0, 0.5, PERIOD)
         place = np.column_stack([time, 0 * time, height + 0 * time])
         turn = np.tile([1.0, 0, 0, 0], (len(time), 1))
@@ -103,7 +113,7 @@ def test_runs_without_commands_are_repetitions_where_they_start_alike():
 
 
 @pytest.mark.parametrize("count", [2, 3, 10])
-def test_noise_floor_is_the_noise_that_was_put_in(count):
+def test_noise_floor_is_the_noise_that_was_put_in(count: int) -> None:
     """x minus the mean of r - 1 others has the deviation σ·√(1 + 1/(r-1)); the mean of its size is √(2/π) of that."""
     rng = np.random.default_rng(count)
     sigma = np.array([0.01, 0.03])
@@ -115,7 +125,7 @@ def test_noise_floor_is_the_noise_that_was_put_in(count):
     assert ("a", "velocity") not in floors
 
 
-def test_noise_floor_of_two_is_their_difference_in_every_signal():
+def test_noise_floor_of_two_is_their_difference_in_every_signal() -> None:
     time = np.arange(0, 1, PERIOD)
     turn = np.column_stack([np.cos(0.05 * time), np.sin(0.05 * time), 0 * time, 0 * time])  # by 0.1·t about x
     still = np.tile([1.0, 0, 0, 0], (100, 1))
@@ -129,7 +139,7 @@ def test_noise_floor_of_two_is_their_difference_in_every_signal():
     assert floors["base", "base_angular_velocity"] == 0.0
 
 
-def test_a_single_run_has_the_floor_of_its_quantum():
+def test_a_single_run_has_the_floor_of_its_quantum() -> None:
     step = 2 * np.pi / 4096
     clean = recording().trace
     rounded = replace(clean, position=np.round(clean.position / step) * step)
@@ -140,7 +150,7 @@ def test_a_single_run_has_the_floor_of_its_quantum():
     assert np.abs(rounded.position - clean.position)[moving, 0].mean() == pytest.approx(step / 4, rel=0.1)
 
 
-def test_the_quantum_survives_the_rounding_of_files():
+def test_the_quantum_survives_the_rounding_of_files() -> None:
     step = 2 * np.pi / 4096
     value = (np.random.default_rng(0).integers(-1000, 1000, (500, 1)) * step).astype(np.float32).astype(float)
     value = np.vstack([value, value[-1:] + 1e-7])
@@ -148,7 +158,7 @@ def test_the_quantum_survives_the_rounding_of_files():
     assert quantum(np.ones((5, 1)))[0] == 0.0
 
 
-def test_angles_and_signs_of_orientations():
+def test_angles_and_signs_of_orientations() -> None:
     half = 0.5 * np.array([0.0, 1e-9, 0.1, 3.0])
     turned = np.column_stack([np.cos(half), 0 * half, np.sin(half), 0 * half])
     still = np.tile([1.0, 0, 0, 0], (4, 1))

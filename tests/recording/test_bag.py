@@ -1,7 +1,9 @@
 """What stands in a bag is what comes out, whatever its format, and a bag that is no good says why in one sentence."""
 
 import shutil
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -16,7 +18,13 @@ EPOCH = 1.7e9
 FILE = Path("scenario.yaml")
 
 
-def scenario(state="/joint_states", command="/joint_commands", base="fixed", meaning="position", **recordings):
+def scenario(
+    state: str | dict[str, Any] | None = "/joint_states",
+    command: str | dict[str, Any] | None = "/joint_commands",
+    base: str = "fixed",
+    meaning: str = "position",
+    **recordings: Any,
+) -> Scenario:
     return Scenario.model_validate(
         {
             "name": "test",
@@ -27,7 +35,7 @@ def scenario(state="/joint_states", command="/joint_commands", base="fixed", mea
     )
 
 
-def two_joints(count=100, period=0.01, **more):
+def two_joints(count: int = 100, period: float = 0.01, **more: Any) -> list[tuple[str, float, str, dict[str, Any]]]:
     """States a = t, b = 2t in the order b, a; commands a = 10 + t, b = 20 + t, half a period later."""
     messages = []
     for k in range(count):
@@ -42,7 +50,7 @@ def two_joints(count=100, period=0.01, **more):
 
 @pytest.mark.parametrize("bare", [False, True])
 @pytest.mark.parametrize("form", FORMS)
-def test_every_format_gives_the_same(form, bare, tmp_path, write_bag):
+def test_every_format_gives_the_same(form: str, bare: bool, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run.bag" if form == "bag" else tmp_path / "run", form, two_joints())
     if bare and form != "bag":
         path = next(path.glob(f"*.{form}"))
@@ -61,7 +69,7 @@ def test_every_format_gives_the_same(form, bare, tmp_path, write_bag):
     np.testing.assert_allclose(recording.command_time[1:], time + 0.005, atol=1e-6)
 
 
-def test_a_folder_without_metadata_is_its_one_file(tmp_path, write_bag):
+def test_a_folder_without_metadata_is_its_one_file(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints())
     (path / "metadata.yaml").unlink()
     assert len(read_recording(path, scenario(), ["a"], file=FILE).trace.time) == 100
@@ -75,7 +83,9 @@ def test_a_folder_without_metadata_is_its_one_file(tmp_path, write_bag):
         ((EPOCH, 0.0), "those of reception"),  # set once
     ],
 )
-def test_header_stamps_are_used_where_they_are_sane(stamp, clock, tmp_path, write_bag):
+def test_header_stamps_are_used_where_they_are_sane(
+    stamp: tuple[float, float], clock: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     jitter = np.abs(np.random.default_rng(0).normal(size=50)) * 1e-3
     messages = [
         (
@@ -92,7 +102,7 @@ def test_header_stamps_are_used_where_they_are_sane(stamp, clock, tmp_path, writ
     assert exact == (clock == "header stamps")
 
 
-def test_clocks_of_two_topics_that_disagree_are_not_mixed(tmp_path, write_bag):
+def test_clocks_of_two_topics_that_disagree_are_not_mixed(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = [
         (t, r, kind, {**v, "stamp": v["stamp"] - 100.0} if t == "/joint_commands" else v)
         for t, r, kind, v in two_joints()
@@ -103,7 +113,7 @@ def test_clocks_of_two_topics_that_disagree_are_not_mixed(tmp_path, write_bag):
     assert recording.command_time[-1] == pytest.approx(0.995, abs=1e-6)
 
 
-def test_repeated_and_disordered_stamps(tmp_path, write_bag):
+def test_repeated_and_disordered_stamps(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     stamps = [0.0, 0.01, 0.03, 0.02, 0.02, 0.04]
     messages = [
         ("/joint_states", EPOCH + 0.01 * k, STATE, {"stamp": EPOCH + s, "name": ["a"], "position": [float(k)]})
@@ -117,7 +127,7 @@ def test_repeated_and_disordered_stamps(tmp_path, write_bag):
     assert "1 messages repeat the stamp" in " ".join(recording.notes)
 
 
-def test_a_silent_command_stream_is_a_servo_that_is_off(tmp_path, write_bag):
+def test_a_silent_command_stream_is_a_servo_that_is_off(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints(300)
     silent = [m for m in messages if m[0] == "/joint_states" or not 1.0 < m[1] - EPOCH < 2.0]
     recording = read_recording(write_bag(tmp_path / "run", "mcap", silent), scenario(), ["a", "b"], file=FILE)
@@ -130,7 +140,7 @@ def test_a_silent_command_stream_is_a_servo_that_is_off(tmp_path, write_bag):
     assert "servo taken as off" in " ".join(recording.notes)
 
 
-def test_goals_sent_once_in_a_while_are_held(tmp_path, write_bag):
+def test_goals_sent_once_in_a_while_are_held(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = [m for m in two_joints(1000) if m[0] == "/joint_states"]
     for t in (0.0, 1.0, 1.1, 4.0, 4.1, 4.2, 8.0):
         messages.append(("/joint_commands", EPOCH + t, STATE, {"stamp": EPOCH + t, "name": ["a"], "position": [t]}))
@@ -139,7 +149,7 @@ def test_goals_sent_once_in_a_while_are_held(tmp_path, write_bag):
     assert np.isfinite(recording.trace.command).all()
 
 
-def test_commands_for_some_joints_keep_the_others(tmp_path, write_bag):
+def test_commands_for_some_joints_keep_the_others(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = [m for m in two_joints(20) if m[0] == "/joint_states"]
     for k in range(20):
         name = "ab"[k % 2]
@@ -152,7 +162,7 @@ def test_commands_for_some_joints_keep_the_others(tmp_path, write_bag):
     np.testing.assert_array_equal(recording.trace.command[4:8, 1], [3, 5, 5, 7])
 
 
-def test_effort_from_another_topic_with_a_factor(tmp_path, write_bag):
+def test_effort_from_another_topic_with_a_factor(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints()
     for k in range(50):  # at half the rate, between the states
         t = 0.02 * k + 0.005
@@ -164,7 +174,7 @@ def test_effort_from_another_topic_with_a_factor(tmp_path, write_bag):
     np.testing.assert_allclose(trace.effort[:, 1], 2.0)
 
 
-def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path, write_bag):
+def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints()
     for k in range(50):
         effort = {"stamp": EPOCH + 0.01 * k, "name": ["a"], "effort": [1.0]}
@@ -178,7 +188,7 @@ def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path, write_bag):
 QUARTER_TURN = {"w": np.sqrt(0.5), "x": 0.0, "y": 0.0, "z": np.sqrt(0.5)}  # about z
 
 
-def test_base_imu_and_battery(tmp_path, write_bag):
+def test_base_imu_and_battery(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints()
     for k in range(100):
         t = 0.01 * k
@@ -211,7 +221,7 @@ CONTROLLER_TEXT = (
 )
 
 
-def test_a_controller_state_is_state_and_command(tmp_path, write_bag):
+def test_a_controller_state_is_state_and_command(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = []
     for k in range(20):
         t = 0.01 * k
@@ -224,7 +234,7 @@ def test_a_controller_state_is_state_and_command(tmp_path, write_bag):
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_any_message_whose_definition_is_in_the_bag(form, tmp_path, write_bag):
+def test_any_message_whose_definition_is_in_the_bag(form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     kind = "team_msgs/msg/Servos"
     text = "std_msgs/Header header\nstring[] servos\nfloat32[] radians\nteam_msgs/Load load\n"
     definitions = {"team_msgs/msg/Load": "float64[] newton_metres\n", kind: text}
@@ -261,13 +271,15 @@ def test_any_message_whose_definition_is_in_the_bag(form, tmp_path, write_bag):
         (scenario(), ["knee"], r"/joint_states: has no joint knee; it has a, b; expected names as in the URDF"),
     ],
 )
-def test_what_does_not_fit_is_told_in_one_sentence(asked, joints, sentence, tmp_path, write_bag):
+def test_what_does_not_fit_is_told_in_one_sentence(
+    asked: Scenario, joints: Sequence[str], sentence: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints())
     with pytest.raises(InputError, match=sentence):
         read_recording(path, asked, joints, file=FILE)
 
 
-def test_values_that_are_not_finite(tmp_path, write_bag):
+def test_values_that_are_not_finite(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints()
     messages[80][3]["position"][0] = np.nan
     path = write_bag(tmp_path / "run", "mcap", messages)
@@ -275,12 +287,12 @@ def test_values_that_are_not_finite(tmp_path, write_bag):
         read_recording(path, scenario(), ["a", "b"], file=FILE)
 
 
-def test_signals_that_were_never_measured_are_left_out(tmp_path, write_bag):
+def test_signals_that_were_never_measured_are_left_out(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints(velocity=[np.nan, np.nan]))
     assert read_recording(path, scenario(), ["a", "b"], file=FILE).trace.velocity is None
 
 
-def test_names_and_values_of_different_length(tmp_path, write_bag):
+def test_names_and_values_of_different_length(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints(position=[1.0]))
     with pytest.raises(InputError, match="message 1: names 2 joints and holds 1 values of position"):
         read_recording(path, scenario(), ["a"], file=FILE)
@@ -288,7 +300,7 @@ def test_names_and_values_of_different_length(tmp_path, write_bag):
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.999])
 @pytest.mark.parametrize("form", FORMS)
-def test_a_bag_that_was_cut_off(form, share, tmp_path, write_bag):
+def test_a_bag_that_was_cut_off(form: str, share: float, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / ("run.bag" if form == "bag" else "run"), form, two_joints(400))
     file = path if form == "bag" else next(path.glob(f"*.{form}"))
     data = file.read_bytes()
@@ -298,13 +310,13 @@ def test_a_bag_that_was_cut_off(form, share, tmp_path, write_bag):
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_an_empty_bag(form, tmp_path, write_bag):
+def test_an_empty_bag(form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / ("run.bag" if form == "bag" else "run"), form, [])
     with pytest.raises(InputError, match=r"run.*(holds no messages|cannot be read)"):
         read_recording(path, scenario(), ["a"], file=FILE)
 
 
-def test_an_empty_folder_and_unknown_files(tmp_path):
+def test_an_empty_folder_and_unknown_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"without metadata.yaml and with no \.mcap"):
         read_recording(tmp_path, scenario(), ["a"], file=FILE)
     (tmp_path / "run.txt").write_text("")
@@ -314,7 +326,7 @@ def test_an_empty_folder_and_unknown_files(tmp_path):
         read_recording(tmp_path / "none.mcap", scenario(), ["a"], file=FILE)
 
 
-def test_a_bag_with_a_missing_file(tmp_path, write_bag):
+def test_a_bag_with_a_missing_file(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints())
     shutil.move(path / "run.mcap", tmp_path / "elsewhere.mcap")
     with pytest.raises(InputError, match=r"the bag cannot be read .*missing"):
@@ -323,7 +335,9 @@ def test_a_bag_with_a_missing_file(tmp_path, write_bag):
 
 @pytest.mark.parametrize("suffix", ["gz", "zst"])
 @pytest.mark.parametrize("form", FORMS)
-def test_a_packed_bag_is_the_same_and_one_that_was_cut_off_is_told(form, suffix, tmp_path, write_bag):
+def test_a_packed_bag_is_the_same_and_one_that_was_cut_off_is_told(
+    form: str, suffix: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     path = write_bag(tmp_path / "run.bag" if form == "bag" else tmp_path / "run", form, two_joints())
     file = path if form == "bag" else next(path.glob(f"*.{form}"))
     packed = tmp_path / f"run.{form}.{suffix}"

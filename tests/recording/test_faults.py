@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ PERIOD = 0.01
 QUANTUM = 2 * np.pi / 4096
 
 
-def recording(*, scale=1.0, filter_time=0.0, pace=1.0, jitter=0.1):
+def recording(*, scale: float = 1.0, filter_time: float = 0.0, pace: float = 1.0, jitter: float = 0.1) -> Recording:
     """A swing of one joint as an encoder reads it, with a velocity as a servo reports it; a second joint rests."""
     rng = np.random.default_rng(0)
     time = np.arange(0.0, 20.0, PERIOD)
@@ -45,14 +46,14 @@ def recording(*, scale=1.0, filter_time=0.0, pace=1.0, jitter=0.1):
     return Recording(Path("run.mcap"), trace, time, command, "position", np.empty(0), np.empty(0), time.copy())
 
 
-def test_a_sound_recording_has_no_faults():
+def test_a_sound_recording_has_no_faults() -> None:
     assert faults(recording()) == []
 
 
 @pytest.mark.parametrize(
     ("scale", "time"), [(0.89, 0.0), (1.1, 0.0), (1.0, 0.02), (0.91, 0.014), (1.0, 0.05), (0.95, 0.03)]
 )
-def test_a_velocity_that_is_scaled_and_filtered(scale, time):
+def test_a_velocity_that_is_scaled_and_filtered(scale: float, time: float) -> None:
     (fault,) = velocity_faults(recording(scale=scale, filter_time=time))
     assert fault.joints == ("swing",)
     assert fault.numbers["scale"] == pytest.approx(scale, abs=0.01)
@@ -60,13 +61,13 @@ def test_a_velocity_that_is_scaled_and_filtered(scale, time):
     assert "the sensor, not the robot" in fault.sentence
 
 
-def test_a_velocity_of_the_wrong_sign():
+def test_a_velocity_of_the_wrong_sign() -> None:
     (fault,) = velocity_faults(recording(scale=-1.0))
     assert fault.numbers["scale"] == pytest.approx(-1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("count", [1, 5])
-def test_repeated_readings(count):
+def test_repeated_readings(count: int) -> None:
     sound = recording()
     position, velocity = sound.trace.position.copy(), sound.trace.velocity.copy()
     steps = np.diff(position[:, 0])
@@ -78,14 +79,14 @@ def test_repeated_readings(count):
     assert found.numbers["count"] == count
 
 
-def test_a_joint_at_rest_repeats_its_reading_rightly():
+def test_a_joint_at_rest_repeats_its_reading_rightly() -> None:
     sound = recording()
     still = replace(sound.trace, position=np.zeros((2000, 2)), velocity=np.zeros((2000, 2)))
     assert repeated_readings(replace(sound, trace=still)) is None
 
 
 @pytest.mark.parametrize("size", [0.3, -0.6])
-def test_a_single_command_that_jumps_and_comes_back(size):
+def test_a_single_command_that_jumps_and_comes_back(size: float) -> None:
     sound = recording()
     command = sound.command.copy()
     command[812] += [size, -size]
@@ -95,7 +96,7 @@ def test_a_single_command_that_jumps_and_comes_back(size):
     assert fault.numbers["size"] == pytest.approx(abs(size), abs=0.05)
 
 
-def test_a_step_is_not_a_glitch():
+def test_a_step_is_not_a_glitch() -> None:
     sound = recording()
     command = sound.command.copy()
     command[812:] += 0.5
@@ -106,11 +107,12 @@ def test_a_step_is_not_a_glitch():
 @pytest.mark.parametrize(
     ("signal", "joint", "value"), [("velocity", 0, -381.95), ("velocity", 1, 40.0), ("position", 0, 12)]
 )
-def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal, joint, value):
+def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal: str, joint: int, value: float) -> None:
     sound = recording()
     garbled = getattr(sound.trace, signal).copy()
     garbled[730, joint] = value
-    trace, outliers = without_outliers(replace(sound.trace, **{signal: garbled}))
+    changed: dict[str, Any] = {signal: garbled}
+    trace, outliers = without_outliers(replace(sound.trace, **changed))
     (fault,) = faults(replace(sound, trace=trace, outliers=outliers))
     assert fault.kind == "outlier"
     assert f"1 {signal} reading of {sound.trace.joints[joint]} jumps far away and back" in fault.sentence
@@ -120,7 +122,7 @@ def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal, joint, 
     assert np.array_equal(np.delete(mended, 730, axis=0), np.delete(before, 730, axis=0))
 
 
-def test_an_impact_is_not_an_outlier():
+def test_an_impact_is_not_an_outlier() -> None:
     """One reading of a speed that the positions before and after bear out."""
     sound = recording()
     position, velocity = np.zeros((2000, 2)), np.zeros((2000, 2))
@@ -129,7 +131,7 @@ def test_an_impact_is_not_an_outlier():
     assert without_outliers(trace) == (trace, ())
 
 
-def test_noise_is_no_outlier():
+def test_noise_is_no_outlier() -> None:
     sound = recording()
     noise = np.random.default_rng(3).standard_normal((2000, 2))
     trace = replace(sound.trace, position=sound.trace.position + 1e-3 * noise, velocity=0.5 * noise)
@@ -137,7 +139,7 @@ def test_noise_is_no_outlier():
 
 
 @pytest.mark.parametrize("rate", [2e-3, -1e-3])
-def test_a_recorder_and_stamps_that_run_apart(rate):
+def test_a_recorder_and_stamps_that_run_apart(rate: float) -> None:
     sound = recording()
     delays = np.abs(np.random.default_rng(1).normal(size=2000)) * 2e-3
     fault = clock_drift(replace(sound, receive_time=(1 + rate) * sound.trace.time + delays))
@@ -147,7 +149,7 @@ def test_a_recorder_and_stamps_that_run_apart(rate):
 
 
 @pytest.mark.parametrize("rate", [3e-3, -2e-3])
-def test_repetitions_whose_clocks_run_apart(rate):
+def test_repetitions_whose_clocks_run_apart(rate: float) -> None:
     reference = recording(jitter=0.0)
     fault = drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0))
     assert fault.numbers["rate"] == pytest.approx(rate, rel=0.25)

@@ -2,7 +2,9 @@
 
 import json
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,13 +12,15 @@ import pytest
 from lerobot_sets import COUNT, JOINTS, LAYOUTS, PERIOD, TASKS, data_set, motion, table, write
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
+from realitygap.recording.recording import Recording
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
+from realitygap.trace.trace import Trace
 
 FILE = Path("scenario.yaml")
 
 
-def scenario(episode=0, command="action", **recordings):
+def scenario(episode: int | str = 0, command: str | None = "action", **recordings: Any) -> Scenario:
     return Scenario.model_validate(
         {
             "name": "test",
@@ -27,11 +31,11 @@ def scenario(episode=0, command="action", **recordings):
     )
 
 
-def read(path, asked, joints=JOINTS, file=FILE):
+def read(path: Path, asked: Scenario, joints: Sequence[str] = JOINTS, file: Path = FILE) -> Recording:
     return read_recording(path, asked, joints, file=file)
 
 
-def close(trace, episode, order=(0, 1)):
+def close(trace: Trace, episode: int, order: Sequence[int] = (0, 1)) -> None:
     time = np.arange(COUNT) * PERIOD
     np.testing.assert_allclose(trace.time, time, atol=1e-6)
     for value, expected in zip((trace.position, trace.command, trace.velocity), motion(episode), strict=True):
@@ -40,7 +44,7 @@ def close(trace, episode, order=(0, 1)):
 
 @pytest.mark.parametrize("version", LAYOUTS)
 @pytest.mark.parametrize("episode", [0, 1, "lift", "lower"])
-def test_both_layouts_give_the_motion_in_radians(version, episode, tmp_path):
+def test_both_layouts_give_the_motion_in_radians(version: str, episode: int | str, tmp_path: Path) -> None:
     path = data_set(tmp_path / "set", version)
     recording = read(path, scenario(episode), ("gripper", "elbow"))
     number = episode if isinstance(episode, int) else TASKS.index(episode)
@@ -50,7 +54,7 @@ def test_both_layouts_give_the_motion_in_radians(version, episode, tmp_path):
     assert recording.trace.effort is None
 
 
-def test_a_set_and_a_table_give_the_same(tmp_path):
+def test_a_set_and_a_table_give_the_same(tmp_path: Path) -> None:
     position, command, velocity = motion(0)
     frame = pd.DataFrame({"time": np.arange(COUNT) * PERIOD})
     for k, joint in enumerate(JOINTS):
@@ -64,7 +68,7 @@ def test_a_set_and_a_table_give_the_same(tmp_path):
 
 
 @pytest.mark.parametrize("version", LAYOUTS)
-def test_normalized_units_with_a_range(version, tmp_path):
+def test_normalized_units_with_a_range(version: str, tmp_path: Path) -> None:
     """-100..100 over the elbow's range, 0..100 over the gripper's: a joint at 0 rad is in the middle of [-1, 1]."""
     path = data_set(tmp_path / "set", version, scale=100.0)
     limits = {"elbow": [-1.0, 1.0], "grip*": [-0.5, 0.5]}
@@ -77,7 +81,7 @@ def test_normalized_units_with_a_range(version, tmp_path):
     np.testing.assert_allclose(trace.velocity[:, 1], velocity[:, 1], atol=2e-6)
 
 
-def test_normalized_units_with_a_calibration_file_beside_the_scenario(tmp_path):
+def test_normalized_units_with_a_calibration_file_beside_the_scenario(tmp_path: Path) -> None:
     path = data_set(tmp_path / "set", scale=100.0)
     turn = 4096 / (2 * np.pi)  # counts per rad
     calibration = {"elbow": {"id": 1, "drive_mode": 0, "homing_offset": 7, "range_min": 1000, "range_max": 1000 + turn}}
@@ -90,14 +94,14 @@ def test_normalized_units_with_a_calibration_file_beside_the_scenario(tmp_path):
     np.testing.assert_allclose(trace.position[:, 1], np.radians(100 * position[:, 1]), atol=2e-6)
 
 
-def test_names_of_its_own_and_none_at_all(tmp_path):
+def test_names_of_its_own_and_none_at_all(tmp_path: Path) -> None:
     own = data_set(tmp_path / "own", names="main_{}")
     close(read(own, scenario(0, dataset={"joints": {j: f"main_{j}" for j in JOINTS}})).trace, 0)
     bare = data_set(tmp_path / "bare", names=None)
     close(read(bare, scenario(0, dataset={"joints": {"elbow": "0", "gripper": "1"}})).trace, 0)
 
 
-def test_a_part_keeps_its_clock_and_the_command_in_force(tmp_path):
+def test_a_part_keeps_its_clock_and_the_command_in_force(tmp_path: Path) -> None:
     path = data_set(tmp_path / "set")
     whole = read(path, scenario(0))
     part = read(path, scenario(0, part=[0.205, 0.6]))
@@ -109,7 +113,7 @@ def test_a_part_keeps_its_clock_and_the_command_in_force(tmp_path):
         read(path, scenario(0, part=[5, 6]))
 
 
-def test_every_run_is_an_episode_with_a_name_of_its_own(tmp_path):
+def test_every_run_is_an_episode_with_a_name_of_its_own(tmp_path: Path) -> None:
     data_set(tmp_path / "set")
     runs = [{"path": "set", "episode": "lift"}, {"path": "set", "episode": 1, "part": [0.11, 0.51]}]
     raw = {"name": "a", "robot": {"urdf": "a.urdf", "base": "fixed"}, "motion": {"recorded": "action"}}
@@ -139,12 +143,12 @@ def test_every_run_is_an_episode_with_a_name_of_its_own(tmp_path):
         (scenario(dataset={"units": "percent", "calibration": "no.json"}), r"no.json: cannot be read .*No such file"),
     ],
 )  # fmt: skip
-def test_what_does_not_fit_is_told(asked, sentence, tmp_path):
+def test_what_does_not_fit_is_told(asked: Scenario, sentence: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=sentence):
         read(data_set(tmp_path / "set"), asked)
 
 
-def test_a_task_of_several_episodes_is_no_name(tmp_path):
+def test_a_task_of_several_episodes_is_no_name(tmp_path: Path) -> None:
     path = data_set(tmp_path / "set", tasks=("lift", "lift", "lower"))
     with pytest.raises(InputError, match=r"'lift' is the task of 2 episodes .*expected one of the numbers 0, 1"):
         read(path, scenario("lift"))
@@ -153,7 +157,7 @@ def test_a_task_of_several_episodes_is_no_name(tmp_path):
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.999])
 @pytest.mark.parametrize("version", LAYOUTS)
-def test_a_set_that_was_cut_off(version, share, tmp_path):
+def test_a_set_that_was_cut_off(version: str, share: float, tmp_path: Path) -> None:
     path = data_set(tmp_path / "set", version)
     passed_over = ("tasks.parquet", "tasks.jsonl", "episode_000000.parquet")
     for file in [f for f in path.rglob("*") if f.is_file() and f.name not in passed_over]:
@@ -167,7 +171,7 @@ def test_a_set_that_was_cut_off(version, share, tmp_path):
 
 
 @pytest.mark.parametrize("version", LAYOUTS)
-def test_what_is_missing_of_a_set_is_told(version, tmp_path):
+def test_what_is_missing_of_a_set_is_told(version: str, tmp_path: Path) -> None:
     path = data_set(tmp_path / "set", version)
     file = min((path / "data").rglob("*.parquet"))
     whole = file.read_bytes()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,13 @@ ENCODER = 2 * np.pi / 4096
 KICKS = ("kick_p16", "kick_p20", "kick_p24", "kick_p28", "kick_p32")
 
 
-def scenario(state=None, command=None, base="fixed", meaning="position", **recordings):
+def scenario(
+    state: str | dict[str, Any] | None = None,
+    command: str | dict[str, Any] | None = None,
+    base: str = "fixed",
+    meaning: str = "position",
+    **recordings: Any,
+) -> Scenario:
     return Scenario.model_validate(
         {
             "name": "test",
@@ -32,13 +39,13 @@ SIGMABAN = scenario("/joint_states", "/joint_commands", "floating", imu="/imu/da
 
 
 @pytest.fixture(scope="module")
-def sigmaban(data_dir):
+def sigmaban(data_dir: Path) -> dict[str, Recording]:
     joints = read_urdf(data_dir / "sigmaban/robot.urdf", floating=True).joint_names
     paths = sorted(p.parent for p in (data_dir / "sigmaban").glob("*/metadata.yaml"))
     return {p.name: read_recording(p, SIGMABAN, joints, file=FILE) for p in paths}
 
 
-def test_sigmaban_is_read_whole(sigmaban):
+def test_sigmaban_is_read_whole(sigmaban: dict[str, Recording]) -> None:
     assert set(KICKS) <= set(sigmaban)
     for name, recording in sigmaban.items():
         trace = recording.trace
@@ -50,7 +57,7 @@ def test_sigmaban_is_read_whole(sigmaban):
         assert "header stamps" in recording.notes[0]
 
 
-def test_sigmaban_moves_when_the_published_windows_begin(sigmaban, data_dir):
+def test_sigmaban_moves_when_the_published_windows_begin(sigmaban: dict[str, Recording], data_dir: Path) -> None:
     windows = pd.read_csv(data_dir / "sigmaban/published_mae.csv").drop_duplicates("recording").set_index("recording")
     for name, recording in sigmaban.items():
         if name in windows.index:
@@ -59,7 +66,7 @@ def test_sigmaban_moves_when_the_published_windows_begin(sigmaban, data_dir):
             assert -0.005 < begins - windows.window_start_s[name] < 0.06
 
 
-def test_every_kick_has_its_glitch_and_the_squats_have_none(sigmaban):
+def test_every_kick_has_its_glitch_and_the_squats_have_none(sigmaban: dict[str, Recording]) -> None:
     for name, recording in sigmaban.items():
         found = {fault.kind: fault for fault in faults(recording)}
         assert ("command glitch" in found) == name.startswith("kick")
@@ -70,7 +77,7 @@ def test_every_kick_has_its_glitch_and_the_squats_have_none(sigmaban):
             assert found["velocity"].numbers["time"] == pytest.approx(0.014, abs=0.004)
 
 
-def test_the_one_garbled_reading_is_taken_out_and_no_other(sigmaban):
+def test_the_one_garbled_reading_is_taken_out_and_no_other(sigmaban: dict[str, Recording]) -> None:
     garbled = {name: r.outliers for name, r in sigmaban.items() if name in KICKS or name.startswith("squat")}
     assert {name for name, found in garbled.items() if found} == {"kick_p16"}
     (outlier,) = garbled["kick_p16"]
@@ -81,7 +88,7 @@ def test_the_one_garbled_reading_is_taken_out_and_no_other(sigmaban):
 
 @pytest.mark.parametrize(("motion", "off"), [("lift_and_drop", True), ("sin_sin", False), ("up_and_down", False)])
 @pytest.mark.parametrize("gain", [100, 400])
-def test_xl330_lets_go_at_two_seconds(motion, off, gain, data_dir):
+def test_xl330_lets_go_at_two_seconds(motion: str, off: float, gain: int, data_dir: Path) -> None:
     path = data_dir / f"xl330_pendulum/{motion}_kp{gain}"
     recording = read_recording(
         path, scenario("/joint_states", "/joint_commands", battery="/battery"), ["pendulum"], file=FILE
@@ -96,7 +103,7 @@ def test_xl330_lets_go_at_two_seconds(motion, off, gain, data_dir):
 
 
 @pytest.mark.parametrize("load", [0, 2, 4, 6, 8])
-def test_mx106_current_in_newton_metres(load, data_dir):
+def test_mx106_current_in_newton_metres(load: int, data_dir: Path) -> None:
     asked = scenario("/joint_states", "/joint_commands", effort={"topic": "/joint_currents", "factor": 1 / 0.48})
     trace = read_recording(data_dir / f"mx106_bench/sine_{load}w.bag", asked, ["R1"], file=FILE).trace
     assert len(trace.time) == 6001
@@ -108,7 +115,7 @@ def test_mx106_current_in_newton_metres(load, data_dir):
     assert slope == pytest.approx(carried, rel=0.35)
 
 
-def test_mx106_duty(data_dir):
+def test_mx106_duty(data_dir: Path) -> None:
     asked = scenario("/joint_states", "/duty_commands", meaning="duty")
     recording = read_recording(data_dir / "mx106_bench/horizontal_pwm_10.bag", asked, ["R1"], file=FILE)
     assert recording.command_kind == "duty"
@@ -125,7 +132,7 @@ class Run:
     window: tuple[float, float] = (-np.inf, np.inf)
 
 
-def test_sts3215_repetitions_and_their_noise(data_dir):
+def test_sts3215_repetitions_and_their_noise(data_dir: Path) -> None:
     paths = sorted((data_dir / "sts3215_pendulum").glob("*_m0.535_l0.10_kp16_rep*.csv"))
     runs = [Run(p.stem, read_recording(p, scenario(command="command"), ["pendulum"], file=FILE)) for p in paths]
     groups = group_repetitions(runs)
@@ -141,7 +148,7 @@ def test_sts3215_repetitions_and_their_noise(data_dir):
     assert off.trace.time[np.isnan(off.trace.command[:, 0])][0] == pytest.approx(2.0, abs=0.02)
 
 
-def test_emps_force(data_dir):
+def test_emps_force(data_dir: Path) -> None:
     asked = scenario(command="command", columns={"effort": "force"}, effort="motor")
     trace = read_recording(data_dir / "emps/estimation.csv", asked, ["slide"], file=FILE).trace
     assert len(trace.time) == 24841
@@ -151,7 +158,7 @@ def test_emps_force(data_dir):
     assert np.corrcoef(law, trace.effort[:, 0])[0, 1] > 0.99
 
 
-def test_cube_tosses_fly_as_they_are_said_to(data_dir):
+def test_cube_tosses_fly_as_they_are_said_to(data_dir: Path) -> None:
     paths = sorted((data_dir / "cube_toss").glob("toss_*.csv"))
     assert len(paths) >= 100
     for path in paths[:20]:

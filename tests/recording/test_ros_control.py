@@ -1,16 +1,21 @@
 """The messages of ros2_control give the same motion as a JointState, and a trajectory what a controller makes of it."""
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from realitygap.files.errors import InputError
 from realitygap.init.draft import init
 from realitygap.recording import read_recording
+from realitygap.recording.recording import Recording
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
+from realitygap.trace.trace import Trace
 
 FILE = Path("scenario.yaml")
+Message = tuple[str, float, str, dict[str, Any]]
 EPOCH = 1.7e9
 STATE = "sensor_msgs/msg/JointState"
 ARRAY = "std_msgs/msg/Float64MultiArray"
@@ -32,50 +37,50 @@ URDF = f"""<robot name="arm"><link name="base"/><link name="la">{MASS}</link><li
 <joint name="b" type="revolute"><parent link="la"/><child link="lb"/>{LIMIT}</robot>"""
 
 
-def measured(t):
+def measured(t: Any) -> list[Any]:
     return [np.sin(3 * t), 0.5 * np.cos(2 * t)]
 
 
-def asked(t):
+def asked(t: Any) -> list[Any]:
     return measured(t + 0.05)
 
 
-def scenario(state="/joint_states", command=None, **motion):
+def scenario(state: str | dict[str, Any] = "/joint_states", command: str | None = None, **motion: Any) -> Scenario:
     raw = {"name": "test", "robot": {"urdf": "robot.urdf", "base": "fixed"}, "recordings": {"state": state}}
     return Scenario.model_validate(raw | {"motion": {"recorded": command, **motion} if command else None})
 
 
-def states(count=200, period=0.01):
+def states(count: int = 200, period: float = 0.01) -> list[Message]:
     return [("/joint_states", EPOCH + k * period, STATE, state(k * period)) for k in range(count)]
 
 
-def state(t):
+def state(t: float) -> dict[str, Any]:
     return {"stamp": EPOCH + t, "name": ["b", "a"], "position": measured(t)[::-1], "velocity": [t, 2 * t]}
 
 
-def messages(kind, name, count=200):
+def messages(kind: str, name: str, count: int = 200) -> list[Message]:
     """The same motion in every kind of message, joints in the order b, a; arrays have no header."""
     out = []
     for k in range(count):
         t = 0.01 * k
         point = {"positions": measured(t)[::-1], "velocities": [t, 2 * t]}
         told = {"positions": asked(t)[::-1]}
-        values = {
-            STATE: lambda t=t: {"stamp": EPOCH + t, "name": ["b", "a"], "position": asked(t)[::-1]},
-            ARRAY: lambda t=t: {"data": asked(t)[::-1]},
-            CONTROLLER: lambda t=t, p=point, r=told: controller(t, {"feedback": p, "reference": r}),
-            "old": lambda t=t, p=point, r=told: controller(t, {"actual": p, "desired": r}),
-            DYNAMIC: lambda t=t: dynamic(t),
-        }[kind]()
-        out.append((name, EPOCH + t, CONTROLLER if kind == "old" else kind, values))
+        values: dict[str, dict[str, Any]] = {
+            STATE: {"stamp": EPOCH + t, "name": ["b", "a"], "position": asked(t)[::-1]},
+            ARRAY: {"data": asked(t)[::-1]},
+            CONTROLLER: controller(t, {"feedback": point, "reference": told}),
+            "old": controller(t, {"actual": point, "desired": told}),
+            DYNAMIC: dynamic(t),
+        }
+        out.append((name, EPOCH + t, CONTROLLER if kind == "old" else kind, values[kind]))
     return out
 
 
-def controller(t, points):
+def controller(t: float, points: Any) -> dict[str, Any]:
     return {"stamp": EPOCH + t, "joint_names": ["b", "a"], **points}
 
 
-def dynamic(t):
+def dynamic(t: float) -> dict[str, Any]:
     a, b = measured(t)
     rows = [
         {"interface_names": ["velocity", "temperature", "position"], "values": [t, 40.0, b]},
@@ -84,13 +89,13 @@ def dynamic(t):
     return {"stamp": EPOCH + t, "joint_names": ["b", "a"], "interface_values": rows}
 
 
-def read(bag, want, joints=JOINTS):
+def read(bag: Path, want: Scenario, joints: Sequence[str] = JOINTS) -> Recording:
     return read_recording(bag, want, joints, file=FILE)
 
 
 @pytest.mark.parametrize("form", ["mcap", "db3"])
 @pytest.mark.parametrize("kind", [STATE, CONTROLLER, "old", DYNAMIC])
-def test_the_same_state_in_every_message(kind, form, tmp_path, write_bag):
+def test_the_same_state_in_every_message(kind: str, form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     sent = states() if kind == STATE else messages(kind, "/joint_states")
     trace = read(write_bag(tmp_path / "run", form, sent, DEFINITIONS), scenario()).trace
     time = np.arange(200) * 0.01
@@ -100,14 +105,15 @@ def test_the_same_state_in_every_message(kind, form, tmp_path, write_bag):
 
 
 @pytest.mark.parametrize("kind", [STATE, ARRAY, CONTROLLER, "old"])
-def test_the_same_command_in_every_message(kind, tmp_path, write_bag):
+def test_the_same_command_in_every_message(kind: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     sent = [*states(), *messages(kind, "/told")]
-    want = scenario(command="/told", **({"joints": ["b", "a"]} if kind == ARRAY else {}))
+    named: dict[str, Any] = {"joints": ["b", "a"]} if kind == ARRAY else {}
+    want = scenario(command="/told", **named)
     trace = read(write_bag(tmp_path / "run", "mcap", sent, DEFINITIONS), want).trace
     np.testing.assert_allclose(trace.command, np.transpose(asked(trace.time)), atol=1e-6)
 
 
-def test_an_array_needs_names_and_as_many_values(tmp_path, write_bag):
+def test_an_array_needs_names_and_as_many_values(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     bag = write_bag(tmp_path / "run", "mcap", [*states(), *messages(ARRAY, "/told")])
     with pytest.raises(InputError, match=r"motion.joints: is missing; /told .*is a std_msgs/Float64MultiArray"):
         read(bag, scenario(command="/told"))
@@ -117,14 +123,14 @@ def test_an_array_needs_names_and_as_many_values(tmp_path, write_bag):
         read(bag, scenario("/told"))
 
 
-def test_an_effort_command_of_an_array(tmp_path, write_bag):
+def test_an_effort_command_of_an_array(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     bag = write_bag(tmp_path / "run", "mcap", [*states(), *messages(ARRAY, "/told")])
     recording = read(bag, scenario(command="/told", joints=["b", "a"], **{"as": "effort"}))
     assert recording.command_kind == "effort"
     np.testing.assert_allclose(recording.trace.command, np.transpose(asked(recording.trace.time)), atol=1e-6)
 
 
-def goal(start, points, names=("b", "a"), stamp=True):
+def goal(start: float, points: Any, names: Sequence[str] = ("b", "a"), stamp: bool = True) -> Message:
     """A trajectory: points are (time from start, {field: values})."""
     rows = []
     for after, values in points:
@@ -134,13 +140,15 @@ def goal(start, points, names=("b", "a"), stamp=True):
     return ("/goal", EPOCH + start, TRAJECTORY, {**header, "joint_names": list(names), "points": rows})
 
 
-def trajectory(tmp_path, write_bag, goals, **motion):
+def trajectory(tmp_path: Path, write_bag: Callable[..., Path], goals: list[Message], **motion: Any) -> Trace:
     bag = write_bag(tmp_path / "run", "mcap", [*states(400), *goals])
     return read(bag, scenario(command="/goal", held=False, **motion)).trace
 
 
 @pytest.mark.parametrize("stamp", [True, False])
-def test_points_with_positions_are_joined_linearly_from_where_the_robot_was(stamp, tmp_path, write_bag):
+def test_points_with_positions_are_joined_linearly_from_where_the_robot_was(
+    stamp: bool, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     points = [(0.5, {"positions": [2.0, 1.0]}), (1.5, {"positions": [0.0, 3.0]})]
     trace = trajectory(tmp_path, write_bag, [goal(1.0, points, stamp=stamp)])
     a, b = measured(1.0)
@@ -153,7 +161,9 @@ def test_points_with_positions_are_joined_linearly_from_where_the_robot_was(stam
 
 
 @pytest.mark.parametrize("accelerations", [False, True])
-def test_points_with_velocities_are_a_smooth_curve(accelerations, tmp_path, write_bag):
+def test_points_with_velocities_are_a_smooth_curve(
+    accelerations: bool, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     """Points of t³ (or t⁴ with accelerations) give t³ (t⁴) back."""
     power = 4 if accelerations else 3
     points = []
@@ -171,7 +181,7 @@ def test_points_with_velocities_are_a_smooth_curve(accelerations, tmp_path, writ
     np.testing.assert_allclose(trace.command[inside], np.column_stack([-expected, expected]), atol=2e-3)
 
 
-def test_a_new_trajectory_replaces_the_rest_of_an_old_one(tmp_path, write_bag):
+def test_a_new_trajectory_replaces_the_rest_of_an_old_one(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     first = goal(0.0, [(0.0, {"positions": [0.0, 0.0]}), (2.0, {"positions": [2.0, 2.0]})])
     second = goal(1.0, [(1.0, {"positions": [0.0]})], names=("a",))  # one joint turns back, the other goes on
     command = trajectory(tmp_path, write_bag, [first, second]).command
@@ -179,7 +189,7 @@ def test_a_new_trajectory_replaces_the_rest_of_an_old_one(tmp_path, write_bag):
     np.testing.assert_allclose(command[250], [0.0, 2.0], atol=0.006)
 
 
-def test_what_is_wrong_with_a_trajectory_is_told(tmp_path, write_bag):
+def test_what_is_wrong_with_a_trajectory_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     cases = [
         (goal(0.0, [(1.0, {"positions": [1.0, 1.0]}), (0.5, {"positions": [1.0, 1.0]})]), r"does not increase"),
         (goal(0.0, [(1.0, {"velocities": [1.0, 1.0]})]), r"points without positions"),
@@ -200,7 +210,9 @@ def test_what_is_wrong_with_a_trajectory_is_told(tmp_path, write_bag):
         (TRAJECTORY, "/goal", {"joints": None, "held": False}),
     ],
 )
-def test_a_first_scenario_finds_the_command(kind, topic, expected, tmp_path, write_bag):
+def test_a_first_scenario_finds_the_command(
+    kind: str, topic: str, expected: dict[str, Any], tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     points = [(0.1 * k + 0.01, {"positions": asked(0.1 * k)[::-1]}) for k in range(20)]
     told = [goal(0.0, points)] if kind == TRAJECTORY else messages(kind, topic)
     urdf = tmp_path / "arm.urdf"
@@ -216,7 +228,7 @@ def test_a_first_scenario_finds_the_command(kind, topic, expected, tmp_path, wri
     assert "not used: /dynamic_joint_states (control_msgs/DynamicJointState)" in draft.lines()
 
 
-def test_dynamic_states_alone_are_the_state(tmp_path, write_bag):
+def test_dynamic_states_alone_are_the_state(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(URDF)
     sent = messages(DYNAMIC, "/dynamic_joint_states")

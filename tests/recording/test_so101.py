@@ -14,7 +14,7 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "so101" / "scenario.yaml"
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper")
 
 
-def test_the_windows_of_the_scenario_are_those_in_which_the_command_moves_most(data_dir):
+def test_the_windows_of_the_scenario_are_those_in_which_the_command_moves_most(data_dir: Path) -> None:
     cases = load_scenario(SCENARIO).cases()
     uses = {use: tuple(c.name for c in cases if c.run.use == use) for use in ("train", "held_out")}
     assert uses == {"train": bench_so101.TRAIN, "held_out": bench_so101.JUDGED}
@@ -25,18 +25,18 @@ def test_the_windows_of_the_scenario_are_those_in_which_the_command_moves_most(d
         assert case.run.part[0] <= case.run.window[0] < case.run.window[1] < case.run.part[1]
 
 
-def moving():
-    time = np.arange(600) * bench_so101.GRID
+def moving() -> Trace:
+    time = bench_so101.GRID * np.arange(600, dtype=np.float64)
     position = np.column_stack([np.sin(time), 0.5 * np.sin(2 * time)])  # ranges 2 and 1
     return Trace(time, ("a", "b"), position=position, velocity=np.gradient(position, time, axis=0))
 
 
-def test_the_score_of_a_motion_with_itself_is_zero():
+def test_the_score_of_a_motion_with_itself_is_zero() -> None:
     trace = moving()
     assert bench_so101.score(trace, trace, trace.position)["score"] == 0.0
 
 
-def test_an_offset_counts_by_the_range_and_a_still_joint_by_the_least_range():
+def test_an_offset_counts_by_the_range_and_a_still_joint_by_the_least_range() -> None:
     trace = moving()
     still = replace(trace, position=np.column_stack([trace.position[:, 0], np.zeros(600)]))
     found = bench_so101.score(replace(still, position=still.position + 0.1), still, still.position)
@@ -47,10 +47,10 @@ def test_an_offset_counts_by_the_range_and_a_still_joint_by_the_least_range():
 
 
 @pytest.mark.parametrize("late", [0, 3, 9])
-def test_the_lag_of_a_passing_swing_is_found(late):
-    time = np.arange(600) * bench_so101.GRID
+def test_the_lag_of_a_passing_swing_is_found(late: int) -> None:
+    time = bench_so101.GRID * np.arange(600, dtype=np.float64)
 
-    def swing(start):
+    def swing(start: float) -> Trace:
         position = np.exp(-((time - start - 6.0) ** 2)) * np.sin(2 * (time - start))
         return Trace(time, ("a",), position=position[:, None], velocity=np.gradient(position, time)[:, None])
 

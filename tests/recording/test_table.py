@@ -1,6 +1,7 @@
 """Tables: columns by name, by joint and by mapping; servos that are off; free bodies; and what is wrong with one."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,9 @@ FILE = Path("scenario.yaml")
 TIME = np.arange(50) * 0.01
 
 
-def scenario(command="command", base="fixed", meaning="position", **recordings):
+def scenario(
+    command: str | None = "command", base: str = "fixed", meaning: str = "position", **recordings: Any
+) -> Scenario:
     return Scenario.model_validate(
         {
             "name": "test",
@@ -26,17 +29,17 @@ def scenario(command="command", base="fixed", meaning="position", **recordings):
     )
 
 
-def one_joint(**more):
+def one_joint(**more: Any) -> pd.DataFrame:
     return pd.DataFrame({"time": 3.0 + TIME, "command": TIME + 1, "position": TIME, "velocity": 1.0, **more})
 
 
-def write(frame, path):
+def write(frame: pd.DataFrame, path: Path) -> Path:
     frame.to_parquet(path) if path.suffix == ".parquet" else frame.to_csv(path, index=False)
     return path
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_a_single_joint(suffix, tmp_path):
+def test_a_single_joint(suffix: str, tmp_path: Path) -> None:
     recording = read_recording(write(one_joint(), tmp_path / f"run{suffix}"), scenario(), ["elbow"], file=FILE)
     np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
     np.testing.assert_array_equal(recording.trace.position[:, 0], TIME)
@@ -48,7 +51,7 @@ def test_a_single_joint(suffix, tmp_path):
 
 
 @pytest.mark.parametrize("form", ["{0}_{1}", "{1}_{0}", "{0}.{1}", "{0}/{1}"])
-def test_several_joints_by_column_name(form, tmp_path):
+def test_several_joints_by_column_name(form: str, tmp_path: Path) -> None:
     frame = pd.DataFrame({"time": TIME})
     for k, joint in enumerate(("hip", "knee")):
         for signal in ("command", "position"):
@@ -59,7 +62,7 @@ def test_several_joints_by_column_name(form, tmp_path):
     assert trace.velocity is None
 
 
-def test_several_joints_by_mapping(tmp_path):
+def test_several_joints_by_mapping(tmp_path: Path) -> None:
     frame = pd.DataFrame({"t": TIME, "x1": TIME, "x2": 2 * TIME, "u1": 0.0, "u2": 1.0})
     columns = {"time": "t", "position": {"a": "x1", "b": "x2"}, "command": {"a": "u1", "b": "u2"}}
     asked = scenario(columns=columns)
@@ -70,7 +73,7 @@ def test_several_joints_by_mapping(tmp_path):
         read_recording(tmp_path / "run.csv", asked, ["a", "c"], file=FILE)
 
 
-def test_a_servo_that_is_off_has_no_command(tmp_path):
+def test_a_servo_that_is_off_has_no_command(tmp_path: Path) -> None:
     frame = one_joint(torque_enabled=np.where(TIME < 0.2, 1, 0), supply_voltage=12.0 - TIME)
     recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
     np.testing.assert_array_equal(np.isnan(recording.trace.command[:, 0]), TIME >= 0.2)
@@ -78,7 +81,7 @@ def test_a_servo_that_is_off_has_no_command(tmp_path):
     np.testing.assert_allclose(recording.supply, 12.0 - TIME)
 
 
-def test_effort_in_its_own_column_and_unit(tmp_path):
+def test_effort_in_its_own_column_and_unit(tmp_path: Path) -> None:
     path = write(one_joint(current=0.5), tmp_path / "run.csv")
     asked = scenario(effort={"topic": "current", "factor": 2.0})
     np.testing.assert_allclose(read_recording(path, asked, ["elbow"], file=FILE).trace.effort, 1.0)
@@ -86,7 +89,7 @@ def test_effort_in_its_own_column_and_unit(tmp_path):
         read_recording(path, scenario(effort="motor"), ["elbow"], file=FILE)
 
 
-def test_a_command_that_is_a_duty(tmp_path):
+def test_a_command_that_is_a_duty(tmp_path: Path) -> None:
     path = write(one_joint(duty=0.3), tmp_path / "run.csv")
     recording = read_recording(path, scenario("duty", meaning="duty"), ["elbow"], file=FILE)
     assert recording.command_kind == "duty"
@@ -94,7 +97,7 @@ def test_a_command_that_is_a_duty(tmp_path):
 
 
 @pytest.mark.parametrize("axes", ["body", "world"])
-def test_a_free_body_turns_about_world_axes(axes, tmp_path):
+def test_a_free_body_turns_about_world_axes(axes: str, tmp_path: Path) -> None:
     """A body that spins about its own z, which points along the world's -y: a quarter turn about x."""
     angle = 2.0 * TIME
     half = np.sqrt(0.5)
@@ -115,19 +118,19 @@ def test_a_free_body_turns_about_world_axes(axes, tmp_path):
     np.testing.assert_allclose(np.diff(nose, axis=0) / 0.01, np.cross([0, -2.0, 0], nose)[:-1], atol=0.03)
 
 
-def test_rows_that_repeat_a_time_are_dropped(tmp_path):
+def test_rows_that_repeat_a_time_are_dropped(tmp_path: Path) -> None:
     frame = one_joint()
-    frame.loc[10, "time"] = frame.loc[9, "time"]
+    frame["time"] = frame["time"].where(frame.index != 10, frame["time"].shift())
     recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
     assert len(recording.trace.time) == 49
     assert recording.trace.position[9, 0] == TIME[10]
     assert "1 rows repeat the time" in recording.notes[0]
 
 
-def broken(column, row, value):
+def broken(column: str, row: int, value: object) -> pd.DataFrame:
     frame = one_joint().astype(object)
-    frame.loc[row, column] = value
-    return frame
+    changed = pd.Series([value if k == row else old for k, old in enumerate(frame[column])], dtype=object)
+    return frame.assign(**{column: changed})
 
 
 @pytest.mark.parametrize(
@@ -147,13 +150,15 @@ def broken(column, row, value):
         (one_joint()[:0], {}, r"the table holds no rows; it has the columns time"),
     ],
 )
-def test_what_is_wrong_with_a_table_is_told(frame, asked, sentence, tmp_path):
+def test_what_is_wrong_with_a_table_is_told(
+    frame: pd.DataFrame, asked: dict[str, Any], sentence: str, tmp_path: Path
+) -> None:
     path = write(frame, tmp_path / "run.csv")
     with pytest.raises(InputError, match=sentence):
         read_recording(path, scenario(**asked), ["elbow"], file=FILE)
 
 
-def test_a_command_that_is_not_there(tmp_path):
+def test_a_command_that_is_not_there(tmp_path: Path) -> None:
     path = write(one_joint().drop(columns="command"), tmp_path / "run.csv")
     with pytest.raises(InputError, match=r"has no command of joint elbow; it has the columns time, position"):
         read_recording(path, scenario("/joint_commands"), ["elbow"], file=FILE)
@@ -161,14 +166,16 @@ def test_a_command_that_is_not_there(tmp_path):
 
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
 @pytest.mark.parametrize("data", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'time,position\n1,2\n1,2,3,4\n"'])
-def test_files_that_are_not_tables(name, data, tmp_path):
+def test_files_that_are_not_tables(name: str, data: bytes, tmp_path: Path) -> None:
     path = tmp_path / name
     path.write_bytes(data)
     with pytest.raises(InputError, match=r"run\.\w+: is not a table .*expected columns with a header line"):
         read_recording(path, scenario(), ["elbow"], file=FILE)
 
 
-def rendered(frame, separator, point, *, end="", comment="", header=None):
+def rendered(
+    frame: pd.DataFrame, separator: str, point: str, *, end: str = "", comment: str = "", header: str | None = None
+) -> str:
     """A table as text, as spreadsheets and loggers write it."""
     rows = [separator.join(header or frame.columns) + end]
     rows += [separator.join(repr(float(v)).replace(".", point) for v in row) + end for row in frame.to_numpy()]
@@ -191,7 +198,9 @@ def rendered(frame, separator, point, *, end="", comment="", header=None):
         (",", ".", "", "\ufeff"),
     ],
 )
-def test_the_same_motion_however_a_table_is_written(separator, point, end, comment, tmp_path):
+def test_the_same_motion_however_a_table_is_written(
+    separator: str, point: str, end: str, comment: str, tmp_path: Path
+) -> None:
     path = tmp_path / "run.csv"
     path.write_text(rendered(one_joint(), separator, point, end=end, comment=comment), encoding="utf-8")
     trace = read_recording(path, scenario(), ["elbow"], file=FILE).trace
@@ -202,7 +211,7 @@ def test_the_same_motion_however_a_table_is_written(separator, point, end, comme
 
 
 @pytest.mark.parametrize("separator", [",", " ", ";"])
-def test_a_header_in_a_comment(separator, tmp_path):
+def test_a_header_in_a_comment(separator: str, tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     text = rendered(one_joint(), separator, ".", comment="# by numpy.savetxt\n# ")
     path.write_text(text)
@@ -213,7 +222,7 @@ def test_a_header_in_a_comment(separator, tmp_path):
         read_recording(path, scenario(columns={"position": "position"}), ["elbow"], file=FILE)
 
 
-def test_a_header_with_a_sign_from_elsewhere(tmp_path):
+def test_a_header_with_a_sign_from_elsewhere(tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     frame = one_joint().rename(columns={"position": "q [°]"})
     path.write_bytes(rendered(frame, ";", ",").encode("latin-1"))
@@ -224,7 +233,7 @@ def test_a_header_with_a_sign_from_elsewhere(tmp_path):
 PACKERS = {"gz": "gzip", "zst": "zstd"}
 
 
-def pack(path, suffix):
+def pack(path: Path, suffix: str) -> Path:
     packed = path.with_name(f"{path.name}.{suffix}")
     with pa.output_stream(str(packed), compression=PACKERS[suffix]) as target:
         target.write(path.read_bytes())
@@ -234,7 +243,7 @@ def pack(path, suffix):
 
 @pytest.mark.parametrize("suffix", PACKERS)
 @pytest.mark.parametrize("kind", [".csv", ".tsv", ".parquet"])
-def test_a_packed_table_is_the_same_and_one_that_was_cut_off_is_told(suffix, kind, tmp_path):
+def test_a_packed_table_is_the_same_and_one_that_was_cut_off_is_told(suffix: str, kind: str, tmp_path: Path) -> None:
     plain = write(one_joint(), tmp_path / f"run{kind}")
     whole = read_recording(plain, scenario(), ["elbow"], file=FILE).trace
     path = pack(plain, suffix)
@@ -249,7 +258,7 @@ def test_a_packed_table_is_the_same_and_one_that_was_cut_off_is_told(suffix, kin
         assert "\n" not in str(told.value)
 
 
-def test_what_is_packed_in_another_way_is_told(tmp_path):
+def test_what_is_packed_in_another_way_is_told(tmp_path: Path) -> None:
     (tmp_path / "run.csv.zip").write_bytes(b"PK")
     with pytest.raises(InputError, match=r"run.csv.zip: is packed in a way that is not read here; expected .gz, .zst"):
         read_recording(tmp_path / "run.csv.zip", scenario(), ["elbow"], file=FILE)

@@ -1,12 +1,15 @@
 """The page in a real browser: it loads without complaint, and keyboard, pointer, switches and sorting work."""
 
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import chromium
 import numpy as np
 import pytest
 import synthetic
+from realitygap.compare.table import Cell
 from realitygap.report import write_page
 
 pytestmark = pytest.mark.skipif(
@@ -19,14 +22,14 @@ CELL = 'document.querySelector(\'td[data-r="{}"][data-c="{}"]\')'
 DETAIL = "document.getElementById('detail').textContent"
 
 
-def error(one):
+def error(one: Cell) -> float:
     if one.engine == "dart" and one.step_rate == 500:
         return np.inf
     return ERRORS[one.engine] * (2 if one.robot_revision == "old" else 1) * (1.5 if one.step_rate == 500 else 1)
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("synthetic")
     cells = synthetic.grid(
         engine=["mujoco", "dart", "drake"],
@@ -39,13 +42,13 @@ def page(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def shared():
+def shared() -> Iterator[chromium.Browser]:
     with chromium.Browser() as browser:
         yield browser
 
 
 @pytest.fixture
-def browser(shared, page):
+def browser(shared: chromium.Browser, page: Path) -> Iterator[chromium.Browser]:
     """The page, freshly opened; whatever it complains about fails the test."""
     shared.complaints.clear()
     shared.resize(1280, 900)
@@ -55,23 +58,23 @@ def browser(shared, page):
     assert shared.complaints == []
 
 
-def texts(browser, selector):
+def texts(browser: chromium.Browser, selector: str) -> Any:
     return browser.run(f"[...document.querySelectorAll({selector!r})].map(n => n.textContent)")
 
 
-def test_it_shows_engines_joints_and_curves(browser):
+def test_it_shows_engines_joints_and_curves(browser: chromium.Browser) -> None:
     assert texts(browser, ".heat thead th") == ["DART", "Drake", "MuJoCo"]
     assert set(JOINTS) <= set(texts(browser, ".heat th[scope=row]"))
     assert browser.run("document.querySelectorAll('#detail svg.plot').length") >= 3
 
 
-def test_cell_value_is_that_of_the_table(browser):
+def test_cell_value_is_that_of_the_table(browser: chromium.Browser) -> None:
     label = browser.run(f"{CELL.format(2, 2)}.getAttribute('aria-label')")
     assert "MuJoCo" in label
     assert "noise floor 0.050°, numerical floor 0.020°" in label
 
 
-def test_it_opens_on_the_mean_of_all_recordings(browser):
+def test_it_opens_on_the_mean_of_all_recordings(browser: chromium.Browser) -> None:
     """For every engine the mean of its cells; of the other switches, the choice that comes closest."""
     choice = "[...document.querySelectorAll('#switches input:checked')].map(n => n.parentElement.textContent)"
     assert browser.run(choice) == ["position", "all, mean", "new", "1000 Hz"]
@@ -84,12 +87,12 @@ def test_it_opens_on_the_mean_of_all_recordings(browser):
     assert "of 2 recordings" not in browser.run(DETAIL)
 
 
-def spanned(browser):
+def spanned(browser: chromium.Browser) -> Any:
     """The span of time [s] that the curves show, from the axis."""
     return browser.run("span ?? [0, 4]")
 
 
-def plot(browser):
+def plot(browser: chromium.Browser) -> Any:
     """Where the first plot of curves lies in the window: x, y, width, height."""
     browser.run("document.querySelector('#detail svg.plot').scrollIntoView({block: 'center'})")
     return browser.run(
@@ -97,7 +100,7 @@ def plot(browser):
     )
 
 
-def test_a_drag_looks_closer_and_shows_what_is_there(browser):
+def test_a_drag_looks_closer_and_shows_what_is_there(browser: chromium.Browser) -> None:
     lines = "[...document.querySelectorAll('#detail figure.curves')[0].querySelectorAll('path.line')]"
     whole = browser.run(f"{lines}.map(n => n.getAttribute('d').length)")
     x, y, width, height = plot(browser)
@@ -115,11 +118,11 @@ def test_a_drag_looks_closer_and_shows_what_is_there(browser):
     assert spanned(browser) == [0, 4]
 
 
-def test_buttons_and_keys_zoom_and_move(browser):
+def test_buttons_and_keys_zoom_and_move(browser: chromium.Browser) -> None:
     button = "document.querySelectorAll('#detail .zoom button')[{}]"
     browser.run(f"{button.format(0)}.click()")
     low, high = spanned(browser)
-    assert (high - low, (low + high) / 2) == (pytest.approx(2.0), pytest.approx(2.0))
+    assert [high - low, (low + high) / 2] == pytest.approx([2.0, 2.0])
     browser.run(f"{button.format(3)}.click()")
     assert spanned(browser) == pytest.approx([2.0, 4.0])
     browser.run(f"{button.format(3)}.click()")
@@ -135,14 +138,14 @@ def test_buttons_and_keys_zoom_and_move(browser):
     assert spanned(browser) == [0, 4]
 
 
-def test_a_span_stays_with_another_joint_and_every_engine(browser):
+def test_a_span_stays_with_another_joint_and_every_engine(browser: chromium.Browser) -> None:
     browser.run("document.querySelectorAll('#detail .zoom button')[0].click()")
     browser.run(f"{CELL.format(3, 0)}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
     browser.wait("document.querySelector('#detail figcaption b').textContent === 'hip'")
     assert spanned(browser) == pytest.approx([1.0, 3.0])
 
 
-def test_two_fingers_zoom_and_one_moves(browser):
+def test_two_fingers_zoom_and_one_moves(browser: chromium.Browser) -> None:
     browser.run(
         """((place, r) => {
         const at = (type, id, x) => place.dispatchEvent(new PointerEvent(type,
@@ -162,7 +165,7 @@ def test_two_fingers_zoom_and_one_moves(browser):
     assert moved[0] < low - 0.05
 
 
-def test_arrows_walk_the_map_and_enter_chooses(browser):
+def test_arrows_walk_the_map_and_enter_chooses(browser: chromium.Browser) -> None:
     browser.run(f"{CELL.format(0, 0)}.focus()")
     for key in ("ArrowDown", "ArrowDown", "ArrowRight"):
         browser.press(key)
@@ -173,13 +176,13 @@ def test_arrows_walk_the_map_and_enter_chooses(browser):
     assert browser.run("document.activeElement.dataset.r") == "2"  # the focus stays where the person is
 
 
-def test_click_shows_curves_of_that_joint(browser):
+def test_click_shows_curves_of_that_joint(browser: chromium.Browser) -> None:
     browser.run(f"{CELL.format(3, 0)}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
     browser.wait(f"{DETAIL}.includes('hip in DART')")
     browser.wait("document.querySelector('#detail figcaption b').textContent === 'hip'")
 
 
-def test_hover_reads_the_values_out(browser):
+def test_hover_reads_the_values_out(browser: chromium.Browser) -> None:
     browser.run("document.querySelector('#detail svg.plot').scrollIntoView({block: 'center'})")
     box = browser.run(
         "(r => [r.x, r.y, r.width, r.height])(document.querySelector('#detail svg.plot').getBoundingClientRect())"
@@ -190,14 +193,14 @@ def test_hover_reads_the_values_out(browser):
     assert sum(t.endswith("°") for t in shown) == 4
 
 
-def test_keys_move_the_cursor_of_a_plot(browser):
+def test_keys_move_the_cursor_of_a_plot(browser: chromium.Browser) -> None:
     browser.run("document.querySelector('#detail figure').focus()")
     browser.press("ArrowRight")
     assert any(t.startswith("at 0.0") for t in texts(browser, "#detail .toggles output"))
 
 
 @pytest.mark.parametrize("axis", ["signal", "recording", "robot_revision", "step_rate"])
-def test_switches_change_the_map(browser, axis):
+def test_switches_change_the_map(browser: chromium.Browser, axis: str) -> None:
     before = texts(browser, ".heat td")
     name = f"input[name=switch-{axis}]"
     other = browser.run(
@@ -207,20 +210,20 @@ def test_switches_change_the_map(browser, axis):
     assert browser.run(f"document.querySelector('{name}:checked').parentElement.textContent") == other
 
 
-def test_a_failed_cell_is_told_in_words(browser):
+def test_a_failed_cell_is_told_in_words(browser: chromium.Browser) -> None:
     browser.run("[...document.querySelectorAll('input[name=switch-step_rate]')][0].click()")
     assert texts(browser, ".heat tbody td")[0] == "diverged"
     browser.run(f"{CELL.format(0, 0)}.click()")
     browser.wait(f"{DETAIL}.includes('diverged at 1.2000 s at knee: not finite')")
 
 
-def test_gap_below_its_floors_is_marked(browser):
+def test_gap_below_its_floors_is_marked(browser: chromium.Browser) -> None:
     browser.run("[...document.querySelectorAll('input[name=switch-signal]')][2].click()")  # effort: below its noise
     assert "no difference seen" in browser.run(f"{CELL.format(0, 2)}.getAttribute('aria-label')")
     assert browser.run(f"{CELL.format(0, 2)}.className") == "same"
 
 
-def test_tables_sort_up_and_down(browser):
+def test_tables_sort_up_and_down(browser: chromium.Browser) -> None:
     rows = "[...document.querySelectorAll('#celltable tbody tr')]"
     column = f"{rows}.map(r => parseFloat(r.children[5].textContent)).filter(isFinite)"
     button = "document.querySelectorAll('#celltable thead button')[5]"
@@ -234,7 +237,7 @@ def test_tables_sort_up_and_down(browser):
     assert rising != falling
 
 
-def test_filter_and_show_of_the_cell_table(browser):
+def test_filter_and_show_of_the_cell_table(browser: chromium.Browser) -> None:
     typed = "(f => {{ f.value = '{}'; f.dispatchEvent(new Event('input')) }})(document.getElementById('filter'))"
     for words, count in (("nothing like it", 0), ("diverged", 4), ("500 squat dart", 2)):
         browser.run(typed.format(words))
@@ -243,7 +246,7 @@ def test_filter_and_show_of_the_cell_table(browser):
     browser.wait(f"{DETAIL}.includes('in DART')")
 
 
-def test_improvement_is_old_minus_new(browser):
+def test_improvement_is_old_minus_new(browser: chromium.Browser) -> None:
     browser.run("(s => { s.value = '1'; s.dispatchEvent(new Event('change')) })(document.getElementById('choose-old'))")
     browser.run("(s => { s.value = '0'; s.dispatchEvent(new Event('change')) })(document.getElementById('choose-new'))")
     first = texts(browser, "#improvement tbody td.better")[0]
@@ -253,7 +256,9 @@ def test_improvement_is_old_minus_new(browser):
     assert texts(browser, "#improvement tbody td.worse")[0].startswith("▼ −")
 
 
-def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(shared, tmp_path):
+def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(
+    shared: chromium.Browser, tmp_path: Path
+) -> None:
     cells = [
         synthetic.cell(recording=recording, robot_revision=revision, use=use)
         for recording, revision, use in (("kick", "old", "train"), ("squat", "new", "held_out"))
@@ -269,13 +274,13 @@ def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(shared,
 
 
 @pytest.mark.parametrize(("low", "high"), [(-0.5, 0.5), (-0.03, 0.03), (-9.9, 9.9), (0.0, 1.0), (-0.6, 0.1)])
-def test_an_axis_has_ticks_that_tell_its_scale(browser, low, high):
+def test_an_axis_has_ticks_that_tell_its_scale(browser: chromium.Browser, low: float, high: float) -> None:
     found = browser.run(f"ticks({low}, {high}, 2)")
     assert len(found) >= 2
     assert low - 1e-9 <= min(found) < max(found) <= high + 1e-9
 
 
-def test_revisions_stand_one_above_the_other_on_one_scale(browser):
+def test_revisions_stand_one_above_the_other_on_one_scale(browser: chromium.Browser) -> None:
     labels = "[...document.querySelectorAll('#detail svg.plot')].map(n => n.getAttribute('aria-label'))"
     shown = [label for label in browser.run(labels) if "revision" in label]
     assert [label.rsplit(" ", 1)[1] for label in shown] == ["new", "old"]
@@ -286,13 +291,13 @@ def test_revisions_stand_one_above_the_other_on_one_scale(browser):
     assert one == other != []
 
 
-def test_tradeoffs_have_a_front(browser):
+def test_tradeoffs_have_a_front(browser: chromium.Browser) -> None:
     assert browser.run("document.querySelectorAll('#plots svg.plot').length") == 2
     assert browser.run("document.querySelector('#plots .front').getAttribute('d').length") > 0
 
 
 @pytest.mark.parametrize("width", [360, 768, 1280])
-def test_nothing_is_wider_than_the_window(browser, width):
+def test_nothing_is_wider_than_the_window(browser: chromium.Browser, width: int) -> None:
     browser.resize(width, 800)
     browser.open(Path(browser.run("decodeURIComponent(location.pathname)")))
     browser.wait("document.querySelector('#detail svg.plot') !== null")
@@ -308,7 +313,7 @@ def test_nothing_is_wider_than_the_window(browser, width):
         assert '"position [°]"' in browser.run(labels)
 
 
-def test_dark_and_light_differ_and_both_contrast(page):
+def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
     grounds = []
     for dark in (False, True):
         with chromium.Browser(dark=dark) as browser:
@@ -321,7 +326,7 @@ def test_dark_and_light_differ_and_both_contrast(page):
     assert grounds[0] > 600 > 200 > grounds[1]
 
 
-def test_one_joint_one_engine(shared, tmp_path):
+def test_one_joint_one_engine(shared: chromium.Browser, tmp_path: Path) -> None:
     synthetic.write_folder(tmp_path, joints=["pendulum"], cells=[synthetic.cell()], error=lambda _: 0.01)
     shared.complaints.clear()
     shared.open(write_page(tmp_path))
@@ -330,7 +335,7 @@ def test_one_joint_one_engine(shared, tmp_path):
     assert texts(shared, ".segments span") == ["position", "velocity", "effort"]
 
 
-def test_traces_without_any_measurement_are_shown(shared, tmp_path):
+def test_traces_without_any_measurement_are_shown(shared: chromium.Browser, tmp_path: Path) -> None:
     joints = ["pendulum"]
     for engine in ("mujoco", "dart"):
         cell, trace = synthetic.cell(engine, recording=""), synthetic.trace(joints, 0.01, 1)
@@ -343,7 +348,9 @@ def test_traces_without_any_measurement_are_shown(shared, tmp_path):
     assert shared.complaints == []
 
 
-def test_curves_beside_the_page_are_loaded_from_disk(shared, page, tmp_path, monkeypatch):
+def test_curves_beside_the_page_are_loaded_from_disk(
+    shared: chromium.Browser, page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = shutil.copytree(page.parent, tmp_path / "beside")
     monkeypatch.setattr("realitygap.report.page.MAILABLE", 0)
     assert write_page(folder).stat().st_size < page.stat().st_size
@@ -353,7 +360,7 @@ def test_curves_beside_the_page_are_loaded_from_disk(shared, page, tmp_path, mon
     assert shared.complaints == []
 
 
-def test_a_thousand_cells_stay_usable(shared, tmp_path):
+def test_a_thousand_cells_stay_usable(shared: chromium.Browser, tmp_path: Path) -> None:
     cells = synthetic.grid(
         engine=["mujoco", "dart", "drake", "pybullet"],
         recording=[f"toss {i}" for i in range(50)],

@@ -3,6 +3,8 @@
 import json
 import re
 import shutil
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +16,13 @@ from realitygap.report.curves import read_curves, unpack, write_curves
 from realitygap.report.folder import read_folder
 from realitygap.report.spread import spread
 from realitygap.report.thesis import grounds, improvements
+from realitygap.trace.trace import Trace
 
 JOINTS = ("hip", "knee", "ankle", "toe")
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cells = synthetic.grid(engine=["mujoco", "drake"], robot_revision=["old", "new"], step_rate=[500.0, 1000.0])
     return synthetic.write_folder(
         tmp_path_factory.mktemp("synthetic"),
@@ -31,12 +34,12 @@ def folder(tmp_path_factory):
     )
 
 
-def test_same_folder_same_page(folder, tmp_path):
+def test_same_folder_same_page(folder: Path, tmp_path: Path) -> None:
     copy = shutil.copytree(folder, tmp_path / "copy")
     assert write_page(copy).read_bytes() == write_page(folder).read_bytes()
 
 
-def test_page_needs_nothing_from_elsewhere(folder):
+def test_page_needs_nothing_from_elsewhere(folder: Path) -> None:
     text = write_page(folder).read_text()
     assert not re.search(r"""(?:src|href)\s*=\s*["']?\s*(?:https?:)?//""", text)
     assert "fetch(" not in text
@@ -44,7 +47,7 @@ def test_page_needs_nothing_from_elsewhere(folder):
     assert not re.findall(r"https?://(?!www\.w3\.org/2000/svg)", text)
 
 
-def test_page_says_settings_limits_and_failures(folder):
+def test_page_says_settings_limits_and_failures(folder: Path) -> None:
     text = write_page(folder).read_text()
     assert "the solver of drake" in text
     assert "armature: emulated. outside the engine" in text
@@ -52,18 +55,18 @@ def test_page_says_settings_limits_and_failures(folder):
     assert "Virtual recordings." not in text
 
 
-def test_page_of_virtual_recordings_says_so(tmp_path):
+def test_page_of_virtual_recordings_says_so(tmp_path: Path) -> None:
     cells = [synthetic.cell()]
     synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.01, virtual=True)
     assert "Nothing is concluded about reality" in write_page(tmp_path).read_text()
 
 
-def test_page_without_timings_manifest_and_curves(folder, tmp_path):
+def test_page_without_timings_manifest_and_curves(folder: Path, tmp_path: Path) -> None:
     shutil.copy(folder / "gaps.csv", tmp_path)
     assert "MuJoCo comes closest" in write_page(tmp_path).read_text() or "MuJoCo is" in write_page(tmp_path).read_text()
 
 
-def test_names_from_outside_stay_text(tmp_path):
+def test_names_from_outside_stay_text(tmp_path: Path) -> None:
     joints = ["</script><script>alert(1)</script>", "<b>knee</b>"]
     synthetic.write_folder(tmp_path, joints=joints, cells=[synthetic.cell(recording="<i>x</i>")], error=lambda _: 0.01)
     text = write_page(tmp_path).read_text()
@@ -72,17 +75,17 @@ def test_names_from_outside_stay_text(tmp_path):
     assert "<i>x" not in text
 
 
-def test_folder_without_table_is_bad_input(tmp_path):
+def test_folder_without_table_is_bad_input(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"found no gaps\.csv"):
         write_page(tmp_path)
 
 
-def curves_of(folder, simulated, measured):
+def curves_of(folder: Path, simulated: Trace, measured: Trace) -> Path:
     """The curve file of one cell with these traces."""
     return write_curves(folder, read_traces(synthetic.write_cell(folder, synthetic.cell(), simulated, measured)))
 
 
-def test_curves_come_back_within_their_quantum(tmp_path):
+def test_curves_come_back_within_their_quantum(tmp_path: Path) -> None:
     joints = ["a", "b"]
     measured, simulated = synthetic.trace(joints, 0.0, 0, command=True), synthetic.trace(joints, 0.01, 1)
     path = curves_of(tmp_path, simulated, measured)
@@ -98,7 +101,7 @@ def test_curves_come_back_within_their_quantum(tmp_path):
     np.testing.assert_allclose(unpack(theirs["position"]["a"]), np.rad2deg(measured.at(time).position[:, 0]), atol=1e-3)
 
 
-def test_samples_that_were_not_measured_stay_missing(tmp_path):
+def test_samples_that_were_not_measured_stay_missing(tmp_path: Path) -> None:
     measured = synthetic.trace(["a"], 0.0, 0)
     measured.position[200:400] = np.nan
     path = curves_of(tmp_path, synthetic.trace(["a"], 0.01, 1), measured)
@@ -110,7 +113,7 @@ def test_samples_that_were_not_measured_stay_missing(tmp_path):
     assert np.isfinite(content["boxes"]["position"]["a"]).all()
 
 
-def test_box_is_that_of_all_samples(tmp_path):
+def test_box_is_that_of_all_samples(tmp_path: Path) -> None:
     measured, simulated = synthetic.trace(["a"], 0.0, 0), synthetic.trace(["a"], 0.02, 3)
     path = curves_of(tmp_path, simulated, measured)
     gap = np.rad2deg(np.abs(simulated.position[:, 0] - measured.position[:, 0]))
@@ -119,7 +122,7 @@ def test_box_is_that_of_all_samples(tmp_path):
     assert low <= q1 <= median <= q3 <= high <= most
 
 
-def test_spread_is_the_rms_between_the_engines(tmp_path):
+def test_spread_is_the_rms_between_the_engines(tmp_path: Path) -> None:
     measured = synthetic.trace(["a"], 0.0, 0)
     for engine, offset in (("mujoco", 0.01), ("drake", 0.03)):
         shifted = synthetic.trace(["a"], 0.0, 0)
@@ -131,8 +134,8 @@ def test_spread_is_the_rms_between_the_engines(tmp_path):
     assert one.radians == pytest.approx(0.02, rel=1e-9)
 
 
-def test_gain_that_follows_from_the_recording_is_no_axis(tmp_path):
-    def gaps(pairs):
+def test_gain_that_follows_from_the_recording_is_no_axis(tmp_path: Path) -> None:
+    def gaps(pairs: Any) -> synthetic.Gaps:
         return {
             ("mujoco", (("recording", r), ("overrides", json.dumps({"servos.*.gain": g}))), "position", "moving"): 1.0
             for r, g in pairs
@@ -144,7 +147,7 @@ def test_gain_that_follows_from_the_recording_is_no_axis(tmp_path):
     assert read_folder(tmp_path / "b").axes["servos.*.gain"] == [2.5, 5.0]
 
 
-def test_figures_are_the_same_twice_and_name_what_they_show(tmp_path):
+def test_figures_are_the_same_twice_and_name_what_they_show(tmp_path: Path) -> None:
     cells = synthetic.grid(engine=["mujoco", "drake"], robot_revision=["old", "new"])
     synthetic.write_folder(
         tmp_path, joints=JOINTS[:2], cells=cells, error=lambda c: np.inf if c.engine == "drake" else 0.01
@@ -161,14 +164,14 @@ def test_figures_are_the_same_twice_and_name_what_they_show(tmp_path):
 
 
 @pytest.mark.parametrize("joints", [1, 20])
-def test_figures_for_one_joint_and_for_many(tmp_path, joints):
+def test_figures_for_one_joint_and_for_many(tmp_path: Path, joints: int) -> None:
     names = [f"joint_{i}" for i in range(joints)]
     synthetic.write_folder(tmp_path, joints=names, cells=[synthetic.cell()], error=lambda _: 0.01)
     boxes = next(f for f in write_figures(tmp_path) if f.name == "boxes-position-swing.svg").read_text()
     assert all(n in boxes for n in names)
 
 
-def test_the_thesis_own_differences_are_those_of_its_tables():
+def test_the_thesis_own_differences_are_those_of_its_tables() -> None:
     """Table 5.6 as printed, made anew from tables 5.4 and 5.5."""
     assert improvements() == [
         ("cheering", "moving", "+0.2924", "-0.9567", "+1.7149"),
@@ -182,7 +185,7 @@ def test_the_thesis_own_differences_are_those_of_its_tables():
     ]
 
 
-def test_only_pages_of_the_thesis_robot_show_its_tables(tmp_path):
+def test_only_pages_of_the_thesis_robot_show_its_tables(tmp_path: Path) -> None:
     for name, shown in (("wolfgang_cheering", True), ("arm", False)):
         gaps = {("mujoco", (("scenario", name),), "position", "moving"): 1.0}
         page = write_page(synthetic.write_planted(tmp_path / name, synthetic.planted(gaps))).read_text()

@@ -1,6 +1,7 @@
 """A scenario from a program is the scenario of the file that says the same."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def test_an_override_takes_what_a_program_has() -> None:
         ({"name": 3, "robot": {"urdf": "a.urdf"}}, r"\(scenario\): name: found 3; expected text"),
     ],
 )
-def test_a_dict_that_is_wrong_is_one_sentence(told: dict, sentence: str) -> None:
+def test_a_dict_that_is_wrong_is_one_sentence(told: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence) as caught:
         load_scenario(told)
     assert "\n" not in str(caught.value)

@@ -1,6 +1,7 @@
 """Effects against what a pencil says: closed forms of the one-joint bench, of the drive law and of the commands."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,7 +46,9 @@ from realitygap_engines.model.robot import Array, Link, Model, Sphere, rotation_
 @pytest.mark.parametrize("name", ["coulomb_friction", "stribeck_friction"])
 def test_a_joint_held_by_static_friction_stays(name: str, engine: str) -> None:
     """Creep at most 1e-3 rad/s at 85 % of breakaway; at 115 % it moves."""
-    values = {"torque": 0.2} if name == "coulomb_friction" else {"static": 0.2, "coulomb": 0.1, "velocity": 0.5}
+    values: dict[str, Any] = (
+        {"torque": 0.2} if name == "coulomb_friction" else {"static": 0.2, "coulomb": 0.1, "velocity": 0.5}
+    )
     plant = added(effort_servo(wheel()), name, **values)
     held = run(plant, 0.17, engine=engine)
     assert abs(held.position[-1, 0] - held.position[100, 0]) / (held.time[-1] - 0.1) < 1e-3
@@ -326,7 +329,7 @@ def test_a_servo_that_gets_no_command_gives_no_torque(kind: int) -> None:
 def test_a_delay_of_part_of_a_step_is_exact(engine: str) -> None:
     """A command that is late by 3.37 steps gives what the plant without delay gives for that late command."""
     late = 3.37e-3
-    t = np.arange(1000) * 1e-3
+    t = 1e-3 * np.arange(1000, dtype=np.float64)
 
     def swing(time: Array) -> Array:
         return np.where(time > 0.1, 0.4 * np.sin(9.0 * (time - 0.1)) ** 2, 0.0)

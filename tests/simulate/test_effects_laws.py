@@ -16,6 +16,7 @@ from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.effect_bench import Excitation, arm, bench, block, motion, planted, simulate
 from realitygap.trace.trace import Trace
 from realitygap_engines import Unsupported
+from realitygap_engines.model.robot import Model
 
 ENGINES = engines.available()
 DURATION = 1.7
@@ -173,7 +174,8 @@ def test_a_dissipative_effect_never_adds_energy(name: str, engine: str) -> None:
             out = simulate(plant, engine, Excitation(push=1.0), duration=0.5)
             assert out.base_linear is not None
             assert out.base_position is not None
-            return 0.6 * np.sum(out.base_linear**2, axis=1) + 1.2 * 9.81 * out.base_position[:, 2]
+            moving = 0.6 * np.sum(out.base_linear**2, axis=1)
+            return np.asarray(moving + 1.2 * 9.81 * out.base_position[:, 2])
         plant.base_tilt = np.array([0.0, 0.8])  # q = 0 is then a start at 0.8 rad
         out = simulate(plant, engine, duration=1.0)
         assert out.position is not None
@@ -214,7 +216,7 @@ def test_two_effects_commute(first: str) -> None:
     assert tried == len(EFFECTS) - 1 - len(EFFECTS[first].excludes)
 
 
-def _with_feet(one: Plant, other: Plant) -> object:
+def _with_feet(one: Plant, other: Plant) -> Model:
     links = one.model.links
     return replace(one.model, links=(links[0], replace(links[1], spheres=other.model.links[0].spheres)))
 

@@ -69,7 +69,7 @@ def test_sag_grows_with_the_inverse_of_the_exponent(engine: str) -> None:
 @pytest.mark.parametrize("h", [1e-3, 0.5e-3])
 def test_an_error_is_held_until_the_next_sample(h: float) -> None:
     """A command that rises by 1 rad/s: the effort climbs a stair each 1/rate."""
-    ramp = 1e-3 * np.arange(200)
+    ramp = 1e-3 * np.arange(200, dtype=np.float64)
     out = run(added(still(), "servo_rate", rate=125.0), ramp, 0.19, h=h)
     stair = STIFFNESS * np.floor((out.time + 1e-9) * 125.0) / 125.0
     inside = np.abs((out.time * 125.0 + 0.5) % 1.0 - 0.5) > 0.6 * h * 125.0  # not the steps in which it jumps
@@ -129,7 +129,7 @@ def test_a_profile_keeps_both_bounds_and_arrives(acceleration: float) -> None:
     rng = np.random.default_rng(3)
     goals = np.append(rng.uniform(-1.0, 1.0, 40), 0.5)
     h = 1e-4
-    commands = Commands(np.arange(41) * 0.05, goals[:, None])
+    commands = Commands(0.05 * np.arange(41, dtype=np.float64), goals[:, None])
     out = profile(commands, 5.0, acceleration or np.inf, 30_000, h)
     speed = np.diff(out) / h
     assert np.abs(speed).max() <= 5.0 + 1e-6
@@ -152,7 +152,7 @@ def test_slow_commands_pass_and_a_delay_is_a_shift() -> None:
 def test_only_the_joint_that_has_a_profile_gets_one_and_off_stays_off() -> None:
     plant = added(free_wheel(2), "command_profile", "joint1", speed=2.0)
     value = np.where(np.arange(10) % 4 == 3, np.nan, 0.7 * (np.arange(10) > 4))[:, None] * np.ones(2)
-    commands = Commands(np.arange(10) * 0.02, value)
+    commands = Commands(0.02 * np.arange(10, dtype=np.float64), value)
     plain, out = on_steps(commands, 200, H, np.zeros(2)), told(commands, plant.drive, 200, H, np.zeros(2))
     assert np.array_equal(out[:, 0], plain[:, 0], equal_nan=True)
     assert np.array_equal(np.isnan(out), np.isnan(plain))

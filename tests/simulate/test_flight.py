@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from realitygap.robot.drive import Array
 from realitygap.simulate.flight import flying, launch, tumble
 from realitygap.trace.trace import Trace
 from realitygap_engines.model.robot import Link, Model, Sphere
@@ -18,16 +19,16 @@ SPIN = np.array([8.0, -5.0, 12.0])
 SPEED = np.array([1.2, -0.4, 0.8])
 
 
-def matrix(quaternion):
+def matrix(quaternion: Array) -> Rotation:
     return Rotation.from_quat(np.asarray(quaternion)[..., [1, 2, 3, 0]])
 
 
-def body():
+def body() -> Model:
     feet = tuple(Sphere(0.05 * np.array([x, y, z]), 1e-3) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
     return Model("body", (Link("body", 0.4, COM, INERTIA, feet),), (), True)
 
 
-def thrown(noise=0.0, bias=0.0, height=0.4):
+def thrown(noise: float = 0.0, bias: float = 0.0, height: float = 0.4) -> Trace:
     """A flight of 0.6 s at most that ends on the ground at z = 0, where the body stays as it is."""
     time = np.arange(0, 0.6, 1 / RATE)
     quaternion = tumble(time, START, SPIN, INERTIA)
@@ -48,7 +49,7 @@ def thrown(noise=0.0, bias=0.0, height=0.4):
     )
 
 
-def test_a_body_free_of_torque_keeps_momentum_and_energy():
+def test_a_body_free_of_torque_keeps_momentum_and_energy() -> None:
     time = np.linspace(0, 2, 401)
     quaternion = tumble(time, START, SPIN, INERTIA)
     turns = matrix(quaternion)
@@ -58,12 +59,12 @@ def test_a_body_free_of_torque_keeps_momentum_and_energy():
     momentum = middle.apply(inside @ INERTIA)
     start = matrix(START)
     first = start.apply(start.inv().apply(SPIN) @ INERTIA)
-    assert_allclose(momentum, np.tile(first, (len(momentum), 1)), atol=2e-3 * np.linalg.norm(first))
+    assert_allclose(momentum, np.tile(first, (len(momentum), 1)), atol=2e-3 * float(np.linalg.norm(first)))
     assert np.ptp(np.sum(inside @ INERTIA * inside, axis=1)) < 1e-3 * (SPIN @ SPIN) * 2e-3
 
 
 @pytest.mark.parametrize("bias", [0.0, 0.4])
-def test_the_launch_is_found_again(bias):
+def test_the_launch_is_found_again(bias: float) -> None:
     """The recorded velocities are wrong: linear 0, angular `bias` [rad/s] off."""
     found = launch(body(), thrown(bias=bias))
     arm = matrix(START).apply(COM)
@@ -73,14 +74,14 @@ def test_the_launch_is_found_again(bias):
     assert_allclose((matrix(found.quaternion) * matrix(START).inv()).as_rotvec(), np.zeros(3), atol=1e-6)
 
 
-def test_noise_is_averaged_over_the_flight():
+def test_noise_is_averaged_over_the_flight() -> None:
     trace = thrown(noise=5e-4)
     differenced = (trace.base_position[1] - trace.base_position[0]) * RATE
     true = SPEED - np.cross(SPIN, matrix(START).apply(COM))
     assert np.linalg.norm(launch(body(), trace).linear - true) < 0.2 * np.linalg.norm(differenced - true)
 
 
-def test_what_does_not_fly_has_no_launch():
+def test_what_does_not_fly_has_no_launch() -> None:
     trace = thrown()
     held = replace(trace, base_position=np.tile(trace.base_position[0], (len(trace.time), 1)))
     assert launch(body(), held) is None
@@ -89,7 +90,7 @@ def test_what_does_not_fly_has_no_launch():
     assert launch(body(), replace(trace, base_quaternion=None)) is None
 
 
-def test_the_flight_ends_at_the_ground_or_where_nothing_was_seen():
+def test_the_flight_ends_at_the_ground_or_where_nothing_was_seen() -> None:
     trace = thrown()
     count = flying(body(), trace.base_position, trace.base_quaternion)
     assert 20 < count < len(trace.time)

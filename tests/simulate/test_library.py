@@ -1,6 +1,7 @@
 """`rg.simulate`: the motion that `realitygap run` simulates, with effects that act as those of a file."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,7 +71,9 @@ def test_what_was_measured(demo: rg.ScenarioFile) -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_one_sentence(demo: rg.ScenarioFile, engine: str, arguments: dict, sentence: str) -> None:
+def test_what_is_wrong_is_one_sentence(
+    demo: rg.ScenarioFile, engine: str, arguments: dict[str, Any], sentence: str
+) -> None:
     with pytest.raises(rg.InputError, match=sentence) as caught:
         rg.simulate(demo, engine, **arguments)
     assert "\n" not in str(caught.value)

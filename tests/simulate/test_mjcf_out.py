@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -61,7 +62,7 @@ def ours(plant: Plant, commands: Commands, start: State, duration: float) -> np.
 def difference(plant: Plant, value: np.ndarray, start: State | None = None) -> float:
     """The largest difference of the two motions [rad or m]."""
     start = start or start_state(plant, np.zeros(len(plant.model.joints)))
-    commands = Commands(np.arange(len(value)) * STEP, value, held=False)
+    commands = Commands(STEP * np.arange(len(value), dtype=np.float64), value, held=False)
     steps = round(DURATION / STEP)
     text, _ = write_mjcf(plant, Physics(STEP, ground=plant.ground))
     stream = on_steps(commands, steps, STEP, np.zeros(len(plant.model.joints)))
@@ -106,7 +107,7 @@ def chain(floating: bool = False) -> Plant:
 def swings() -> np.ndarray:
     """A goal for each joint of the chain: swings, a jump and a rest. Shape (t, 3)."""
     value = command(np.arange(0.0, DURATION + STEP, STEP))
-    return value * np.array([1.0, 0.1, -0.8])
+    return np.asarray(value * np.array([1.0, 0.1, -0.8]))
 
 
 SERVOS = {
@@ -130,7 +131,7 @@ SERVOS = {
 }
 
 
-def driven(name: str, **more: object) -> Plant:
+def driven(name: str, **more: Any) -> Plant:
     plant = chain(**more)
     for field, value in SERVOS[name].items():
         plant.drive[field] = value

@@ -1,5 +1,7 @@
 """Cables, stops, and damping between rotor and link, against what a pencil says."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -49,7 +51,7 @@ def test_a_cable_holds_a_pendulum_where_its_torque_is_gravity_s() -> None:
     ],
 )
 @pytest.mark.parametrize("speed", [1.0, 1.313])
-def test_springs_are_stable_at_any_stiffness(name: str, values: dict[str, float], speed: float) -> None:
+def test_springs_are_stable_at_any_stiffness(name: str, values: dict[str, Any], speed: float) -> None:
     """No stop throws a joint back faster than it came, also where the step does not resolve it."""
     out = run(added(effort_servo(wheel()), name, **values), 0.0, 1.0, velocity=speed)
     assert np.abs(out.velocity).max() < 1.03 * speed

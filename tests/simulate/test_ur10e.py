@@ -23,7 +23,7 @@ def test_the_load_is_what_the_loaded_run_lacks(data_dir: Path) -> None:
 
     def rest(load: np.ndarray) -> np.ndarray:
         plant = loaded.plant.copy()
-        plant.payloads[last] = tuple(load)  # type: ignore[assignment]
+        plant.payloads[last] = tuple(load)
         found = simulate(loaded.with_plant(plant), "mujoco").trace.effort
         assert found is not None
         return np.asarray(measured - found)

@@ -3,15 +3,21 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from realitygap.trace.trace import Trace
 
 TIME = np.array([0.5, 0.75, 1.0])
 JOINTS = ("hip", "knee")
+SIX = np.arange(6.0).reshape(3, 2)
+SIGNALS = ("position", "velocity", "effort", "command")
 EVERY = Trace(
     TIME,
     JOINTS,
-    *(np.arange(6.0).reshape(3, 2) + 10 * k for k in range(4)),
+    position=SIX,
+    velocity=SIX + 10,
+    effort=SIX + 20,
+    command=SIX + 30,
     base_position=np.arange(9.0).reshape(3, 3),
     base_quaternion=np.tile([1.0, 0.0, 0.0, 0.0], (3, 1)),
     supply=np.array([15.0, 14.9, 14.8]),
@@ -23,7 +29,7 @@ def test_every_sample_stands_where_its_names_say() -> None:
     assert frame.index.name == "time"
     assert frame.columns.names == ["signal", "joint"]
     assert frame.index.tolist() == TIME.tolist()
-    for signal in ("position", "velocity", "effort", "command"):
+    for signal in SIGNALS:
         for i, joint in enumerate(JOINTS):
             assert frame[signal, joint].tolist() == getattr(EVERY, signal)[:, i].tolist()
     assert frame["base_position", "z"].tolist() == [2.0, 5.0, 8.0]
@@ -34,7 +40,7 @@ def test_every_sample_stands_where_its_names_say() -> None:
 
 def test_what_was_not_recorded_has_no_column() -> None:
     frame = Trace(TIME, JOINTS, position=np.zeros((3, 2))).to_frame()
-    assert frame.columns.tolist() == [("position", "hip"), ("position", "knee")]
+    assert frame.columns.equals(pd.MultiIndex.from_product([["position"], JOINTS]))
     assert Trace(TIME, ()).to_frame().shape == (3, 0)
 
 
