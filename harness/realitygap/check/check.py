@@ -15,7 +15,7 @@ from realitygap.check.mistake import KINDS, Mistake, merged
 from realitygap.check.motion import motion_mistakes, moving
 from realitygap.check.observed import Mask, Observed, Read, observe
 from realitygap.check.start import constant_command, start_mistakes
-from realitygap.check.velocity import velocity_mistakes
+from realitygap.check.velocity import usual_slopes, velocity_mistakes
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.recording import read_recording
 from realitygap.robot.plant import Plant, build_plant
@@ -89,8 +89,9 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
             angles += [m for m in motion_mistakes(o, rest) if not late or m.kind not in SHIFTED]
         angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
     found += angles
+    usual = usual_slopes(rest)
     for o in rest:
-        found += velocity_mistakes(o, _without(o, _joints(angles)))
+        found += velocity_mistakes(o, _without(o, _joints(angles)), usual)
     if undriven_robot or late:
         return found
     held = [m for o in rest for m in constant_command(o)]

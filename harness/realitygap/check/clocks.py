@@ -23,6 +23,8 @@ LATE = 1.0
 """s: and one this much later too; less may be a controller that waits."""
 EXPLAINED = 0.9
 """The share of a motion's variance that a shifted command explains: 0.91 to 1 was measured on five machines."""
+CHOSEN = 2.0
+"""An offset is the best of hundreds that are tried, so it has to be better by this factor more than `FAR_BETTER`."""
 
 ENOUGH = 0.97
 """Where a delay and a lag that a servo may have explain so much, an offset has nothing to add."""
@@ -103,7 +105,7 @@ def clock_offset(o: Observed, moving: Mask) -> list[Mistake]:
             best = (float(delay), score)
     offset, score = best
     turned = float(np.nan_to_num(np.diag(either.share)).mean())  # a sine shifted by half a period is a flipped one
-    if score < EXPLAINED or 1.0 - max(float(allowed.mean()), turned) < FAR_BETTER * (1.0 - score):
+    if score < EXPLAINED or 1.0 - max(float(allowed.mean()), turned) < CHOSEN * FAR_BETTER * (1.0 - score):
         return []
     certain = offset <= BEFORE or offset >= LATE
     order = "later than" if offset > 0 else "before"

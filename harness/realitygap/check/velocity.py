@@ -4,6 +4,8 @@ Travel by velocity and by position over a stretch of time are compared, for ever
 travel does not amplify the quantum of an encoder. A sensor may low-pass and scale: `recording.faults` tells that.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from realitygap.check.follow import Following, following
@@ -70,8 +72,28 @@ def opposed(o: Observed) -> Mask:
         return np.asarray(moves & told & (np.diag(fit.share) > FITS) & (np.diag(fit.slope) < 0))
 
 
-def velocity_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
-    """Velocities with another unit, another sign, another joint's, or nobody's, at the joints (n,) that are judged."""
+def usual_slopes(observed: Sequence[Observed]) -> dict[str, float]:
+    """The median over recordings of what each joint's velocity is of its position's derivative, where it is known.
+
+    A sensor has one scale in all of them; a few quick moves between coarse readings may show another.
+    """
+    slopes: dict[str, list[float]] = {}
+    for o in observed:
+        found = _fit(o)
+        if found is not None:
+            fit, moves, told = found
+            with np.errstate(invalid="ignore"):
+                known = moves & told & (np.diag(fit.share) > FITS)
+            for j in np.flatnonzero(known):
+                slopes.setdefault(o.joints[j], []).append(float(fit.slope[j, j]))
+    return {joint: float(np.median(values)) for joint, values in slopes.items()}
+
+
+def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> list[Mistake]:
+    """Velocities with another unit, another sign, another joint's, or nobody's, at the joints (n,) that are judged.
+
+    `usual` holds `usual_slopes` of all recordings of the robot.
+    """
     found = _fit(o)
     if found is None:
         return []
@@ -103,7 +125,7 @@ def velocity_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
                 "sign is flipped; expected the same sense of rotation for both"
             )
             out.append(Mistake("flipped_sign", "certain", (joint,), sentence, key, (o.name,)))
-        elif not 1.0 / SENSOR < a < SENSOR:
+        elif not 1.0 / SENSOR < usual.get(joint, a) < SENSOR:
             sentence = (
                 f"the velocity of {joint} is {a:.3g} times the derivative of its position (explains {own:.1%}), more "
                 "than a sensor is off; expected a factor near 1"

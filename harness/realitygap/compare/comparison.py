@@ -177,7 +177,7 @@ def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revisio
     if fine is not None:
         on_stamps = replace(fine.at(motion.measured.time), command=motion.measured.command)
         numerical = {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
-    for d in differences(model, mean, motion.measured):
+    for d in _judged(motion, differences(model, mean, motion.measured)):
         note = EXCLUDED if any(fnmatchcase(d.joint, p) for p in excluded) else ""
         if d.values.size:
             done.rows.append(row(cell, d, _noise(motion, d), numerical.get((d.joint, d.signal), float("nan")), note))
@@ -223,4 +223,10 @@ def _expected(motion: RepeatedMotion) -> list[Difference]:
     names = model.joint_names
     order = [measured.index(n) for n in names]
     twin: dict[str, Any] = {s: None if (v := getattr(measured, s)) is None else v[:, order] for s in JOINT_SIGNALS}
-    return differences(model, replace(measured, joints=tuple(names), **twin), measured)
+    return _judged(motion, differences(model, replace(measured, joints=tuple(names), **twin), measured))
+
+
+def _judged(motion: RepeatedMotion, found: list[Difference]) -> list[Difference]:
+    """What a motion is judged by: of one that is followed the effort, as its positions and velocities are given."""
+    followed = motion.experiments[0].followed is not None
+    return [d for d in found if d.signal == "effort"] if followed else found

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from realitygap.check import certain
 from realitygap.files.progress import Progress
 from realitygap.files.result_folder import written_whole
+from realitygap.matrix.checked import checked
 from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
 from realitygap.matrix.estimate import Estimate
@@ -59,7 +59,7 @@ def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progres
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
     """
-    warnings = _checked(matrix, progress)
+    warnings = checked(matrix, progress.say)
     tasks = plan(matrix)
     _say_notes(tasks, progress)
     with ExitStack() as stack:
@@ -135,15 +135,6 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
         f"{jobs} process{'es' if jobs != 1 else ''} where the machine has nothing else to do"
     )
     return lines
-
-
-def _checked(matrix: MatrixFile, progress: Progress) -> list[str]:
-    """Likely mistakes in the scenarios, said before the long work; a certain one ends it here."""
-    several = len(matrix.scenarios) > 1
-    out = [f"{f.scenario.name}: {m.text}" if several else m.text for f in matrix.scenarios for m in certain(f)]
-    for line in out:
-        progress.say(f"likely a mistake: {line}")
-    return out
 
 
 def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:

@@ -62,7 +62,7 @@ def _variants(
     names = list(matrix.matrix.axes)
     for values in product(*matrix.matrix.axes.values()):
         axes = dict(zip(names, values, strict=True))
-        revision, changes = _changes(matrix, file, axes)
+        revision, changes = changes_of(matrix, file, axes)
         variant = file.override(changes)
         others = {k: v for k, v in axes.items() if k not in NAMED_AXES}
         found = [_with_axes(e, others) for e in experiments(variant, read=read, only=matrix.matrix.recordings)]
@@ -71,8 +71,12 @@ def _variants(
         yield axes, revision, (variant, regrouped(first, found))
 
 
-def _changes(matrix: MatrixFile, file: ScenarioFile, axes: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    """The revision's name and the scenario keys that a combination of axis values changes."""
+def changes_of(matrix: MatrixFile, file: ScenarioFile, axes: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The revision's name and the scenario keys that a combination of axis values changes.
+
+    Raises:
+        InputError: for a revision that the scenario does not have, or a key that its recordings set themselves.
+    """
     changes = {}
     for axis, value in axes.items():
         if axis == "revision":

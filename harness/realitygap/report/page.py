@@ -23,6 +23,7 @@ MAILABLE = 4_000_000
 """Curves up to this many bytes travel inside the page; larger ones are loaded from the files beside it."""
 TAGS = {
     "virtual": "caution",
+    "mistake": "check this",
     "failed": "did not finish",
     "closest": "closest",
     "gap": "gap",

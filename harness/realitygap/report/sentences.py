@@ -19,7 +19,7 @@ OF = {"moving": "moving joints", "unmoving": "unmoving joints", "base": "the bas
 
 @dataclass(frozen=True)
 class Sentence:
-    """A sentence and what it is about: virtual, failed, closest, gap, change, enough, speed or joint."""
+    """A sentence and what it is about: virtual, mistake, failed, closest, gap, change, enough, speed or joint."""
 
     about: str
     text: str
@@ -27,7 +27,7 @@ class Sentence:
 
 def sentences(results: Results) -> list[Sentence]:
     """All sentences, those on moving joints and the base before those on unmoving joints."""
-    out = [*virtual(results), *failures(results.cells)]
+    out = [*virtual(results), *mistakes(results), *failures(results.cells)]
     if results.gaps.empty:
         return [*out, Sentence("virtual", "Nothing was measured: there are traces and no gaps.")]
     rest: list[Sentence] = []
@@ -48,6 +48,12 @@ def virtual(results: Results) -> list[Sentence]:
     """That virtual recordings say nothing of reality."""
     text = "The recordings are virtual: they come from a simulation, and nothing is concluded about reality from them."
     return [Sentence("virtual", text)] if results.virtual else []
+
+
+def mistakes(results: Results) -> list[Sentence]:
+    """What is likely a mistake in the scenario, which no physics explains."""
+    found = (results.manifest.get("notes") or {}).get("likely mistakes") or []
+    return [Sentence("mistake", _stop(f"Likely a mistake: {text}")) for text in found]
 
 
 def failures(cells: pd.DataFrame) -> list[Sentence]:

@@ -28,7 +28,12 @@ class Spread:
 
 
 def spread(results: Results) -> list[Spread]:
-    """The spread of every pair of engines, in the order of the table. Prismatic joints are left out."""
+    """The spread of every pair of engines, in the order of the table. Prismatic joints are left out.
+
+    Where positions are given and not simulated, as in motions that are followed, there is none.
+    """
+    if not results.gaps.empty and not (results.gaps["signal"] == "position").any():
+        return []
     contexts: dict[tuple[str, ...], dict[str, Path]] = {}
     others = [a for a in AXES if a != "engine"]
     for record in results.cells.to_dict("records"):

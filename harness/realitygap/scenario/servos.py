@@ -6,7 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from realitygap.scenario.section import Fraction, NotNegative, Patterns, Positive, Section
+from realitygap.scenario.section import Finite, Fraction, NotNegative, Patterns, Positive, Section
+
+Volts = Annotated[Finite, Field(gt=0, le=1000)]
+"""No joint's bus has more: a larger number is in mV."""
 
 
 class Friction(Section):
@@ -39,7 +42,7 @@ class DcServo(Servo):
     kind: Literal["dc"] = Field(description="this kind of servo")
     gain: NotNegative = Field(description="duty per position error [1/rad]")
     duty_limit: Fraction = Field(default=1.0, description="largest duty, either way")
-    supply: Positive | RecordedSupply = Field(description="supply voltage [V]")
+    supply: Volts | RecordedSupply = Field(description="supply voltage [V]")
     torque_constant: Positive = Field(
         description="torque per current at the output shaft [N·m/A]; also volts per speed [V·s/rad]"
     )

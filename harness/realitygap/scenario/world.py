@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from realitygap.scenario.section import Count, NotNegative, Positive, Section
+from realitygap.scenario.section import Count, Finite, NotNegative, Positive, Section
 
 
 class GroundSpec(Section):
@@ -25,5 +25,5 @@ GROUNDS = {
 class PhysicsSpec(Section):
     """How to simulate."""
 
-    step_rate: Positive = Field(default=1000.0, description="steps per second [Hz]")
+    step_rate: Finite = Field(default=1000.0, ge=10, description="steps per second [Hz]")
     solver_iterations: Count | None = Field(default=None, description="solver iterations, where the engine has them")

@@ -8,7 +8,7 @@ async function drawDetail() {
   const cells = shownCells(state.engine);
   if (!cells.length) { place.replaceChildren(element("p", null, `${data.axes[engineAxis].values[state.engine].text} has no cell with these choices.`)); return; }
   const head = detailHead(cells);
-  const cell = cells.find((c) => data.cells[c].curves) ?? cells[0];
+  const cell = furthest(cells);
   if (!data.cells[cell].curves) { place.replaceChildren(...head, element("p", { class: "hint" }, "There are no curves of this cell.")); return; }
   try {
     const shown = data.axes[engineAxis].values.map((_, e) => e)
@@ -22,6 +22,13 @@ async function drawDetail() {
   } catch (error) {
     if (run === detailRun) place.replaceChildren(...head, element("p", { class: "hint" }, `No curves: ${error.message}.`));
   }
+}
+
+// Of several cells the one whose curves show most: the largest gap among those that have curves.
+function furthest(cells) {
+  const drawn = cells.filter((c) => data.cells[c].curves);
+  const gap = (c) => stat([c], state.signal, state.target)?.mean ?? -1;
+  return drawn.reduce((most, c) => (gap(c) > gap(most) ? c : most), drawn[0]) ?? cells[0];
 }
 
 // The cell of another engine that agrees in everything else.
@@ -50,7 +57,7 @@ function detailHead(cells) {
   if (s.median !== undefined) facts.push(fact("median", s.median), fact("95 %", s.p95), fact("largest", s.max));
   out.push(element("dl", { class: "facts" }, facts));
   if (s.mean <= floorOf(s)) out.push(element("p", { class: "verdict same" }, `${SAME} from the recording: the gap is not above its floors.`));
-  if (s.cells > 1) out.push(element("p", { class: "hint" }, `Mean of ${s.cells} recordings; the curves are those of ${recordingText(cells[0])}.`));
+  if (s.cells > 1) out.push(element("p", { class: "hint" }, `Mean of ${s.cells} recordings; the curves are those of ${recordingText(furthest(cells))}, which is furthest off.`));
   const traces = cells.filter((c) => data.cells[c].whole);
   if (traces.length === 1) out.push(traceLinks(data.cells[traces[0]]));
   return out;

@@ -2,7 +2,7 @@
 function drawTradeoffs() {
   const place = document.getElementById("plots");
   const numeric = switchable.filter((a) => data.axes[a].key !== "recording" && data.axes[a].values.filter((v) => typeof v.value === "number").length > 1);
-  const timed = data.cells.some((c) => c.speed !== null) && data.rows.cell.length > 0;
+  const timed = data.engines.length > 1 && data.cells.some((c) => c.speed !== null) && data.rows.cell.length > 0;
   const hide = !numeric.length && !timed;
   document.getElementById("tradeoffs").hidden = hide;
   document.querySelector("[data-section=tradeoffs]").hidden = hide;
