@@ -1,9 +1,13 @@
-# Needs nothing but Python 3.11 or newer with venv and pip; every other tool is put into .venv from requirements.lock.
+# Needs nothing but Python 3.11 to 3.14 with venv and pip; every other tool is put into .venv from requirements.lock.
 
 SCENARIO ?= scenarios/demo/scenario.yaml
 SEEDS    ?= 1 6
-USABLE   := import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))
-PYTHON   ?= $(shell for p in python3.11 python3; do $$p -c '$(USABLE)' 2>/dev/null && echo $$p && break; done)
+CASES    ?= 10000
+SEED     ?= 1
+LOCKED   := import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 15))
+USABLE   := import venv, ensurepip; $(LOCKED)
+PYTHON   ?= $(shell for p in python3.11 python3 python3.14 python3.13 python3.12; do \
+	$$p -c '$(USABLE)' 2>/dev/null && echo $$p && break; done)
 PYTEST   ?= -n 2 --dist worksteal --durations=15
 
 BIN   := .venv/bin
@@ -44,6 +48,10 @@ check: lint types test  ## lint, types and tests
 blind: $(READY)  ## diagnose the whole suite of planted truths, one open and one sealed seed (many hours)
 	$(BIN)/python tests/planted/run.py $(SEEDS:%=--seed %) --reference results/reference
 
+.PHONY: fuzz
+fuzz: $(READY)  ## 10,000 files of every kind that are not what they should be (CASES, SEED)
+	PYTHONPATH=tests:engines:harness $(BIN)/python -m fuzz.run --cases $(CASES) --seed $(SEED) --keep results/runs/fuzz
+
 .PHONY: bench
 bench: $(READY)  ## measure what the harness costs over a bare loop of each engine
 	$(BIN)/python tests/bench_overhead.py
@@ -65,15 +73,13 @@ clean:  ## remove the environment, caches and runs
 # Brought up to date when the lock or pyproject.toml changes. An environment that another tool made without pip gets pip;
 # one whose Python is gone is made anew.
 $(READY): requirements.lock pyproject.toml
-	@test -n "$(PYTHON)" || { echo "found no Python of 3.11 or newer with venv and pip; install one (Debian: python3 and python3-venv)"; exit 1; }
+	@test -n "$(PYTHON)" && $(PYTHON) -c '$(USABLE)' 2>/dev/null || { echo "found no Python of 3.11 to 3.14, which the lock holds, with venv and pip;" \
+		"install one (Debian: python3 and python3-venv) or name it: make PYTHON=python3.12"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip >/dev/null 2>&1 \
 		|| $(PYTHON) -m venv --clear .venv
 	@echo "installing into .venv (about 2 GB, the first time takes some minutes)"
-	@if $(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 15))'; then \
-		$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock && \
-		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
-	else \
-		echo "the lock covers Python 3.11 to 3.14; installing the newest releases instead"; \
-		$(BIN)/python -m pip install --quiet --prefer-binary -e '.[dev]'; \
-	fi
+	@$(BIN)/python -c '$(LOCKED)' || { echo ".venv has a Python that the lock does not hold (3.11 to 3.14):" \
+		"remove it with make clean"; exit 1; }
+	@$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
 	@touch $@

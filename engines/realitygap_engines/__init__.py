@@ -14,7 +14,7 @@ from realitygap_engines.engine import (
     Simulation,
     State,
 )
-from realitygap_engines.errors import Diverged, ModelError, RealityGapError, Unsupported
+from realitygap_engines.errors import Diverged, Failed, ModelError, RealityGapError, Unsupported
 
 __all__ = [
     "ENGINES",
@@ -22,6 +22,7 @@ __all__ = [
     "Capability",
     "Diverged",
     "Engine",
+    "Failed",
     "Ground",
     "ModelError",
     "Physics",

@@ -1,9 +1,11 @@
 """What goes wrong, under one root: `except RealityGapError` catches all that this project raises on purpose.
 
 A robot or other input that cannot be used is a `ModelError` here and an `InputError` in `realitygap`; both are
-`ValueError`s, too. `Unsupported` and `Diverged` are outcomes of a simulation rather than mistakes.
+`ValueError`s, too. `Unsupported`, `Failed` and `Diverged` are outcomes of a simulation rather than mistakes.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 
@@ -17,6 +19,10 @@ class ModelError(RealityGapError, ValueError):
 
 class Unsupported(RealityGapError):
     """An engine was asked for physics that it cannot express; the message says what, why and what can be done."""
+
+
+class Failed(RealityGapError):
+    """An engine gave up while it opened, stepped or read a robot; the message is one sentence with its own words."""
 
 
 class Diverged(RealityGapError):
@@ -34,3 +40,29 @@ class Diverged(RealityGapError):
     def __reduce__(self) -> tuple[Any, ...]:
         """As it was made, so that it comes through from another process."""
         return type(self), (self.time, self.joint, self.what)
+
+
+LONGEST = 300
+"""Characters of a sentence that somebody else's words may fill."""
+
+
+def in_a_line(words: object) -> str:
+    """Somebody else's words in one line: line ends and other control characters as they are escaped, not endless."""
+    text = " ".join(str(words).split())
+    text = "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+
+
+@contextmanager
+def as_its_outcome(engine: str) -> Iterator[None]:
+    """Whatever an engine raises in here is what its simulation came to: `Failed`, with the engine's words.
+
+    What this project raises on purpose goes through as it is, and so does a memory that is too small.
+    """
+    try:
+        yield
+    except (RealityGapError, MemoryError):
+        raise
+    except Exception as error:
+        words = in_a_line(error)
+        raise Failed(f"{engine} failed with {type(error).__name__}{f': {words}' if words else ''}") from error

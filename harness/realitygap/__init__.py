@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from realitygap_engines import Diverged as Diverged
+    from realitygap_engines import Failed as Failed
     from realitygap_engines import ModelError as ModelError
     from realitygap_engines import RealityGapError as RealityGapError
     from realitygap_engines import Unsupported as Unsupported
@@ -46,6 +47,7 @@ _PLACES = {  # name -> the module that holds it
     "Diagnosed": "realitygap.diagnose.library",
     "Diverged": "realitygap_engines",
     "EffectSpec": "realitygap.scenario.schema",
+    "Failed": "realitygap_engines",
     "Finding": "realitygap.diagnose.library",
     "InputError": "realitygap.files.errors",
     "Model": "realitygap_engines.model.robot",

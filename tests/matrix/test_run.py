@@ -1,6 +1,7 @@
 """`realitygap run` from the scenario file to the files it leaves, in one engine."""
 
 import json
+import os
 import re
 import shutil
 import signal
@@ -180,17 +181,27 @@ def test_a_finished_run_holds_its_own_files_and_what_a_person_put_there(tmp_path
     run(path, out)
     (out / "notes.txt").write_text("mine")
     (out / "figures" / "photo.jpg").write_text("mine")
+    (out / "figures" / "mine.svg").write_text("mine")
+    (out / "traces" / "mine.mcap").write_text("mine")
+    (out / ".unfinished-of-a-killed-run").mkdir()
+    os.utime(out / ".unfinished-of-a-killed-run", (0, 0))
     path.write_text(path.read_text().replace("name: demo", "name: other"))
     (tmp_path / "chirp_1.mcap").rename(tmp_path / "chirp_2.mcap")
     path.write_text(path.read_text().replace("chirp_1", "chirp_2"))
     run(path, out)
     files = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()}
-    assert {"notes.txt", "figures/photo.jpg"} <= files
+    assert {"notes.txt", "figures/photo.jpg", "figures/mine.svg", "traces/mine.mcap"} <= files
+    assert not list(out.glob(".*"))
     assert not [f for f in files if "chirp_1" in f or f.startswith(".")]
     assert [f for f in files if "chirp_2" in f]
 
 
-def test_an_interrupted_run_leaves_everything_as_it_was(demo: Run, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("number", "status", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "ended by SIGTERM")]
+)
+def test_an_interrupted_run_leaves_everything_as_it_was(
+    number: signal.Signals, status: int, word: str, demo: Run, tmp_path: Path
+) -> None:
     def content(folder: Path) -> dict[str, bytes]:
         return {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
@@ -203,10 +214,10 @@ def test_an_interrupted_run_leaves_everything_as_it_was(demo: Run, tmp_path: Pat
         while not list(out.glob(".unfinished-*/cells-*/*.zip")):
             assert process.poll() is None
             time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         _, said = process.communicate(timeout=60)
-        assert process.returncode == 130
-        assert said.splitlines()[-1] == "realitygap: interrupted; nothing was written"
+        assert process.returncode == status
+        assert said.splitlines()[-1] == f"realitygap: {word}; nothing was written"
         assert "Traceback" not in said
     assert content(old) == before
     assert not (tmp_path / "deep").exists()

@@ -82,7 +82,7 @@ def test_folder_without_table_is_bad_input(tmp_path: Path) -> None:
 
 def curves_of(folder: Path, simulated: Trace, measured: Trace) -> Path:
     """The curve file of one cell with these traces."""
-    return write_curves(folder, read_traces(synthetic.write_cell(folder, synthetic.cell(), simulated, measured)))
+    return write_curves(folder, read_traces(synthetic.write_cell(folder, synthetic.cell(), simulated, measured)))[0]
 
 
 def test_curves_come_back_within_their_quantum(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ LEAST = 1e-12
 """Smallest moment, of the largest, that is not just rounding of 0."""
 Body = tuple[float, Array, Array]
 """Mass [kg], centre of mass (3,) [m], and inertia (3, 3) [kg·m²] about it."""
+HEAVIEST, FARTHEST, LARGEST_MOMENT = 1e8, 1e4, 1e12
+"""[kg], [m] and [kg·m²] beyond which a number is no machine's: the heaviest vehicles weigh 1.4e7 kg."""
 LEAST_MOMENT = 1e-15
 """[kg·m²] MuJoCo's mjMINVAL: no engine here takes less on a link that moves."""
 
@@ -72,6 +74,17 @@ def together(bodies: Sequence[Body]) -> Body:
 
 
 def _check(path: Path, part: Part) -> None:
+    for what, unit, found, most in (
+        ("mass", "kg", part.mass, HEAVIEST),
+        ("centre of mass", "m", part.com, FARTHEST),
+        ("inertia", "kg·m²", part.inertia, LARGEST_MOMENT),
+    ):
+        largest = float(np.abs(np.asarray(found, dtype=np.float64)).max())
+        if not largest <= most:
+            raise ModelError(
+                f"{path}: link {part.name}: {what} is {largest:.4g} {unit}, which no machine has; expected at most "
+                f"{most:g} {unit}"
+            )
     moments = _moments(part.inertia)
     allowed = ROUNDING * max(moments[2], 1e-12)
     if moments[0] < -1e-6 * max(moments[2], 1e-12) or moments[0] + moments[1] < moments[2] - allowed:

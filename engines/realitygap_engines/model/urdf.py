@@ -24,6 +24,8 @@ from realitygap_engines.model.robot import (
 from realitygap_engines.model.touching import touching
 from realitygap_engines.model.urdf_check import parse_urdf
 
+AXIS = 1e-3
+"""By how much an axis may miss the length 1 before it is told; one that is so short or 1/so long is a mistake."""
 Fixed = tuple[yourdfpy.Link, Array]
 """A URDF link and its pose (4, 4) in the link that carries it."""
 Branch = tuple[yourdfpy.Joint, Array]
@@ -85,6 +87,16 @@ def read_urdf(
         for limit in ("effort", "velocity")
         if joint.type != "fixed" and joint.limit is not None and getattr(joint.limit, limit) == 0
     ]
+    notes += [
+        f"joint {joint.name} has limits from 0 to 0 in the URDF, which are taken as none"
+        for joint in robot.joints
+        if joint.type in ("revolute", "prismatic") and _without_range(joint)
+    ]
+    notes += [
+        f"joint {joint.name} has an axis of length {_length(joint):.4g} in the URDF; its direction is taken"
+        for joint in robot.joints
+        if joint.type != "fixed" and abs(_length(joint) - 1) > AXIS
+    ]
     final = [
         replace(body, spheres=contact_spheres(path, body.name, found, packages or {})) if body.name in touch else body
         for body, found in zip(bodies, shapes, strict=True)
@@ -125,20 +137,21 @@ def _part(part: yourdfpy.Link, pose: Array) -> Part:
 
 def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joint:
     axis = np.array([1.0, 0.0, 0.0]) if joint.axis is None else np.asarray(joint.axis, dtype=float)
-    norm = float(np.linalg.norm(axis))
-    if not norm > 0:
-        raise ModelError(f"{path}: joint {joint.name} has axis {axis}, expected a direction")
+    norm = _length(joint)
+    if not AXIS < norm < 1 / AXIS:
+        raise ModelError(f"{path}: joint {joint.name} has axis {axis}, expected a direction: a vector of length 1")
     limit, dynamics = joint.limit, joint.dynamics
 
     def value(source: object, key: str, default: float) -> float:
         found = getattr(source, key, None)
         return default if found is None else float(found)
 
-    unlimited = joint.type == "continuous" or limit is None
+    unlimited = joint.type == "continuous" or limit is None or _without_range(joint)
     lower = -np.inf if unlimited else value(limit, "lower", 0.0)
     upper = np.inf if unlimited else value(limit, "upper", 0.0)
-    if lower > upper:
-        raise ModelError(f"{path}: joint {joint.name} has lower limit {lower:g} above its upper limit {upper:g}")
+    if lower >= upper:
+        what = f"lower limit {lower:g} {'above' if lower > upper else 'at'} its upper limit {upper:g}"
+        raise ModelError(f"{path}: joint {joint.name} has {what}; expected room to move, or a fixed joint")
     return Joint(
         name=joint.name,
         prismatic=joint.type == "prismatic",
@@ -153,6 +166,16 @@ def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joi
         damping=value(dynamics, "damping", 0.0),
         mimic=_mimic(joint),
     )
+
+
+def _length(joint: yourdfpy.Joint) -> float:
+    """Of the axis, which is to be 1."""
+    return 1.0 if joint.axis is None else float(np.linalg.norm(joint.axis))
+
+
+def _without_range(joint: yourdfpy.Joint) -> bool:
+    """Whether the limits of a joint go from 0 to 0, as exporters leave them that know none."""
+    return joint.limit is not None and not (joint.limit.lower or joint.limit.upper)
 
 
 def _mimic(joint: yourdfpy.Joint) -> Mimic | None:

@@ -15,6 +15,12 @@ from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.xacro_file import expanded, is_xacro
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+LONGEST_NAME = 1000
+"""Characters of a name: PyBullet dies of longer ones."""
+FAR, MANY = 1e4, 1e9
+"""[m] Nothing on a machine is farther, and in any unit no number of one larger, but for a limit that is none."""
+LARGEST = {"origin": FAR, "box": FAR, "cylinder": FAR, "sphere": FAR, "dynamics": MANY, "mimic": MANY, "mesh": MANY}
+"""Element -> the largest number that any machine has there; masses and inertias are checked where they are lumped."""
 NUMBERS = {  # element -> attribute -> how many numbers
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
@@ -86,6 +92,10 @@ def _check_part(path: Path, part: ElementTree.Element) -> None:
     name = part.get("name")
     if not name:
         raise ModelError(f"{path}: a {part.tag} has no name, expected one")
+    if len(name) > LONGEST_NAME:
+        raise ModelError(
+            f"{path}: {part.tag} {name[:20]}... has a name of {len(name)} characters, expected at most {LONGEST_NAME}"
+        )
     for end in ("parent", "child") if part.tag == "joint" else ():
         element = part.find(end)
         if element is None or not element.get("link"):
@@ -108,6 +118,8 @@ def _check_numbers(what: str, tag: str, text: str, count: int) -> None:
     endless = tag == "limit" and not any(math.isnan(v) for v in values)
     if len(values) != count or not (endless or all(math.isfinite(v) for v in values)):
         raise ModelError(f"{what} is {text!r}, expected {expected}")
+    if max(map(abs, values)) > LARGEST.get(tag, math.inf):
+        raise ModelError(f"{what} is {text!r}, which no machine has; expected at most {LARGEST[tag]:g}")
     if tag in SIZES and min(values) <= 0:
         raise ModelError(f"{what} is {text!r}, expected more than 0 m")
     if tag in ("mass", "dynamics") and min(values) < 0:

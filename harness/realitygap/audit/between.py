@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from realitygap_engines import Engine, Ground, Physics, State
+from realitygap_engines import Diverged, Engine, Failed, Ground, Physics, State, Unsupported
+from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array, Model
 
 from realitygap.audit.certificate import Row, Verdict
@@ -39,9 +40,13 @@ def _rows(
         state = oracle.step(state, h, zero)
     rows, ends = [], []
     for engine in engines:
-        with engine.open(model, Physics(h)) as simulation:
-            simulation.reset(start)
-            end = advance(simulation, steps).position
+        try:
+            with as_its_outcome(engine.name), engine.open(model, Physics(h)) as simulation:
+                simulation.reset(start)
+                end = advance(simulation, steps).position
+        except (Diverged, Failed, Unsupported) as error:
+            rows.append(Row(name, engine.name, float("inf"), tolerance, "rad", "failed", str(error)))
+            continue
         capability = engine.capabilities()["forward_dynamics"]
         row = _row(name, engine.name, end - state.position, tolerance, "against Pinocchio, velocity first")
         if row.verdict == "failed" and capability.level == "no":

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from realitygap_engines import Diverged, Engine, Simulation, State, Unsupported
+from realitygap_engines import Diverged, Engine, Failed, Simulation, State, Unsupported
+from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
 
 from realitygap.audit.certificate import Row, Verdict
@@ -17,6 +18,7 @@ class Check:
     Attributes:
         property: its name in the certificate.
         measure: the error in `unit`; may raise `Unsupported` or `Diverged`, which are results too.
+            So is whatever else the engine raises.
         tolerance: the largest error that passes; infinite for information.
         unit: of the error; "1" for a relative one.
         note: how it is measured.
@@ -34,8 +36,9 @@ class Check:
         """Measure and judge."""
         note = self.note
         try:
-            measured = self.measure(engine)
-        except (Diverged, Unsupported) as error:
+            with as_its_outcome(engine.name):
+                measured = self.measure(engine)
+        except (Diverged, Failed, Unsupported) as error:
             measured, note = np.inf, str(error)
         verdict: Verdict = "passed" if measured <= self.tolerance else "failed"
         if np.isinf(self.tolerance):

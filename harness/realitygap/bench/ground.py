@@ -25,6 +25,7 @@ from scipy.stats import qmc
 from realitygap.bench.summary import Summary
 from realitygap.bench.toss import toss_errors
 from realitygap.files.errors import InputError
+from realitygap.files.lifeline import end_with
 from realitygap.files.progress import Progress
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
@@ -132,7 +133,9 @@ def _fits(
     # Forked before an engine is loaded; a fork afterwards would share its threads' locks.
     with (
         progress.task("fitting the ground", 2 * len(names)) as advance,
-        ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("fork")) as pool,
+        ProcessPoolExecutor(
+            count, multiprocessing.get_context("fork"), initializer=end_with, initargs=(os.getpid(),)
+        ) as pool,
     ):
         fits = [pool.submit(fit, name, spec, train, held_out) for name in names]
         swapped = [pool.submit(fit, name, spec, held_out, train) for name in names]

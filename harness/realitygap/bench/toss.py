@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 import realitygap_engines as engines
-from realitygap_engines import Diverged, Ground, Physics
+from realitygap_engines import Diverged, Failed, Ground, Physics
+from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
 
 from realitygap.recording.frames import angle_between
@@ -53,8 +54,9 @@ def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_
             measured = toss.recording.trace
             start, length = toss.start(), toss.duration + physics.timestep
             try:
-                trace = rollout(simulation, toss.plant, toss.commands, start, length).trace
-            except Diverged:
+                with as_its_outcome(engine):
+                    trace = rollout(simulation, toss.plant, toss.commands, start, length).trace
+            except (Diverged, Failed):
                 errors.append((BLOWN_UP, BLOWN_UP))
                 continue
             shifted = Trace(

@@ -12,6 +12,7 @@ from realitygap.cli.diagnose_commands import diagnose, rehearse
 from realitygap.cli.robot_commands import audit, effects, engines, init
 from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
+from realitygap.files.interrupted import Interrupted, listening
 
 COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
@@ -50,7 +51,11 @@ def options(
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input is one sentence on standard error. Every error has status 2; 1 is a failed check."""
     try:
-        app(arguments)
+        with listening():
+            app(arguments)
+    except Interrupted as end:
+        typer.echo(f"realitygap: {end}", err=True)
+        raise SystemExit(end.status) from None
     except OSError as error:  # a folder that cannot be written, a full disk
         _fail(f"{error.filename or 'output'}: {error.strerror or error}")
     except MemoryError as error:

@@ -1,7 +1,6 @@
 """What commands share: options with one meaning, the folder to write to, and what is said."""
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -21,22 +20,17 @@ Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker pr
 
 
 def folder_for(out: Path | None, name: str = "") -> Path:
-    """The folder to write to, checked before the work: `--out`, or one below results/runs."""
+    """The folder to write to, checked before the work: `--out`, or one below results/runs.
+
+    What a command left there that was killed is removed.
+    """
+    from realitygap.files.unfinished import sweep
     from realitygap.files.whole import check_writable
 
     folder = out or Path("results/runs") / name
     check_writable(folder)
+    sweep(folder)
     return folder
-
-
-@contextmanager
-def interruptible(left: str) -> Iterator[None]:
-    """Ctrl-C ends the command with the status that shells give it, and a sentence on what it leaves behind."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        typer.echo(f"realitygap: interrupted; {left}", err=True)
-        raise typer.Exit(130) from None
 
 
 def say(lines: Iterable[str]) -> None:

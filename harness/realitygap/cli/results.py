@@ -8,6 +8,7 @@ import pandas as pd
 
 from realitygap.compare.budget import stated_budget
 from realitygap.compare.table import means
+from realitygap.files.errors import spared
 from realitygap.files.progress import Progress
 from realitygap.matrix.collect import Collected
 from realitygap.matrix.junit import write_junit
@@ -41,7 +42,9 @@ def matrix(
     made = make(load_matrix(path), out, settings, progress)
     counts = Counter(o.outcome for _, o in made.cells)
     lines = [f"{len(made.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
-    return _said(made, lines + [s.text for s in sentences(read_folder(out))], out, budget, junit)
+    with spared("the summary", made.failures):
+        lines += [s.text for s in sentences(read_folder(out))]
+    return _said(made, lines, out, budget, junit)
 
 
 def listed(path: Path, out: Path, settings: Settings) -> Said:
@@ -56,7 +59,7 @@ def make(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) 
         InputError: for a matrix that cannot be run; nothing is written then.
     """
     with results(matrix, out, settings, progress) as (made, folder):
-        write_report(folder)
+        made.failures.extend(write_report(folder))
     return made
 
 
@@ -65,7 +68,7 @@ def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, flo
     if junit is not None:
         write_junit(junit, made.name, made.cells, over)
     excess = [line for found in over.values() for line in found] + made.not_judged(budget)
-    return [*lines, *excess, f"report: {out / 'report.html'}"], int(bool(excess))
+    return [*lines, *made.failures, *excess, f"report: {out / 'report.html'}"], int(bool(excess))
 
 
 def summary(made: Collected) -> list[str]:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Junit, MaxGap, Out, folder_for, interruptible, say
+from realitygap.cli.options import Engines, Junit, MaxGap, Out, folder_for, say
 
 
 def run(
@@ -29,9 +29,7 @@ def run(
     if junit is not None:
         check_writable(junit.parent, "--junit")
     folder = folder_for(out, scenario.resolve().parent.name)
-    with interruptible("nothing was written"):
-        said = results.run(scenario, engine or [], folder, budget, junit, Progress())
-    _judged(said)
+    _judged(results.run(scenario, engine or [], folder, budget, junit, Progress()))
 
 
 def matrix(
@@ -58,6 +56,7 @@ def matrix(
     """
     from realitygap.cli import results
     from realitygap.compare.budget import parse_budget
+    from realitygap.files.interrupted import leaving
     from realitygap.files.progress import Progress
     from realitygap.files.whole import check_writable
     from realitygap.matrix.matrix import Settings
@@ -67,7 +66,7 @@ def matrix(
         check_writable(junit.parent, "--junit")
     folder = folder_for(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
     settings = Settings(jobs, scheduler, cells, retry_crashed=retry_crashed)
-    with interruptible("cells that are done are kept, and the same command goes on from there"):
+    with leaving("cells that are done are kept, and the same command goes on from there"):
         if dry_run:
             said = results.listed(matrix, folder, settings)
         else:
@@ -77,9 +76,9 @@ def matrix(
 
 def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
     """Make page and figures again from the results."""
-    from realitygap.report import write_report
+    from realitygap.report import remake
 
-    typer.echo(f"report: {write_report(folder)}")
+    say([*remake(folder), f"report: {folder / 'report.html'}"])
 
 
 def _judged(said: tuple[list[str], int]) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import realitygap_engines as engines
-from realitygap_engines import Diverged, Unsupported
+from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.compare.gap import JOINT_SIGNALS, Difference, differences, mean_trace
 from realitygap.compare.table import EXCLUDED, Cell, Row, failed, row
@@ -18,6 +18,9 @@ from realitygap.scenario.file import ScenarioFile
 from realitygap.simulate.experiment import Experiment, check_excluded, experiments, simulate
 from realitygap.simulate.rollout import Rollout
 from realitygap.trace.trace import Array, Trace
+
+OUTCOMES: dict[type[Exception], str] = {Diverged: "diverged", Failed: "failed", Unsupported: "unsupported"}
+"""What a simulation may come to in place of a motion."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +49,7 @@ class Comparison:
     Attributes:
         cell: what was simulated.
         rows: of the table.
-        outcome: ok, unsupported or diverged.
+        outcome: ok, unsupported, failed or diverged.
         note: why not.
         simulated: on every step; of repetitions, their mean on the measured clock.
         measured: in the window; the mean of repetitions.
@@ -164,8 +167,8 @@ def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revisio
         rollouts = _simulated(motion, engine, 1.0)
         mean = _mean(motion, rollouts)
         fine = _mean(motion, _simulated(motion, engine, 2.0)) if floors and motion.measured is not None else None
-    except (Unsupported, Diverged) as error:
-        return failure(cell, motion, "diverged" if isinstance(error, Diverged) else "unsupported", str(error))
+    except tuple(OUTCOMES) as error:
+        return failure(cell, motion, OUTCOMES[type(error)], str(error))
     names = [e.name for e in motion.experiments]
     each = {n: r.trace for n, r in zip(names, rollouts, strict=True)} if len(rollouts) > 1 else {}
     first = rollouts[0]

@@ -56,12 +56,21 @@ class Row(Cell):
 COLUMNS = [f.name for f in fields(Row)]
 
 
+LONGEST_NAME = 120
+"""Bytes of the readable part of a file name: file systems take 255 in all."""
+
+
+def file_name(words: str) -> str:
+    """Words as a part of a file name that every file system takes."""
+    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in words)
+    return safe.encode("utf-8", "ignore")[:LONGEST_NAME].decode("utf-8", "ignore")
+
+
 def slug(cell: Cell) -> str:
     """A file name that is the same for the same cell: readable, with a hash of the whole key."""
     key = json.dumps([str(v) for v in vars(cell).values()])
     readable = "_".join(p for p in (cell.engine, cell.recording or cell.scenario) if p)
-    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in readable)
-    return f"{safe}_{hashlib.sha256(key.encode()).hexdigest()[:8]}"
+    return f"{file_name(readable)}_{hashlib.sha256(key.encode('utf-8', 'replace')).hexdigest()[:8]}"
 
 
 def row(cell: Cell, difference: Difference, noise: float, numerical: float, note: str = "") -> Row:

@@ -1,13 +1,16 @@
 """The traces of a cell as files: whole as Parquet, for page, figures and whoever computes on; as MCAP for viewers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from realitygap_engines.errors import in_a_line
 from realitygap_engines.model.robot import Model
 
 from realitygap.compare.comparison import Comparison
 from realitygap.compare.table import Cell, slug
+from realitygap.files.errors import InputError
 from realitygap.trace.mcap import write_mcap
 from realitygap.trace.parquet import read_about, read_parquet, write_parquet
 from realitygap.trace.trace import Trace
@@ -60,14 +63,35 @@ def write_traces(folder: Path, done: Comparison, model: Model) -> None:
 
 
 def cell_of_traces(path: Path) -> Cell:
-    """The cell that a Parquet file is of; its traces are not read."""
-    return Cell(**read_about(path)["cell"])
+    """The cell that a Parquet file is of; its traces are not read.
+
+    Raises:
+        InputError: for a damaged file.
+    """
+    with _undamaged(path):
+        return Cell(**read_about(path)["cell"])
 
 
 def read_traces(path: Path, signals: Sequence[str] = Trace.SIGNALS) -> CellTraces:
-    """The traces of a cell from its Parquet file; signals that are not asked for are None."""
-    about = read_about(path)
-    found = read_parquet(path, only=(SIMULATED, MEASURED), signals=signals)
-    simulated = found[SIMULATED]
-    joints = tuple(JointKind(name, name in about["slides"]) for name in simulated.joints)
-    return CellTraces(Cell(**about["cell"]), joints, simulated, found.get(MEASURED))
+    """The traces of a cell from its Parquet file; signals that are not asked for are None.
+
+    Raises:
+        InputError: for a damaged file.
+    """
+    with _undamaged(path):
+        about = read_about(path)
+        found = read_parquet(path, only=(SIMULATED, MEASURED), signals=signals)
+        simulated = found[SIMULATED]
+        joints = tuple(JointKind(name, name in about["slides"]) for name in simulated.joints)
+        return CellTraces(Cell(**about["cell"]), joints, simulated, found.get(MEASURED))
+
+
+@contextmanager
+def _undamaged(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # a damaged file makes its reader trip over anything
+        raise InputError(
+            f"{path}: is not a whole file of traces ({type(error).__name__}: {in_a_line(error)}); take it away or run "
+            "again"
+        ) from None

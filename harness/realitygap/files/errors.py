@@ -1,9 +1,10 @@
 """The one error that a person made: bad input, told in one sentence."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
-from realitygap_engines.errors import RealityGapError
+from realitygap_engines.errors import RealityGapError, in_a_line
 
 
 class InputError(RealityGapError, ValueError):
@@ -12,6 +13,15 @@ class InputError(RealityGapError, ValueError):
     The message is one sentence that names the file and the key or topic, what was found, what was expected and, where
     it helps, what to do. The command line prints it and exits with status 2.
     """
+
+
+@contextmanager
+def spared(what: str, failures: list[str]) -> Iterator[None]:
+    """What fails in here costs itself alone: a sentence on it is added to the failures, and the work goes on."""
+    try:
+        yield
+    except Exception as error:
+        failures.append(f"{what} could not be made ({type(error).__name__}: {in_a_line(error)}); all else is there")
 
 
 def did_you_mean(found: str, known: Iterable[str]) -> str:

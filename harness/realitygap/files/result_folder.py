@@ -1,27 +1,42 @@
-"""A result folder is written whole: until everything is there, what an earlier run left stays as it was."""
+"""A result folder is written whole: until everything is there, what an earlier run left stays as it was.
+
+`manifest.json` lists the files that are ours. When new ones are complete, their folder is renamed, which is the moment
+at which the new state holds; then they take the place of the old. A run that is killed in between is finished by the
+next command that looks at the folder. Whatever the last manifest does not list is somebody else's and stays.
+"""
 
 import contextlib
+import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-MARKS = ("gaps.csv", "manifest.json")
-"""What makes a folder a result folder; without them nothing in it is taken for an earlier run's."""
-OURS = ("curves/*.js", "traces/*.mcap", "traces/*.parquet", "figures/*.svg", "timings.csv", "report.html", *MARKS)
+from realitygap.files.unfinished import UNFINISHED, hold, part_folder
+from realitygap.files.whole import write_whole
+
+MANIFEST = "manifest.json"
+FILES = "files"
+"""The key of the manifest under which our files are listed."""
+FINISHED = ".finished-"
+"""How the name of a folder begins whose files are whole and on their way to their places."""
+OURS = ("curves/*.js", "traces/*.mcap", "traces/*.parquet", "figures/*.svg", "timings.csv", "gaps.csv", "report.html")
+"""What a run writes. Of a list that somebody altered, nothing else is taken."""
 
 
 @contextlib.contextmanager
-def written_whole(out: Path) -> Iterator[Path]:
+def written_whole(out: Path, keeps: tuple[str, ...] = ()) -> Iterator[Path]:
     """A folder to write results into. At the end they take the place of an earlier run's in `out`.
 
-    Where the work fails or is interrupted, `out` is as before. Files that no run has written stay in any case.
+    Where the work fails or is interrupted, `out` is as before. Files that no run has written stay in any case, and so
+    do those of the earlier run that match the patterns in `keeps`.
     """
     absent = [folder for folder in (out, *out.parents) if not folder.exists()]
     out.mkdir(parents=True, exist_ok=True)
     try:
-        with TemporaryDirectory(prefix=".unfinished-", dir=out) as part:  # inside: files are moved, never copied
-            yield Path(part)
-            _replace(out, Path(part))
+        settle(out)
+        with part_folder(out) as part:  # inside: files are moved, never copied
+            yield part
+            _finish(out, part, keeps)
     except BaseException:
         for folder in absent:
             with contextlib.suppress(OSError):  # something else was put there meanwhile
@@ -29,11 +44,59 @@ def written_whole(out: Path) -> Iterator[Path]:
         raise
 
 
+def settle(out: Path) -> None:
+    """Finish what a run began that was killed while its files moved to their places."""
+    for part in sorted(out.glob(f"{FINISHED}*")):
+        held = hold(part)
+        if held is not None:
+            try:
+                _replace(out, part)
+            finally:
+                os.close(held)
+
+
+def _finish(out: Path, part: Path, keeps: tuple[str, ...]) -> None:
+    """The moment from which the new state holds, and what follows from it."""
+    new = sorted(f.relative_to(part).as_posix() for f in part.rglob("*") if f.is_file() and f.name != MANIFEST)
+    kept = [name for name in _listed(out) if any(Path(name).match(k) for k in keeps) and name not in new]
+    manifest = _manifest(part) or _manifest(out)
+    if manifest:
+        text = json.dumps(manifest | {FILES: sorted([*new, *kept])}, indent=1, ensure_ascii=False)
+        write_whole(part / MANIFEST, text + "\n")
+    for name in new:
+        (out / name).parent.mkdir(exist_ok=True)
+    _replace(out, part.rename(part.with_name(FINISHED + part.name.removeprefix(UNFINISHED))))
+
+
 def _replace(out: Path, part: Path) -> None:
-    if all((out / name).is_file() for name in MARKS):
-        for file in [f for pattern in OURS for f in out.glob(pattern)]:
-            file.unlink()
-    for file in sorted(f for f in part.rglob("*") if f.is_file()):
-        place = out / file.relative_to(part)
-        place.parent.mkdir(exist_ok=True)
-        file.replace(place)
+    """Put new files in their places; the manifest, which tells which these are, last."""
+    if (part / MANIFEST).exists():  # else everything was moved already, or nothing is known of what lies there
+        for name in set(_listed(out)) - set(_listed(part)):
+            (out / name).unlink(missing_ok=True)
+    files = sorted(f for f in part.rglob("*") if f.is_file())
+    for file in sorted(files, key=lambda f: f.name == MANIFEST):
+        file.replace(out / file.relative_to(part))
+    for folder in sorted((f for f in part.rglob("*") if f.is_dir()), reverse=True):
+        folder.rmdir()
+    part.rmdir()
+
+
+def _listed(folder: Path) -> list[str]:
+    """The files that a folder's manifest lists, as far as they can be ours and lie in it."""
+    names = _manifest(folder).get(FILES)
+    inside = folder.resolve()
+    return [
+        name
+        for name in (names if isinstance(names, list) else [])
+        if isinstance(name, str)
+        and any(Path(name).match(pattern) and name.count("/") == pattern.count("/") for pattern in OURS)
+        and (folder / name).parent.resolve().is_relative_to(inside)
+    ]
+
+
+def _manifest(folder: Path) -> dict[str, object]:
+    try:
+        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}

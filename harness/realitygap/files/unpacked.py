@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.unfinished import ELSEWHERE, part_folder
 
 PACKED = {".gz": "gzip", ".zst": "zstd", ".zstd": "zstd"}
 """Suffixes of packed files, and what pyarrow calls the method."""
@@ -32,8 +33,8 @@ def unpacked(path: Path) -> Iterator[Path]:
         return
     import pyarrow as pa  # here, because a scenario that only asks for a name is to load fast
 
-    with tempfile.TemporaryDirectory(prefix="realitygap-") as folder:
-        plain = Path(folder) / plain_name(path).name
+    with part_folder(Path(tempfile.gettempdir()), ELSEWHERE) as folder:
+        plain = folder / plain_name(path).name
         try:
             with pa.input_stream(str(path), compression=method) as source, plain.open("wb") as target:
                 shutil.copyfileobj(source, target, 1 << 20)

@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.unfinished import UNFINISHED, hold
 
 
 def check_writable(folder: Path, option: str = "--out") -> None:
@@ -31,10 +32,11 @@ def write_whole(path: Path, content: str | bytes) -> None:
     """Write a file whole or not at all: beside its place first, then moved there."""
     path.parent.mkdir(parents=True, exist_ok=True)
     data = content.encode("utf-8") if isinstance(content, str) else content
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=UNFINISHED)
     part = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
+            hold(handle)
             file.write(data)
         part.chmod(0o644)
         part.replace(path)

@@ -1,7 +1,7 @@
 """The result folder: a pure function of the files of its cells."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
@@ -24,11 +24,13 @@ class Collected:
         name: of the scenario or the matrix.
         gaps: the table.
         cells: every cell with what became of it, in the order of the tasks.
+        failures: sentences on what could not be drawn of it.
     """
 
     name: str
     gaps: pd.DataFrame
     cells: list[tuple[Task, Outcome]]
+    failures: list[str] = field(default_factory=list)
 
     def excess(self, budget: Mapping[str, float]) -> dict[str, list[str]]:
         """Sentences on the cells that exceed a budget, by the cell's key."""

@@ -16,7 +16,7 @@ from realitygap.matrix.local import run_local
 from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import plan
 from realitygap.matrix.store import Store, open_store
-from realitygap.matrix.task import Outcome, Task, compute, read_outcome
+from realitygap.matrix.task import Outcome, Task, read_outcome
 
 RETRIED = ("crashed", "timeout")
 """Outcomes that stay until it is asked for them again."""
@@ -27,14 +27,14 @@ class Settings:
     """How a matrix is run.
 
     Attributes:
-        jobs: processes on this machine; None computes in this process, one cell after the other.
+        jobs: processes on this machine: what an engine does to its process is one cell's outcome.
         scheduler: address of a Dask scheduler; None computes here.
         store: path or URL where finished cells are kept; None keeps them in `cells` of the result folder.
         keep: whether finished cells are kept for the next time.
         retry_crashed: whether cells that crashed or took too long are tried again.
     """
 
-    jobs: int | None = 1
+    jobs: int = 1
     scheduler: str | None = None
     store: str | None = None
     keep: bool = True
@@ -45,8 +45,8 @@ class Settings:
         return self.store or str((out / "cells").absolute())
 
 
-ONCE = Settings(jobs=None, keep=False)
-"""How `run` does it: in this process, and computed anew every time."""
+ONCE = Settings(keep=False)
+"""How `run` does it: computed anew every time."""
 
 
 @contextmanager
@@ -75,7 +75,7 @@ def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progres
 
 
 def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
-    """Compute the cells whose files are not in the store at `place`, each within `limit` [s] where it has a process.
+    """Compute the cells whose files are not in the store at `place`, each within `limit` [s].
 
     Returns:
         What happened, by key, to the cells that could not be computed.
@@ -91,16 +91,11 @@ def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, pr
             if what is not None:
                 undone[task.key] = what
 
-        if settings.jobs is None and settings.scheduler is None:
-            for task in todo:
-                advance(task.title)
-                store.write(task.key, compute(task))
-            return undone
         todo.sort(key=Estimate(there.values()).seconds, reverse=True)  # the longest first, so that none is left alone
         if todo and settings.scheduler:
             run_cluster(todo, settings.scheduler, place, limit, done)
         elif todo:
-            run_local(todo, min(settings.jobs or 1, len(todo)), place, limit, done)
+            run_local(todo, min(settings.jobs, len(todo)), place, limit, done)
     return undone
 
 
@@ -128,7 +123,7 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     for task in tasks:
         state = "there" if task.key in there else f"{estimate.seconds(task):.1f} s"
         lines.append(f"{task.file.scenario.name:18} {task.title:60} {state}")
-    todo, jobs = [t for t in tasks if t.key not in there], settings.jobs or 1
+    todo, jobs = [t for t in tasks if t.key not in there], settings.jobs
     total = estimate.total(todo, jobs)
     lines.append(
         f"{len(tasks)} cells, {len(there)} of them there; the others and the report take about {total:.0f} s with "

@@ -28,6 +28,8 @@ def _listed(value: object) -> object:
     return value if isinstance(value, list) else [value]
 
 
+LONGEST = 1e6
+"""[s] A cell of a scenario that runs alone may take as long as anybody waits."""
 ANY_BUT_NONE = {"not": {"type": "array", "maxItems": 0}}
 """One value, or a list that is not empty."""
 Values = Annotated[list[Any], BeforeValidator(_listed), Field(min_length=1), WithJsonSchema(ANY_BUT_NONE)]
@@ -48,7 +50,7 @@ class Matrix(Section):
     )
     floors: bool = Field(default=True, description="simulate again with half the step for the numerical floor")
     traces: bool = Field(default=True, description="write the traces of every cell (Parquet and MCAP)")
-    time_limit: Positive = Field(default=300.0, description="seconds after which a cell counts as hung")
+    time_limit: Positive = Field(default=300.0, le=LONGEST, description="seconds after which a cell counts as hung")
 
 
 @dataclass(frozen=True)
@@ -94,5 +96,7 @@ def load_matrix(path: Path) -> MatrixFile:
 
 def matrix_of(file: ScenarioFile, engines: Sequence[str] = ()) -> MatrixFile:
     """The matrix of one scenario as it is, in the engines that are named or in all that are installed."""
-    matrix = Matrix(name=file.scenario.name, scenarios=[file.path.name], engines=list(engines) or None)
+    matrix = Matrix(
+        name=file.scenario.name, scenarios=[file.path.name], engines=list(engines) or None, time_limit=LONGEST
+    )
     return MatrixFile(file.path, matrix, (file,))

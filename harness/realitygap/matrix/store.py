@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.unfinished import sweep
 from realitygap.files.whole import write_whole
 
 
@@ -32,6 +33,7 @@ class FolderStore(Store):
         self.folder = folder
 
     def keys(self) -> set[str]:
+        sweep(self.folder)
         return {p.stem for p in self.folder.glob("*.zip") if not p.name.startswith(".")}
 
     def read(self, key: str) -> bytes:

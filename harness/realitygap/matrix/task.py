@@ -11,6 +11,7 @@ from typing import Any
 from realitygap.compare.comparison import Comparison, RepeatedMotion, cell_of, compare, failure
 from realitygap.compare.table import Cell, Row
 from realitygap.compare.traces import write_traces
+from realitygap.files.unfinished import ELSEWHERE, part_folder
 from realitygap.scenario.file import ScenarioFile
 
 RECORD = "cell.json"
@@ -90,8 +91,7 @@ def packed(task: Task, done: Comparison) -> bytes:
         "steps": rollout.steps if rollout else 0,
     }
     out = io.BytesIO()
-    with tempfile.TemporaryDirectory() as name, zipfile.ZipFile(out, "w") as archive:
-        folder = Path(name)
+    with part_folder(Path(tempfile.gettempdir()), ELSEWHERE) as folder, zipfile.ZipFile(out, "w") as archive:
         if task.traces:
             write_traces(folder, done, task.motion.experiments[0].plant.model)
         _add(archive, RECORD, json.dumps(record, default=str, ensure_ascii=False).encode())
@@ -114,18 +114,21 @@ def read_outcome(data: bytes) -> Outcome:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            damaged = archive.testzip()
+            if damaged is not None:
+                raise ValueError(f"{damaged} is damaged")
             record = json.loads(archive.read(RECORD))
-    except (zipfile.BadZipFile, KeyError, json.JSONDecodeError) as error:
-        raise ValueError(f"is not the file of a cell ({error})") from None
-    return Outcome(
-        cell=Cell(**record["cell"]),
-        outcome=record["outcome"],
-        note=record["note"],
-        rows=[Row(**r) for r in record["rows"]],
-        settings=record["settings"],
-        wall=record["wall"],
-        steps=record["steps"],
-    )
+        return Outcome(
+            cell=Cell(**record["cell"]),
+            outcome=record["outcome"],
+            note=record["note"],
+            rows=[Row(**r) for r in record["rows"]],
+            settings=record["settings"],
+            wall=record["wall"],
+            steps=record["steps"],
+        )
+    except Exception as error:  # a damaged archive makes its reader trip over anything
+        raise ValueError(f"is not the file of a cell ({type(error).__name__}: {error})") from None
 
 
 def unpack(data: bytes, folder: Path) -> list[str]:

@@ -1,7 +1,6 @@
 """A process that computes cells one after the other, and the handle that its parent holds.
 
-Whatever happens to a cell happens to this process alone. The process ends when its parent is gone, after the cell it is
-at: that cell is kept, too.
+Whatever happens to a cell happens to this process alone. The process ends when its parent is gone.
 """
 
 import contextlib
@@ -13,6 +12,9 @@ import subprocess
 import sys
 from multiprocessing.connection import Connection
 
+from realitygap_engines.errors import in_a_line
+
+from realitygap.files.lifeline import end_with
 from realitygap.matrix.store import open_store
 from realitygap.matrix.task import Task, compute
 
@@ -44,7 +46,7 @@ class Worker:
         self._connection = Connection(ours.detach())
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "realitygap.matrix.worker", str(theirs.fileno())],
+                [sys.executable, "-m", "realitygap.matrix.worker", str(theirs.fileno()), str(os.getpid())],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,  # engines greet there
@@ -122,12 +124,13 @@ def serve(connection: Connection) -> None:
             task: Task = pickle.loads(task_bytes)
             try:
                 data = compute(task)
-            except Exception as error:  # an engine may raise anything; it is this cell's outcome
-                connection.send(("failed", f"{type(error).__name__}: {' '.join(str(error).split())}"))
+            except Exception as error:  # whatever it is, it is this cell's outcome
+                connection.send(("failed", f"{type(error).__name__}: {in_a_line(error)}"))
                 continue
             open_store(store).write(task.key, data)
             connection.send(("done", "ok"))
 
 
 if __name__ == "__main__":
+    end_with(int(sys.argv[2]))
     serve(Connection(int(sys.argv[1])))

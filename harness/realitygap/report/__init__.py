@@ -2,17 +2,38 @@
 
 from pathlib import Path
 
+from realitygap.files.errors import spared
+from realitygap.files.result_folder import settle, written_whole
 from realitygap.report.figures import write_figures
+from realitygap.report.folder import read_folder
 from realitygap.report.page import write_page
 
-__all__ = ["write_figures", "write_page", "write_report"]
+__all__ = ["remake", "write_figures", "write_page", "write_report"]
+
+RESULTS = ("traces/*", "gaps.csv", "timings.csv")
+"""What page and figures are made of."""
 
 
-def write_report(folder: Path) -> Path:
-    """Write the figures and the page of a result folder. Returns the page.
+def write_report(folder: Path) -> list[str]:
+    """Write the figures and the page of a new result folder. Returns sentences on what could not be drawn."""
+    failures: list[str] = []
+    with spared("figures", failures):
+        write_figures(folder, failures=failures)
+    with spared("the page", failures):
+        write_page(folder)
+    return failures
+
+
+def remake(folder: Path) -> list[str]:
+    """Write figures and page of a result folder again, whole. Returns sentences on figures that could not be drawn.
 
     Raises:
-        InputError: where the folder holds no result table.
+        InputError: where the folder holds no result table, or a file of it is damaged; nothing is written then.
     """
-    write_figures(folder)
-    return write_page(folder)
+    settle(folder)
+    read_folder(folder)  # before anything is made there
+    failures: list[str] = []
+    with written_whole(folder, keeps=RESULTS) as part:
+        write_figures(folder, part, failures)
+        write_page(folder, part)
+    return failures

@@ -25,8 +25,8 @@ SAMPLES = 2000
 """Samples of a curve at most: as a plot of 500 pixels needs that is zoomed in four times."""
 
 
-def write_curves(folder: Path, traces: CellTraces) -> Path:
-    """Write the curves of one cell below a result folder. Returns the file."""
+def write_curves(folder: Path, traces: CellTraces) -> list[Path]:
+    """Write the curves of one cell below a result folder. Returns the files, its own first."""
     simulated, measured = traces.simulated, traces.measured
     clock = thinned(traces, SAMPLES)
     content: dict[str, Any] = {
@@ -34,13 +34,14 @@ def write_curves(folder: Path, traces: CellTraces) -> Path:
         "time": _packed(clock - clock[0]),
         "simulated": _packed_series(simulated.at(clock), traces),
     }
+    shared = []
     if measured is not None:
         theirs = json.dumps(_packed_series(measured.at(clock), traces), separators=(",", ":"), ensure_ascii=False)
         content["measured"] = f"measured-{hashlib.sha256(theirs.encode()).hexdigest()[:12]}"
         content["boxes"] = boxes(traces)
-        _write(folder, content["measured"], theirs)
+        shared = [_write(folder, content["measured"], theirs)]
     text = json.dumps(content, separators=(",", ":"), ensure_ascii=False)
-    return _write(folder, slug(traces.cell), text)
+    return [_write(folder, slug(traces.cell), text), *shared]
 
 
 def thinned(traces: CellTraces, most: int) -> Array:

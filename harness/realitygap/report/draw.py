@@ -22,6 +22,7 @@ STYLE: Any = {
     "axes.axisbelow": True,
     "grid.color": "#e4e2dd",
     "grid.linewidth": 0.7,
+    "text.parse_math": False,  # a name with $ in it is a name
     "svg.fonttype": "none",  # text stays text: searchable, and small
     "svg.hashsalt": "realitygap",  # the same picture is the same file
     "figure.constrained_layout.use": True,

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from realitygap.compare.table import file_name
 from realitygap.compare.traces import CellTraces, read_traces
+from realitygap.files.errors import spared
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label, unit_label
 from realitygap.report.curves import boxes, series, thinned
 from realitygap.report.draw import BoxSet, Curve, draw_boxes, draw_curves
@@ -21,31 +23,39 @@ SAMPLES = 500
 CONDITION = [a for a in AXES if a != "engine"]
 
 
-def write_figures(folder: Path) -> list[Path]:
+def write_figures(folder: Path, out: Path | None = None, failures: list[str] | None = None) -> list[Path]:
     """Write box plots per joint and curves of the joints with the largest gaps. Returns the files.
 
     Box plots stand one above the other: the engines for every condition, and for every engine the revisions.
 
+    Args:
+        folder: the result folder.
+        out: where to write (default: there).
+        failures: takes sentences on figures that could not be drawn.
+
     Raises:
-        InputError: where the folder holds no result table.
+        InputError: where the folder holds no result table, or a file of it is damaged.
     """
     results = read_folder(folder)
+    out, failures = out or folder, [] if failures is None else failures
     cells = results.cells.to_dict("records")
-    written = []
+    written: list[Path] = []
     for condition, group in list(_by(cells, CONDITION).items())[:MOST]:
         name = _name(dict(zip(CONDITION, condition, strict=True)), results)
         traces = {str(c["engine"]): found for c in group if (found := _traces(c, results))}
         sets = [_set(c, engine_label(str(c["engine"])), results, traces.get(str(c["engine"]))) for c in group]
-        written += _box_files(results, name, sets)
-        if traces:
-            written += _curve_files(results, name, traces, sets)
+        with spared(f"figures of {name}", failures):
+            written += _box_files(out, results, name, sets)
+            if traces:
+                written += _curve_files(out, results, name, traces, sets)
     if len(results.axes["robot_revision"]) > 1:
         others = [a for a in AXES if a != "robot_revision"]
         for condition, group in list(_by(cells, others).items())[:MOST]:
             name = _name(dict(zip(others, condition, strict=True)), results)
             if len(group) > 1:
                 sets = [_set(c, str(c["robot_revision"]), results, _traces(c, results)) for c in group]
-                written += _box_files(results, f"revisions {name}", sets)
+                with spared(f"figures of revisions {name}", failures):
+                    written += _box_files(out, results, f"revisions {name}", sets)
     return written
 
 
@@ -78,16 +88,18 @@ def _set(cell: dict[Any, Any], label: str, results: Results, traces: CellTraces 
     return BoxSet(label, color, boxes(traces) if traces else {}, failed)
 
 
-def _box_files(results: Results, name: str, sets: list[BoxSet]) -> list[Path]:
-    out = []
+def _box_files(out: Path, results: Results, name: str, sets: list[BoxSet]) -> list[Path]:
+    written = []
     for signal in SIGNALS:
         units = sorted(results.gaps.loc[results.gaps["signal"] == signal, "unit"].unique())
         shown = " or ".join(unit_label(u) for u in units)
-        out.append(draw_boxes(_path(results.folder, f"boxes {signal} {name}"), sets, signal, shown, name))
-    return [path for path in out if path]
+        written.append(draw_boxes(_path(out, f"boxes {signal} {name}"), sets, signal, shown, name))
+    return [path for path in written if path]
 
 
-def _curve_files(results: Results, name: str, traces: dict[str, CellTraces], sets: Sequence[BoxSet]) -> list[Path]:
+def _curve_files(
+    out: Path, results: Results, name: str, traces: dict[str, CellTraces], sets: Sequence[BoxSet]
+) -> list[Path]:
     """The curves of the joints with the largest gaps, measured and in every engine, in the first signal there is."""
     first = next(iter(traces.values()))
     named = series(first.simulated, first)
@@ -113,9 +125,8 @@ def _curve_files(results: Results, name: str, traces: dict[str, CellTraces], set
     failed = ", ".join(f"{s.label}: {s.failed}" for s in sets if s.failed)
     units = {j: named[signal][j][0] for j in joints}
     title = f"{name} ({failed})" if failed else name
-    return [draw_curves(_path(results.folder, f"curves {signal} {name}"), curves, measured, units, signal, title)]
+    return [draw_curves(_path(out, f"curves {signal} {name}"), curves, measured, units, signal, title)]
 
 
 def _path(folder: Path, name: str) -> Path:
-    safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in name)
-    return folder / "figures" / f"{safe}.svg"
+    return folder / "figures" / f"{file_name(name)}.svg"

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from realitygap_engines.errors import in_a_line
 
 from realitygap.compare.table import Cell, means, read_gaps
 from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
-from realitygap.page.style import AXES
+from realitygap.page.style import AXES, SIGNALS
+from realitygap.report.manifest import read_manifest
 
 CELL = [f.name for f in fields(Cell)]
 GROUPS = ("moving", "unmoving", "base")
@@ -60,15 +62,19 @@ def read_folder(folder: Path) -> Results:
     """Read a result folder.
 
     Raises:
-        InputError: where it holds no result table.
+        InputError: where it holds no result table, or a file of it is damaged.
     """
     path = folder / "gaps.csv"
     if not path.is_file():
         raise InputError(f"{folder}: found no gaps.csv; expected a folder written by `realitygap run` or `matrix`")
     raw = read_gaps(path)
-    manifest_path = folder / "manifest.json"
-    manifest = json.loads(manifest_path.read_text(encoding="utf-8")) if manifest_path.is_file() else {}
-    traces = {cell_key(vars(cell_of_traces(p))): p for p in sorted((folder / FOLDER).glob("*.parquet"))}
+    _check(path, raw)
+    manifest = read_manifest(folder)
+    paths = sorted((folder / FOLDER).glob("*.parquet"))
+    listed = manifest.get("traces")
+    if listed is not None:  # others are somebody else's
+        paths = [p for p in paths if p.stem in listed]
+    traces = {cell_key(vars(cell_of_traces(p))): p for p in paths}
     cells = _cells(folder, raw, traces)
     keys = _override_keys(cells)
     return Results(
@@ -80,6 +86,21 @@ def read_folder(folder: Path) -> Results:
         traces=traces,
         manifest=manifest,
     )
+
+
+def _check(path: Path, raw: pd.DataFrame) -> None:
+    """Make sure that a table's words are those that a run writes, which its types do not tell."""
+    for column, known in (("signal", SIGNALS), ("group", GROUPS)):
+        strange = sorted(set(raw[column]) - set(known))
+        if strange:
+            raise InputError(f"{path}: {column}: found {strange[0]!r}; expected one of {', '.join(known)}")
+    for text in raw["overrides"].unique():
+        try:
+            good = not text or isinstance(json.loads(text), dict)
+        except (ValueError, RecursionError):
+            good = False
+        if not good:
+            raise InputError(f"{path}: overrides: found {text[:80]!r}; expected a JSON object of scenario keys")
 
 
 def cell_key(record: Any) -> tuple[str, ...]:
@@ -105,12 +126,17 @@ def _cells(folder: Path, raw: pd.DataFrame, traces: dict[tuple[str, ...], Path])
         extra["solver_iterations"] = pd.to_numeric(extra["solver_iterations"]).astype("Int64")
         cells = pd.concat([cells, extra], ignore_index=True) if len(cells) else extra
     path = folder / "timings.csv"
-    if not path.is_file() or not path.read_text(encoding="utf-8").strip():
+    if not path.is_file() or not path.read_bytes().strip():
         return cells.reset_index(drop=True)
-    text = {f.name: str for f in fields(Cell) if f.type in (str, "str")}
-    timings = pd.read_csv(path, dtype=text, keep_default_na=False, na_values=[""])
-    timed = {cell_key(r): r for r in timings.to_dict("records")}
-    for column in ("real_time_factor", "wall_seconds"):
+    text: dict[str, Any] = {f.name: str for f in fields(Cell) if f.type in (str, "str")}
+    columns = ("real_time_factor", "wall_seconds")
+    numbers: dict[str, Any] = dict.fromkeys((*columns, "step_rate"), float)
+    try:
+        timings = pd.read_csv(path, dtype=text | numbers, keep_default_na=False, na_values=[""])
+        timed = {cell_key(r): r for r in timings.to_dict("records")}
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{path}: is not a table of timings ({in_a_line(error)}); take it away or run again") from None
+    for column in columns:
         cells[column] = [timed.get(cell_key(r), {}).get(column, float("nan")) for r in cells.to_dict("records")]
     return cells.reset_index(drop=True)
 

@@ -1,6 +1,7 @@
 """`report.html`: a page that opens offline, a pure function of the result folder. Many curves stay beside it."""
 
 import json
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -34,15 +35,19 @@ TAGS = {
 }
 
 
-def write_page(folder: Path) -> Path:
-    """Write `report.html` and its `curves/` into a result folder, from its table and traces. Returns the page.
+def write_page(folder: Path, out: Path | None = None) -> Path:
+    """Write `report.html` and its `curves/`, from the table and traces of a result folder. Returns the page.
+
+    Args:
+        folder: the result folder.
+        out: where to write (default: there).
 
     Raises:
-        InputError: where the folder holds no result table.
+        InputError: where the folder holds no result table, or a file of it is damaged.
     """
     results = read_folder(folder)
-    for path in results.traces.values():
-        write_curves(folder, read_traces(path))
+    out = out or folder
+    drawn = sorted({file for path in results.traces.values() for file in write_curves(out, read_traces(path))})
     web = files("realitygap.report") / "web"
     said = sentences(results)
     text = render(
@@ -61,9 +66,9 @@ def write_page(folder: Path) -> Path:
         provenance=_provenance(results),
         js=_raw("\n".join((web / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)),
         data=_raw(json.dumps(payload(results), separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")),
-        curves=_raw(_inlined(results)),
+        curves=_raw(_inlined(drawn)),
     )
-    path = folder / "report.html"
+    path = out / "report.html"
     write_whole(path, text)
     return path
 
@@ -94,11 +99,8 @@ def _summary(results: Results) -> str:
     return " · ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in counts.items() if n)
 
 
-def _inlined(results: Results) -> str:
+def _inlined(paths: Sequence[Path]) -> str:
     """The curve files themselves, where all of them together are small."""
-    if not results.traces:
-        return ""
-    paths = sorted((results.folder / "curves").glob("*.js"))
     if sum(p.stat().st_size for p in paths) > MAILABLE:
         return ""
     return "".join(p.read_text(encoding="utf-8") for p in paths)

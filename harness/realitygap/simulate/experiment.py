@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import realitygap_engines as engines
 from realitygap_engines import GRAVITY, Physics, State
+from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError
@@ -316,14 +317,14 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
     they take, at the measured stamps. In place of smaller steps, a higher `step_rate` widens the smoother's band.
 
     Raises:
-        Unsupported: where the engine cannot express the plant.
-        Diverged: on a blow-up.
+        Unsupported, Diverged, Failed: as they say.
     """
     scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
     of_joint = scenario.effort_measures == "joint"
     if experiment.followed is not None:
         finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
-        return follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
+        with as_its_outcome(engine):
+            return follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = None
     if recording is not None and len(recording.supply):
@@ -333,7 +334,7 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
         of_motor = scenario.effort_measures == "motor"
         measured = recording.trace if of_motor else replace(recording.trace, effort=None)
         integral = start_integral(plant, measured, experiment.commands, experiment.begin)
-    with engines.load(engine).open(plant.machine(), physics) as simulation:
+    with as_its_outcome(engine), engines.load(engine).open(plant.machine(), physics) as simulation:
         result = rollout(
             simulation,
             plant,

@@ -37,6 +37,7 @@ def simulate(
         InputError, ModelError: for whatever is wrong with the scenario, its files, or the arguments.
         Unsupported: where the engine cannot express the scenario.
         Diverged: where the simulation blows up.
+        Failed: where the engine itself gives up.
     """
     (name,) = engine_names([engine], "engine")
     file = load_scenario(scenario)

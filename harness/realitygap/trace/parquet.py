@@ -60,6 +60,7 @@ def write_parquet(
         use_dictionary=["trace"],
         use_byte_stream_split=[f.name for f in fields[1:]],  # bytes of like weight lie together and pack well
         write_statistics=False,
+        write_page_checksum=True,
     ) as writer:
         for name, trace in traces.items():
             size = len(trace.time)
@@ -80,7 +81,7 @@ def read_parquet(
         only: names of the traces to read; those that the file does not hold are left out.
         signals: those to read; the others are None.
     """
-    with pq.ParquetFile(path) as file:
+    with pq.ParquetFile(path, page_checksum_verification=True) as file:
         shapes = json.loads(file.schema_arrow.metadata[ABOUT])["traces"]
         chosen = {n: i for i, n in enumerate(shapes) if only is None or n in only}
         names = [n for n in file.schema_arrow.names if n == "time" or n.partition("/")[0] in signals]

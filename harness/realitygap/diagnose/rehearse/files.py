@@ -17,6 +17,8 @@ from realitygap.diagnose.rehearse.planting import FINER, planted
 from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, said
 from realitygap.diagnose.rehearse.visible import LARGEST, Confusable, Visible
 from realitygap.diagnose.result.story_text import listed
+from realitygap.files.errors import spared
+from realitygap.files.interrupted import uninterrupted
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS
 
@@ -27,12 +29,14 @@ COLUMNS = (
 
 
 def write_rehearsal(result: Rehearsal, out: Path) -> None:
-    """Write the page, the table and, last, the data into a result folder."""
+    """Write the table, the data and, last, the page into a result folder: a page that fails costs no result."""
     content = to_json(result)
-    write_page(result, content, out)
-    write_whole(out / "rehearsal.csv", _csv(content))
-    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
-    write_whole(out / "rehearsal.json", text + "\n")
+    with uninterrupted():
+        write_whole(out / "rehearsal.csv", _csv(content))
+        text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+        write_whole(out / "rehearsal.json", text + "\n")
+        with spared("the page", result.notes):
+            write_page(result, content, out)
 
 
 def summary(result: Rehearsal) -> list[str]:

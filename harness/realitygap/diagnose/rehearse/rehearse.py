@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from realitygap_engines import Diverged, Unsupported
+from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.check import certain
 from realitygap.diagnose.candidates.suspects import suspects
@@ -161,7 +161,7 @@ def _quiet(problem: Problem, others: Sequence[str], floors: Floors) -> Rehearsal
     for engine in [*others, problem.engine]:
         try:
             still = plant_recordings(problem, floors, [], engine)
-        except (Unsupported, Diverged) as error:
+        except (Diverged, Failed, Unsupported) as error:
             notes.append(f"{engine} could not play the robot: {error}")
             continue
         with Simulations(still, 1) as own:
@@ -257,7 +257,7 @@ def searched(workers: int, result: Rehearsal, change: Change | None, factor: flo
         recorded = plant_recordings(
             result.problem, result.floors, planted_changes, result.robot, seed=len(result.tried)
         )
-    except (Unsupported, Diverged):
+    except (Diverged, Failed, Unsupported):
         return None
     everyone = suspects(recorded)
     with Simulations(recorded, workers) as own:

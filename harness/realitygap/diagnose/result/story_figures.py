@@ -33,6 +33,7 @@ STYLE: Any = {
     "axes.edgecolor": LINE,
     "axes.grid": True,
     "axes.axisbelow": True,
+    "text.parse_math": False,  # a name with $ in it is a name
     "grid.color": LINE,
     "grid.linewidth": 0.6,
     "axes.spines.top": False,

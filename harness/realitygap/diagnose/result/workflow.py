@@ -24,6 +24,8 @@ from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.search import Found, search, told_change
+from realitygap.files.errors import spared
+from realitygap.files.interrupted import uninterrupted
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.recording.faults import faults
@@ -56,7 +58,8 @@ def run_diagnosis(
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
     result = diagnosed(load_scenario(path), names, progress, workers)
-    write_diagnosis(result, out)
+    with uninterrupted():
+        write_diagnosis(result, out)
     return result
 
 
@@ -189,7 +192,10 @@ def write_diagnosis(result: Diagnosis, out: Path) -> None:
         write_revised(result.problem, result.changes, out / "revised")
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
-    write_story(result, out)
+    failures: list[str] = []
+    with spared("the page", failures):
+        write_story(result, out)
+    result.notes.extend(failures)
 
 
 def _parameter(name: str, told: dict[str, Any]) -> str:

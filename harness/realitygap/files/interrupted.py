@@ -1,0 +1,78 @@
+"""Ctrl-C and SIGTERM end every command alike: folders as they were, one sentence, the status that shells give."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "ended by SIGTERM"}
+
+
+class Interrupted(BaseException):
+    """A signal came: `number` says which, `left` what the command leaves behind."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+        self.left = "nothing was written"
+
+    def __str__(self) -> str:
+        """The sentence for the user."""
+        return f"{WORDS[signal.Signals(self.number)]}; {self.left}"
+
+    @property
+    def status(self) -> int:
+        """The exit status."""
+        return 128 + self.number
+
+
+class _Held:
+    """How many blocks hold signals back, and the signal that came meanwhile."""
+
+    blocks = 0
+    came: int | None = None
+
+
+@contextmanager
+def listening() -> Iterator[None]:
+    """Inside, these signals raise `Interrupted`; in another thread than the main one they are left as they are."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, _heard) for number in WORDS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _heard(number: int, _: FrameType | None) -> None:
+    if _Held.blocks:
+        _Held.came = number
+    else:
+        raise Interrupted(number)
+
+
+@contextmanager
+def leaving(what: str) -> Iterator[None]:
+    """An interruption inside leaves this behind."""
+    try:
+        yield
+    except Interrupted as end:
+        end.left = what
+        raise
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """A signal that comes inside is heard at the end, so that what is being written is written whole."""
+    _Held.blocks += 1
+    try:
+        yield
+    finally:
+        _Held.blocks -= 1
+        if not _Held.blocks and _Held.came is not None:
+            number, _Held.came = _Held.came, None
+            raise Interrupted(number)
