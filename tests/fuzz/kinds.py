@@ -94,7 +94,7 @@ def bag(draw: st.DrawFn) -> Case:
         names = st.sampled_from([list(template.JOINTS), list(template.JOINTS)[::-1], ["elbow"], [], ["a\nb", "elbow"]])
         stamps = st.sampled_from([0.0, 1e-9, 0.01, 1.0, 3600.0, 2.0**31]) | st.floats(0, 10)
         messages = draw(st.lists(st.tuples(stamps, names, row, row), min_size=0, max_size=6))
-        usual = [
+        usual: list[tuple[float, list[str], list[float], list[float]]] = [
             (0.5 + 0.01 * k, list(template.JOINTS), [0.1 * k, 0.0], [])
             for k in range(draw(st.sampled_from([0, 1, 2, 30])))
         ]
