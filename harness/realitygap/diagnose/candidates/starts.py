@@ -141,8 +141,7 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
     hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
     if hard:
-        soft = [first.at({n: first.parameters[n] * k for n in hard}) for k in SOFTER]
-        return [Start(first, (t,), known, "inverse") for t in soft]
+        return [Start(limit, (t,), known, "inverse") for n in hard for limit, t in _softer(first, n, hard, zero)]
     if effect.name == "ground_friction" and zero["coefficient"] > 0:
         slippery = [first.at({"coefficient": zero["coefficient"] * k}) for k in SLIPPERIER]
         return [Start(first, (t,), known, "linear") for t in slippery]
@@ -157,6 +156,13 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
             group.append(first.at(still | {n: zero[n] + (step if inside else -step)}))
         out.append(Start(first, tuple(group), known, "linear"))
     return out
+
+
+def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, float]) -> list[tuple[Change, Change]]:
+    """One limit or stiffness alone, the others as if there were none: the first guess, and a try of several sizes."""
+    others = [n for n in hard if n != name]
+    alone = replace(first.at({n: zero[n] for n in others}), free=tuple(n for n in first.free if n not in others))
+    return [(alone, alone.at({name: first.parameters[name] * k})) for k in SOFTER]
 
 
 def signed(effect: Effect) -> bool:

@@ -70,6 +70,26 @@ LATER = {
 }
 """What is freed when an effect was found, if that helps."""
 
+EVERYDAY = {
+    True: ("coulomb_friction", "viscous_friction", "controller_gain", "joint_offset"),
+    False: ("coulomb_friction", "viscous_friction", "rotor_inertia", "constant_effort"),
+}
+"""What a plain fit has free at every joint, of a robot with servos and without: many small ones together explain what
+none of them does alone. These are the free parameters of the usual recipes for servos (Rhoban's BAM) and for
+industrial arms (Gautier 1997; Swevers 1997)."""
+SHARED = ("command_delay",)
+"""The same for all joints: a bus has one latency."""
+FEW = 8
+"""With more joints than this, a plain fit has a value for every type of servo."""
+
+
+def everyday(problem: Problem, suspect: Suspect) -> bool:
+    """Whether a plain fit of this robot would have a suspect free."""
+    if suspect.effect in SHARED:
+        return suspect.target == "*"
+    many = int(problem.judged.sum()) > FEW
+    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) == 1 or many)
+
 
 def fitted(effect: Effect) -> list[Parameter]:
     """The parameters that are fitted: those that act on their own."""

@@ -57,7 +57,7 @@ def _case(motion: RepeatedMotion) -> Case:
     noise: dict[str, Array] = {}
     spread: dict[str, Array] = {}
     traces = on_first_clock(motion.experiments, motion.shifts)
-    for signal in SIGNALS:
+    for signal in SIGNALS if first.followed is None else ("effort",):  # a motion that is followed is no answer
         values = [v for t in traces if (v := getattr(t, signal)) is not None and np.isfinite(v).any()]
         if len(values) == len(traces):
             noise[signal] = np.mean([own_noise(v) for v in values], axis=0)

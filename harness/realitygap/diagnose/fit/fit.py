@@ -26,6 +26,8 @@ SLAB = 4.0
 neither negligible nor absurd."""
 LOOSE = 10.0
 """The same for shapes and stiffnesses, about their first guess."""
+LEAST = 1e-6
+"""A positive quantity is at least this many of its sizes."""
 WORST = 1e6
 """The residual of a simulation that failed, in standard deviations."""
 
@@ -61,7 +63,7 @@ class Space:
 
     def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
         self.changes = list(changes)
-        names, scale, low, high, first, expected, width = [], [], [], [], [], [], []
+        names, scale, low, high, first, expected, width, positive = [], [], [], [], [], [], [], []
         for i, change in enumerate(self.changes):
             size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
             for name in change.free:
@@ -71,6 +73,7 @@ class Space:
                 scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
                 expected.append(zero[name] if plain else value)
                 width.append(SLAB if plain else LOOSE)
+                positive.append(plain and p.absent is None and p.low >= 0.0 and zero[name] > 0.0)
                 low.append(p.low)
                 high.append(p.high)
                 first.append(min(max(value, p.low), p.high))
@@ -78,6 +81,7 @@ class Space:
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
         self.first = np.array(first) / self.scale
         self.expected, self.width = np.array(expected) / self.scale, np.array(width)
+        self.positive = np.array(positive, dtype=bool)
         self.step = CONTACT_STEP if problem.plant.model.floating else STEP
 
     def bounds(self) -> tuple[Array, Array]:
@@ -85,8 +89,17 @@ class Space:
         return self.low / self.scale, self.high / self.scale
 
     def prior(self, x: Array) -> Array:
-        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,)."""
-        return np.asarray((x - self.expected) / self.width)
+        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,).
+
+        The logarithm of a quantity that is there and positive counts: a tenth of a mass is as odd as its tenfold.
+        """
+        ratio = np.where(self.positive, np.maximum(x, LEAST) / np.where(self.positive, self.expected, 1.0), 1.0)
+        far = np.where(self.positive, self.expected * np.log(ratio), x - self.expected)
+        return np.asarray(far / self.width)
+
+    def prior_slope(self, x: Array) -> Array:
+        """The derivative of that. Shape (p,)."""
+        return np.asarray(np.where(self.positive, self.expected / np.maximum(x, LEAST), 1.0) / self.width)
 
     def at(self, x: Array) -> tuple[Change, ...]:
         """The changes at scaled values."""
@@ -142,7 +155,7 @@ def fit(
 
     def jacobian(x: Array) -> Array:
         slopes[x.tobytes()] = slope(simulations, space, x, train, coarse)
-        return np.vstack([metric(slopes[x.tobytes()]), np.diag(1.0 / space.width)])
+        return np.vstack([metric(slopes[x.tobytes()]), np.diag(space.prior_slope(x))])
 
     solution = least_squares(
         residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
@@ -156,16 +169,32 @@ def fit(
     return Fit(space.at(x), after, space.names, last, space.scale, space.prior(x))
 
 
-def slope(simulations: Simulations, space: Space, x: Array, train: Sequence[int], coarse: Sequence[float]) -> Array:
-    """The change of the stacked residual per scaled value, by differences, simulated side by side. Shape (m, p)."""
+def slope(
+    simulations: Simulations,
+    space: Space,
+    x: Array,
+    train: Sequence[int],
+    coarse: Sequence[float],
+    values: Sequence[int] | None = None,
+) -> Array:
+    """The change of the stacked residual per scaled value, by differences, simulated side by side. Shape (m, p).
+
+    Args:
+        simulations: of the problem.
+        space: of the values.
+        x: where.
+        train: the cases.
+        coarse: how coarsely each is simulated.
+        values: the numbers of the values that count; None for all.
+    """
     moved = space.steps(x)
+    moved = moved if values is None else [moved[k] for k in values]
     still, *answers = residuals(simulations, [space.at(x), *(space.at(y) for y, _ in moved)], train, coarse)
     if still is None:
         still = residual(simulations, space.at(x), train)
         assert still is not None
-    return np.column_stack(
-        [
-            np.zeros(len(still)) if a is None else np.nan_to_num(a - still) / s
-            for a, (_, s) in zip(answers, moved, strict=True)
-        ]
-    )
+    columns = [
+        np.zeros(len(still)) if a is None else np.nan_to_num(a - still) / s
+        for a, (_, s) in zip(answers, moved, strict=True)
+    ]
+    return np.column_stack(columns) if columns else np.zeros((len(still), 0))

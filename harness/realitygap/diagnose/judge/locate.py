@@ -98,7 +98,7 @@ def phases(case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask
     Phases: holding, moving, reversal, saturation (the servo gives all it can), loaded, impact (of a moving base).
     """
     time = case.measured.time
-    position = simulated["position"][:, j]
+    position = simulated.get("position", case.value("position"))[:, j]
     speed = np.gradient(position, time) if len(time) > 2 else np.zeros(len(time))
     fast = np.abs(speed).max(initial=0.0)
     holding = np.abs(speed) < SLOW * fast if fast > 0 else np.ones(len(time), dtype=bool)

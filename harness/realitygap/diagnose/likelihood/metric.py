@@ -42,7 +42,9 @@ class Metric:
     determinant: float
 
     def __call__(self, columns: Array) -> Array:
-        """Shape (m, k) or (m,) -> (m + q, k) or (m + q,): what is left, and the imperfections that were taken."""
+        """Shape (m, k) or (m,) -> (r + q, k) or (r + q,): what is left of the samples that are looked at, and the
+        imperfections that were taken.
+        """
         one = columns.ndim == 1
         white, _ = self.whitening(np.ascontiguousarray(np.nan_to_num(columns.reshape(len(columns), -1))), self.weight)
         taken = cho_solve(self.factor, self.imperfections.T @ white)
@@ -65,14 +67,15 @@ def metric(
     """
     whitening = Whitening(tuple(channels), rest, facts)
     finite = np.isfinite(residual).astype(float)
-    stack = np.column_stack([np.nan_to_num(residual), responses * scale])
-    white, _ = whitening(stack, finite)
+    rows = whitening.rows
+    white, _ = whitening(np.nan_to_num(residual)[:, None], finite)
     size = np.abs(white[:, 0])
-    spread = math.sqrt(float(np.mean(size[finite > 0] ** 2))) if finite.any() else 1.0
+    spread = math.sqrt(float(np.mean(size[finite[rows] > 0] ** 2))) if finite[rows].any() else 1.0
     spread = max(spread, 1e-12)
-    weight = finite / (1.0 + (size / (OUTLIER * spread)) ** 2)
-    white, determinant = whitening(stack, weight)
-    imperfections = white[:, 1:]
+    weight = finite
+    weight[rows] = finite[rows] / (1.0 + (size / (OUTLIER * spread)) ** 2)
+    imperfections, determinant = whitening(responses, weight)
+    imperfections *= scale
     inner = np.eye(len(scale)) + imperfections.T @ imperfections
     factor = cho_factor(inner, lower=True) if len(scale) else (np.zeros((0, 0)), True)
     if len(scale):

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.problem import Problem, Signals
@@ -22,6 +25,8 @@ LONGEST = 0.5
 """Samples further apart than this [s] are two facts: a servo's position loop has answered by then."""
 FADED = 0.05
 """Autocorrelation below this is noise of its own estimate."""
+DENSE = 4.0
+"""Samples that are looked at for every fact: what a residual does between them is known from its neighbours."""
 
 
 @dataclass(frozen=True)
@@ -114,21 +119,43 @@ class Whitening:
     rest: Rest
     facts: Array
 
+    @cached_property
+    def rows(self) -> NDArray[np.int64]:
+        """The samples that are looked at, `DENSE` of them for a fact: the others say the same. Shape (k,)."""
+        ends = np.cumsum([0, *(len(c.time) for c in self.channels)])
+        return np.concatenate(
+            [np.arange(a, b, every) for (a, b), every in zip(pairwise(ends), self._every, strict=True)]
+        )
+
+    @cached_property
+    def share(self) -> Array:
+        """How many facts each of them is. Shape (k,)."""
+        number = [-(-len(c.time) // every) for c, every in zip(self.channels, self._every, strict=True)]
+        return np.repeat(self.facts * self._every, number)
+
+    @cached_property
+    def variance(self) -> Array:
+        """The variance of each of them. Shape (k,)."""
+        parts = [
+            c.noise**2 + c.slow[::every] ** 2 + self.rest.get(c.key, 0.0) ** 2
+            for c, every in zip(self.channels, self._every, strict=True)
+        ]
+        return np.concatenate(parts)
+
+    @cached_property
+    def _every(self) -> NDArray[np.int64]:
+        """Of each channel every so manieth sample is looked at. Shape (channels,)."""
+        return np.maximum(1.0 / (DENSE * self.facts), 1.0).astype(int)
+
     def __call__(self, columns: Array, weight: Array) -> tuple[Array, float]:
-        """Scaled columns, and half the logarithm of the determinant of their covariance.
+        """Scaled columns of the samples that are looked at, and half the logarithm of their covariance's determinant.
 
         Args:
-            columns: Shape (m, k).
+            columns: Shape (m, n).
             weight: trust in each sample: 0 leaves it out. Shape (m,).
         """
-        scale, determinant, at = np.empty(len(columns)), 0.0, 0
-        for channel, share in zip(self.channels, self.facts, strict=True):
-            n = len(channel.time)
-            rest = self.rest.get(channel.key, 0.0)
-            variance = channel.noise**2 + channel.slow**2 + rest**2
-            trust = weight[at : at + n]
-            scale[at : at + n] = np.sqrt(share * trust / variance)
-            determinant += 0.5 * share * float(np.sum(np.log(variance)[trust > 0]))
-            determinant -= 0.5 * share * float(np.sum(np.log(trust[trust > 0])))
-            at += n
-        return columns * scale[:, None], determinant
+        trust = weight[self.rows]
+        scale = np.sqrt(self.share * trust / self.variance)
+        good = trust > 0
+        determinant = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))
+        return columns[self.rows] * scale[:, None], determinant

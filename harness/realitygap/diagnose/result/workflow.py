@@ -23,7 +23,8 @@ from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.search import Found, search, told_change
+from realitygap.diagnose.search.round import told_change
+from realitygap.diagnose.search.search import Found, search
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import uninterrupted
 from realitygap.files.progress import Progress

@@ -75,8 +75,8 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
     left = fit.residual
     for _ in range(PASSES):
         measure = metric(channels, imperfections.facts, rest_of(channels, left), fit.residual, responses, scales)
-        taken = measure(fit.residual)[len(left) :]
-        left = fit.residual - (responses * scales) @ taken
+        taken = measure(fit.residual)[len(measure.whitening.rows) :]
+        left = fit.residual - responses @ (scales * taken)
     whole = measure(fit.residual)
     evidence = IMPERFECT[scale] - 0.5 * float(whole @ whole) - measure.determinant
     covariance = np.zeros((0, 0))
@@ -86,15 +86,20 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
         evidence -= 0.5 * float(fit.prior @ fit.prior)
         evidence -= 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
         model = np.asarray(np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2))
-        covariance = _covariance(channels, slope, whole, model)
+        covariance = _covariance(stretches(channels)[measure.whitening.rows], slope, whole, model)
     return Scored(fit, evidence, measure, scale, covariance)
 
 
-def _covariance(channels: Sequence[Channel], slope: Array, whole: Array, model: Array) -> Array:
+def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Array) -> Array:
     """The covariance of fitted values, as the likelihood says or as stretches of the recordings scatter, whichever is
     wider: the sandwich with scores summed over stretches, which are nearly independent (Liang & Zeger 1986).
+
+    Args:
+        number: of the stretch of every sample that is looked at. Shape (r,).
+        slope: whitened change of the residual per value. Shape (r + q, p).
+        whole: whitened residual. Shape (r + q,).
+        model: the covariance as the likelihood says. Shape (p, p).
     """
-    number = stretches(channels)
     scores = np.zeros((int(number.max()) + 1, slope.shape[1]))
     np.add.at(scores, number, slope[: len(number)] * whole[: len(number), None])
     few = len(scores) / max(len(scores) - slope.shape[1], 1)
@@ -109,9 +114,7 @@ STRETCH = 1.0
 
 def stretches(channels: Sequence[Channel]) -> NDArray[np.int64]:
     """The number of the stretch that each stacked sample belongs to, all channels of a motion together. Shape (m,)."""
-    known: dict[tuple[int, int], int] = {}
-    parts = []
-    for channel in channels:
-        own = ((channel.time - channel.time[0]) / STRETCH).astype(int)
-        parts.append(np.array([known.setdefault((channel.case, int(k)), len(known)) for k in own], dtype=np.int64))
-    return np.concatenate(parts)
+    own = [((c.time - c.time[0]) / STRETCH).astype(np.int64) for c in channels]
+    cases = np.repeat([c.case for c in channels], [len(k) for k in own])
+    both = np.column_stack([cases, np.concatenate(own)])
+    return np.asarray(np.unique(both, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)

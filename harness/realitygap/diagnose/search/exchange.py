@@ -8,19 +8,34 @@ the test of Vuong 1989: the difference in evidence beside its standard error ove
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.candidates.suspects import fitted
+from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import Scored, stretches
+from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.prune import pruned
+from realitygap.diagnose.search.round import Round, linear_at
 from realitygap.robot.drive import Array
+from realitygap.robot.effects import EFFECTS
 
 LEVEL = 1.64
 """Standard errors of a difference that keep a rival in the confidence set: 95 %, one-sided."""
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
+EXCHANGED = 4
+"""Suspects that are tried in the place of a finding: those that promise most."""
+FAR = 2.0
+"""A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
+PLAIN = 3.0
+"""What is lost without a finding is worked out in full below this many times what a name needs."""
+EQUAL = 1.0
+"""Models whose evidence differs by less are equal: the simpler one is named. Any other has to be better by `ODDS`."""
 
 
 @dataclass(frozen=True)
@@ -42,19 +57,124 @@ class Rival:
 
 def compare(channels: Sequence[Channel], best: Scored, other: Scored, suspect: Suspect) -> Rival:
     """How far another model is behind the best one."""
-    a, b = (_stretches(channels, s) for s in (best, other))
+    number = stretches(channels)
+    a, b = (_stretches(number, s) for s in (best, other))
     apart = a - b
     error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
     return Rival(suspect, other, best.evidence - other.evidence, error)
 
 
-def _stretches(channels: Sequence[Channel], scored: Scored) -> Array:
-    """Minus half the squared innovations of every stretch of every motion, all channels of it together."""
-    number = stretches(channels)
-    white = scored.metric(scored.fit.residual)
-    return np.asarray(-0.5 * np.bincount(number, white[: len(number)] ** 2))
+def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
+    """Minus half the squared innovations of every stretch of every motion, all channels of it together.
+
+    `number` is that of the stretch of every stacked sample, (m,).
+    """
+    rows = scored.metric.whitening.rows
+    white = scored.metric(scored.fit.residual)[: len(rows)]
+    return np.asarray(-0.5 * np.bincount(number[rows], white**2, minlength=int(number.max()) + 1))
 
 
-def without(changes: Sequence[Change], number: int) -> tuple[Change, ...]:
-    """The changes without one of them."""
-    return (*changes[:number], *changes[number + 1 :])
+@dataclass
+class Exchanged:
+    """What could be left out or exchanged.
+
+    Attributes:
+        better: a model that is better for it; None where there is none.
+        gains: evidence that is lost without each finding, by suspect.
+        rivals: what could stand in the place of each finding, the closest first.
+    """
+
+    better: Scored | None = None
+    gains: dict[Suspect, float] = field(default_factory=dict)
+    rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
+
+    def offer(self, other: Scored) -> None:
+        """Take a model that is better than those before."""
+        if self.better is None or other.evidence > self.better.evidence:
+            self.better = other
+
+
+def exchanged(round_: Round, keep: Sequence[Suspect]) -> Exchanged:
+    """Every finding left out, and exchanged for what promises most in its place; `keep` stays.
+
+    Where one is superfluous, that is all that is said.
+    """
+    now, out = round_.now, Exchanged()
+    fewer = pruned(round_, now, keep)
+    if len(fewer.fit.changes) < len(now.fit.changes):
+        round_.say(f"  without {len(now.fit.changes) - len(fewer.fit.changes)}: {fewer.evidence - now.evidence:+.1f}")
+        return Exchanged(better=fewer)
+    for change in now.fit.changes:
+        if change.suspect in keep:
+            continue
+        rest = tuple(c for c in now.fit.changes if c is not change)
+        alone = _without(round_, rest)
+        if alone is None:
+            continue
+        gain = now.evidence - alone.evidence
+        out.gains[change.suspect] = gain
+        if gain < round_.limit:
+            round_.say(f"  without {change.suspect}: {-gain:+.1f}")
+            out.offer(alone)
+            continue
+        rivals = _rivals(round_, change, alone)
+        out.rivals[change.suspect] = rivals
+        for rival in rivals:
+            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, change.suspect)
+            if rival.behind < -ODDS or equal:
+                out.offer(rival.scored)
+    return out
+
+
+def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
+    """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
+    quick = round_.adjusted(rest)
+    if quick is not None and round_.now.evidence - quick.evidence > PLAIN * round_.limit:
+        return quick
+    return round_.ground.fit(rest)
+
+
+def _rivals(round_: Round, change: Change, alone: Scored) -> list[Rival]:
+    """What explains nearly as much in the place of a finding, the closest first."""
+    ground, rest = round_.ground, alone.fit.changes
+
+    def fits(suspect: Suspect) -> bool:
+        return not any(clash(suspect, c.suspect) for c in rest)
+
+    here = [b for b in round_.blocks if fits(b.suspect)]
+    known = {b.suspect for b in here}
+    beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
+    here += ground.responses(alone.fit, [s for s in beside if fits(s)])
+    chosen: dict[Suspect, Promise] = {}
+    for p in linear_at(ground.sharp(alone.fit), here).promises():
+        if p.gain > 0 and len(chosen) < EXCHANGED:
+            chosen.setdefault(p.block.suspect, p)
+    out = []
+    for suspect, p in chosen.items():
+        quick = round_.adjusted([*rest, p.change])
+        if quick is None or quick.evidence <= alone.evidence:
+            continue
+        close = round_.now.evidence - quick.evidence < FAR * round_.limit
+        scored = ground.fit(quick.fit.changes) if close else quick
+        if scored is not None:
+            out.append(compare(ground.channels, round_.now, scored, suspect))
+            if close:
+                round_.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
+    return sorted(out, key=lambda r: r.behind)
+
+
+def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
+    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table.
+
+    On a linear axis without a stated armature, inertia is the link's mass.
+    """
+    order = list(EFFECTS)
+
+    def place(suspect: Suspect) -> tuple[int, float]:
+        joints, drive = problem.plant.model.joints, problem.plant.drive
+        linear = suspect.effect == "rotor_inertia" and all(
+            joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
+        )
+        return len(fitted(suspect.kind)), order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
+
+    return place(a) < place(b)

@@ -19,6 +19,9 @@ from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 
+LOOKED = 8
+"""Blocks whose gain beside others is worked out within all bounds, of those that gain most roughly."""
+
 
 @dataclass(frozen=True)
 class Promise:
@@ -57,6 +60,9 @@ class Linear:
         self.gram = self.white.T @ self.white
         ends = np.cumsum([1, *(b.columns.shape[1] for b in blocks)])
         self.places = [np.arange(a, b) for a, b in pairwise(ends)]
+        reach = [b.start.reach(k) for b in blocks for k in range(b.columns.shape[1])]
+        self.low, self.high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
+        self._clashes: dict[int, Array] = {}
 
     def promise(self, number: int) -> Promise:
         """What one block gains alone."""
@@ -65,6 +71,23 @@ class Linear:
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""
         return sorted((self.promise(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
+
+    def gain(self) -> float:
+        """The gain in evidence of all blocks at once, at most: nothing is taken off for what they could do besides."""
+        every = list(range(len(self.blocks)))
+        if not every:
+            return 0.0
+        x, gram = self._amounts(every), self.gram[1:, 1:]
+        return float(-self.gram[1:, 0] @ x - 0.5 * x @ gram @ x)
+
+    def together(self) -> list[Promise]:
+        """All blocks at once, at their best amounts; what each gains is not told."""
+        every = list(range(len(self.blocks)))
+        amounts, ends = self._amounts(every), np.cumsum([0, *(len(p) for p in self.places)])
+        return [
+            Promise(b, tuple(amounts[i:j].tolist()), 0.0)
+            for b, (i, j) in zip(self.blocks, pairwise(ends.tolist()), strict=True)
+        ]
 
     def several(self, least: float) -> list[Promise]:
         """Blocks added one after the other, and exchanged, as long as each gains at least so much beside the others."""
@@ -95,15 +118,34 @@ class Linear:
 
     def _best(self, taken: Sequence[int]) -> tuple[int, float] | None:
         """The block that gains most beside those that are taken."""
+        rough = self._roughly(taken)
+        for k in taken:
+            rough[self._clashing(k)] = -np.inf
+        likely = [int(i) for i in np.argsort(-rough)[:LOOKED] if np.isfinite(rough[i])]
         so_far = self._gain(taken)
-        best: tuple[int, float] | None = None
-        for i, block in enumerate(self.blocks):
-            if any(clash(block.suspect, self.blocks[k].suspect) for k in taken):
-                continue
-            gain = self._gain([*taken, i]) - so_far
-            if best is None or gain > best[1]:
-                best = i, gain
-        return best
+        gains = [(i, self._gain([*taken, i]) - so_far) for i in likely]
+        return max(gains, key=lambda g: g[1], default=None)
+
+    def _roughly(self, taken: Sequence[int]) -> Array:
+        """What every block gains beside those that are taken, one parameter at a time and those that are taken free of
+        their bounds. Shape (blocks,).
+        """
+        gram = self.gram
+        if taken:
+            at = np.concatenate([self.places[i] for i in taken])
+            inner = gram[np.ix_(at, at)] + np.eye(len(at)) / SLAB**2
+            gram = gram - gram[:, at] @ np.linalg.solve(inner, gram[at])
+        curve, slope = np.maximum(np.diag(gram)[1:], 1e-12), gram[1:, 0]
+        x = np.clip(-slope / curve, self.low, self.high)
+        gain = -slope * x - 0.5 * curve * x**2 - 0.5 * np.log1p(SLAB**2 * curve)
+        return np.array([gain[at - 1].sum() for at in self.places])
+
+    def _clashing(self, number: int) -> Array:
+        """The blocks that cannot stand beside one. Shape (k,), of int."""
+        if number not in self._clashes:
+            suspect = self.blocks[number].suspect
+            self._clashes[number] = np.array([i for i, b in enumerate(self.blocks) if clash(suspect, b.suspect)], int)
+        return self._clashes[number]
 
     def _gain(self, numbers: Sequence[int]) -> float:
         """The gain in evidence of some blocks together, at their best amounts within reach."""
@@ -126,8 +168,7 @@ class Linear:
         if not numbers:
             return np.zeros(0)
         at = np.concatenate([self.places[i] for i in numbers])
-        reach = [self.blocks[i].start.reach(k) for i in numbers for k in range(len(self.places[i]))]
-        low, high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
+        low, high = self.low[at - 1], self.high[at - 1]
         g = self.gram[np.ix_(at, at)] + 1e-9 * np.eye(len(at))
         try:
             x = np.linalg.solve(g, -self.gram[at, 0])

@@ -10,18 +10,20 @@ from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.adjust import adjust
 from realitygap.diagnose.fit.fit import Fit, fit
-from realitygap.diagnose.fit.responses import Block, respond, single
+from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
 from realitygap.robot.drive import Array
 
 ELSEWHERE = (0.8, 1.25)
 """A free body's fit is tried again from these multiples of its values: contacts make it rough."""
-SETTLE = 3
-"""How often a model is fitted again at most, in the metric of what it leaves."""
+SETTLE = 4
+"""How often a model is fitted at most, each time in the metric of what the one before leaves."""
+EVALUATIONS = 4
+"""Steps of the solver in each of these fits at most."""
 
 
 class Ground:
@@ -76,28 +78,56 @@ class Ground:
         """The evidence, and the metric in which moves from a fit are looked for."""
         return sharp(self.channels, found, self.wrong)
 
-    def fit(self, changes: Sequence[Change], metric: Metric) -> Scored | None:
-        """Changes fitted in a metric, with their evidence; None where they cannot be simulated, or where the values
-        that fit are not these effects.
-        """
-        done = fit(self.simulations, changes, self.train, metric, self.floors.coarse)
-        return None if done is None or any(absurd(c) for c in done.changes) else self.score(done)
+    def plain(self, found: Fit) -> Scored:
+        """The same as if laws were exact: quick, and enough to tell what is worth more."""
+        return sharp(self.channels, found, Imperfections(self.wrong.facts, self.wrong.responses[:, :0]))
 
-    def settled(self, found: Scored) -> Scored:
-        """A model fitted again in the metric of what it leaves, as long as that finds more evidence."""
+    def fit(self, changes: Sequence[Change]) -> Scored | None:
+        """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
+        not these effects.
+
+        Each pass fits in the metric of what the one before left: what is an outlier, and what no law explains, is told
+        by the model itself.
+        """
+        first = residual(self.simulations, changes, self.train)
+        if first is None:
+            return None
+        best, start = None, self.score(Fit(tuple(changes), first))
         for _ in range(SETTLE):
-            again = self.fit(found.fit.changes, found.metric)
-            if again is None or again.evidence < found.evidence + 1.0:
-                return found if again is None else max(again, found, key=lambda s: s.evidence)
-            found = again
-        return found
+            done = fit(self.simulations, start.fit.changes, self.train, start.metric, self.floors.coarse, EVALUATIONS)
+            if done is None:
+                break
+            start = self.score(done)
+            gain = start.evidence - best.evidence if best is not None else np.inf
+            best = start if gain > 0.0 else best
+            if gain < 1.0:
+                break
+        return None if best is None or any(absurd(c) for c in best.fit.changes) else best
+
+    def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
+        """The same in a quick fit, near a model that was fitted."""
+        first = residual(self.simulations, changes, self.train)
+        if first is None:
+            return None
+        best = start = self.score(Fit(tuple(changes), first))
+        for _ in range(SETTLE):
+            done = adjust(self.simulations, known, start.fit.changes, self.train, start.metric, self.floors.coarse)
+            if done is None:
+                break
+            start = self.score(done)
+            known = done
+            gain = start.evidence - best.evidence if best.fit.names else np.inf
+            best = start if gain > 0.0 else best
+            if gain < 1.0:
+                break
+        return best
 
     def elsewhere(self, found: Scored) -> Scored:
         """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""
         best = found
         for factor in ELSEWHERE if self.problem.plant.model.floating else ():
             moved = [c.at({n: factor * c.parameters[n] for n in c.free}) for c in found.fit.changes]
-            again = self.fit(moved, found.metric)
+            again = self.fit(moved)
             best = best if again is None else max(best, again, key=lambda s: s.evidence)
         return best
 

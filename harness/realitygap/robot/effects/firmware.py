@@ -57,9 +57,7 @@ COMMAND_PROFILE = Effect(
     sits_at="joint",
     parameters=(
         Parameter("speed", "rad/s", 1e-3, 1e3, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
-        Parameter(
-            "acceleration", "rad/s²", 1e-2, 1e6, 150.0, absent=math.inf, default=math.inf, logarithmic=True, shape=True
-        ),
+        Parameter("acceleration", "rad/s²", 1e-2, 1e6, 150.0, absent=math.inf, default=math.inf, logarithmic=True),
     ),
     signals=("position", "velocity"),
     own=reads(speed="profile_speed", acceleration="profile_acceleration"),

@@ -60,12 +60,12 @@ def has_rotor(plant: Plant, index: int) -> str | None:
 
 
 def effort_scale(plant: Plant, index: int) -> float:
-    """The effort that the servo can give [N·m or N]; without a servo or limit, what holds the link against gravity."""
+    """The effort that the joint is rated for [N·m or N]; where none is stated, what holds its link against gravity."""
     d = plant.drive[index]
     if d["kind"] == DC:
         supply = SUPPLY if d["recorded_supply"] else float(d["supply"])
         return float(d["torque_constant"] / d["resistance"] * d["duty_limit"]) * supply
-    if d["kind"] != NONE and math.isfinite(d["effort_limit"]):
+    if math.isfinite(d["effort_limit"]):
         return float(d["effort_limit"])
     joint, link = plant.model.joints[index], plant.model.links[index + 1]
     arm = 1.0 if joint.prismatic else max(float((link.com @ link.com) ** 0.5), 0.05)

@@ -1,0 +1,135 @@
+"""Moves that add: a finding, several at once, a richer shape, a value for every joint of a group, or one for all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import everyday, richer
+from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.prune import pruned
+from realitygap.diagnose.search.round import Round, linear_at, told_change
+
+TRIED = 4
+"""Suspects that are tried one by one: those that promise most."""
+AT_ONCE = 3
+"""Suspects that are tried together at most, as two that mean nothing alone: a plain fit has many, but everyday ones."""
+FITTED = 3
+"""Ways that are fitted: those that gain most in a quick fit."""
+SURE = 3.0
+"""A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
+
+
+def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
+    """The best model with more in it, without what that makes superfluous; None where nothing gains enough.
+
+    What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
+    `keep` is never superfluous.
+    """
+    tried = []
+    for way, needs in _ways(round_):
+        quick = round_.adjusted(way)
+        if quick is not None:
+            tried.append((quick.evidence - needs, quick.fit.changes, needs))
+    best, most = None, 0.0
+    for promise, changes, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
+        if best is not None and promise - round_.now.evidence < most:
+            break
+        scored = round_.ground.fit(changes)
+        if scored is None:
+            continue
+        if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:
+            scored = pruned(round_, scored, keep)
+            needs = round_.limit * max(len(scored.fit.changes) - len(round_.now.fit.changes), 0)
+        gain = scored.evidence - round_.now.evidence
+        here = {a.suspect for a in round_.now.fit.changes}
+        new = [c for c in scored.fit.changes if c.suspect not in here]
+        round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
+        if gain - needs > most:
+            best, most = scored, gain - needs
+    return best
+
+
+def _ways(round_: Round) -> list[tuple[list[Change], float]]:
+    """Models with more in them, and the evidence that each has to gain."""
+    accepted, limit = list(round_.now.fit.changes), round_.limit
+    first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
+    for p in round_.promised:
+        start = p.block.start.first
+        if p.gain > 0:
+            first.setdefault((start.suspect, start.free), start)
+    ways = []
+    for start in list(first.values())[:TRIED]:
+        ways.append(([*accepted, start], limit))
+        each = _each(round_, start, accepted)
+        if each:
+            ways.append(([*accepted, *each], limit * len(each)))
+    several = linear_at(round_.look, [p.block for p in round_.promised]).several(limit)[:AT_ONCE]
+    if len(several) > 1:
+        ways.append(([*accepted, *(p.block.start.first for p in several)], limit * len(several)))
+    plain = _plain_fit(round_)
+    if len(plain) > 1:
+        ways.append(([*accepted, *plain], limit))
+    for change in accepted:
+        beside = [c for c in accepted if c is not change]
+        each = _each(round_, change, beside)
+        if each and change.free:
+            ways.append(([*beside, *each], limit * (len(each) - 1)))
+    for effect in dict.fromkeys(c.suspect.effect for c in accepted if c.free):
+        alike = [c for c in accepted if c.suspect.effect == effect and c.free]
+        beside = [c for c in accepted if c not in alike]
+        shaped = [_shaped(round_, c) for c in alike]
+        number = sum(new is not old for new, old in zip(shaped, alike, strict=True))
+        if number:
+            ways.append(([*beside, *shaped], SURE * number))
+        together = _together(round_, alike)
+        if together is not None:
+            ways.append(([*beside, together], limit * (1 - len(alike))))
+    return ways
+
+
+def _shaped(round_: Round, change: Change) -> Change:
+    """A change with its shape freed too, or as it is where there is none to free."""
+    shaped = richer(round_.simulations.problem.plant, change)
+    return change if shaped is None or shaped.free == change.free else shaped
+
+
+def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
+    """One value for all joints of a group in place of one at each; None where they are no group."""
+    joints = {i for c in alike for i in c.suspect.indices}
+    groups = [s for s in round_.everyone if s.effect == alike[0].suspect.effect and set(s.indices) == joints]
+    if len(alike) < 2 or not groups or any(c.free != alike[0].free for c in alike):
+        return None
+    names = alike[0].parameters
+    middle = {n: float(np.median([c.parameters[n] for c in alike])) for n in names}
+    return Change(groups[0], tuple(middle.items()), alike[0].free)
+
+
+def _plain_fit(round_: Round) -> list[Change]:
+    """All that a plain fit would have free beside the accepted model, where straight lines lead."""
+    problem = round_.simulations.problem
+    chosen: dict[tuple[str, int], Block] = {}
+    for block in round_.blocks:
+        suspect = block.suspect
+        for i in suspect.indices if everyday(problem, suspect) and block.start.kind == "linear" else ():
+            known = chosen.setdefault((suspect.effect, i), block)
+            if len(suspect.indices) < len(known.suspect.indices):
+                chosen[suspect.effect, i] = block
+    blocks = list({b.suspect: b for b in chosen.values()}.values())
+    linear = linear_at(round_.look, blocks)
+    return [p.change for p in linear.together()] if linear.gain() > 0.0 else []
+
+
+def _each(round_: Round, change: Change, beside: Sequence[Change]) -> list[Change]:
+    """The change of a group as one at every joint of it; none where it is at one joint."""
+    group = change.suspect
+    if len(group.indices) < 2:
+        return []
+    alone = [s for s in round_.everyone if s.effect == group.effect and len(s.indices) == 1]
+    inside = [s for s in alone if s.indices[0] in group.indices]
+    free = [s for s in inside if not any(clash(s, b.suspect) for b in beside)]
+    return [replace(change, suspect=s) for s in free] if len(free) > 1 else []

@@ -1,0 +1,137 @@
+"""One round of the search: where it stands, and what everything that could be added promises there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.candidates.starts import Start
+from realitygap.diagnose.candidates.suspects import everyday
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import Block, residual, residuals
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.search.model import Ground
+
+BEAM = 4
+"""Tries far from a straight line that are kept: those that promise most."""
+DEEP = 14
+"""Suspects that are simulated at the amount that they promise."""
+FOLLOWED = (0.5, 1.0, 2.0)
+"""What that amount is multiplied by: a straight line may lead too far, or end too early."""
+
+Say = Callable[[str], None]
+
+
+class Round:
+    """One round of the search, around an accepted model.
+
+    Attributes:
+        ground: what models are compared on.
+        now: the accepted model, fitted.
+        look: the same, in the metric in which moves are looked for.
+        blocks: responses of everything that could be added.
+        promised: what promises most, best first.
+    """
+
+    def __init__(
+        self, simulations: Simulations, changes: Sequence[Change], everyone: Sequence[Suspect], limit: float, say: Say
+    ) -> None:
+        self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
+        self.ground = ground = Ground(simulations, changes)
+        first = residual(simulations, changes, ground.train)
+        if first is None:
+            raise RuntimeError("the model that the search stands at cannot be simulated")
+        ground.take_facts(Fit(tuple(changes), first))
+        start = ground.score(Fit(tuple(changes), first))
+        done = ground.fit(changes) if any(c.free for c in changes) else None
+        self.now = start if done is None else ground.elsewhere(done)
+        ground.take_facts(self.now.fit)
+        self.blocks = ground.responses(self.now.fit, everyone)
+        ground.take_imperfections(self.now.fit, self.blocks)
+        self.now = ground.score(self.now.fit)
+        self.look = ground.sharp(self.now.fit)
+        say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
+        self.linear = linear_at(self.look, self.blocks)
+        followed = self._followed(self.linear.promises())
+        self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
+
+    def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
+        """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
+        return self.ground.adjusted(changes, known or self.now.fit)
+
+    def likely(self, number: int) -> list[Suspect]:
+        """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
+        promises = [*self.promised, *self.linear.promises()]
+        best = set(list(dict.fromkeys(p.block.suspect for p in promises))[:number])
+        problem = self.simulations.problem
+        here = {c.suspect.effect for c in self.now.fit.changes}
+        return [s for s in self.everyone if s in best or s.effect in here or everyday(problem, s)]
+
+    def _jumps(self) -> list[Promise]:
+        """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
+        still = self.ground.plain(self.now.fit).evidence
+        rough: dict[tuple[Suspect, tuple[str, ...]], tuple[float, Block]] = {}
+        for block in self.blocks:
+            if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
+                gain = self.ground.plain(self._beyond(block)).evidence - still
+                which = block.suspect, block.start.first.free
+                if gain > rough.get(which, (0.0, block))[0]:
+                    rough[which] = gain, block
+        out = []
+        for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
+            try_ = block.start.tries[0]
+            whole = Start(try_, (try_,), block.start.zero, "whole")
+            gain = self.ground.sharp(self._beyond(block)).evidence - self.look.evidence
+            out.append(Promise(Block(whole, block.columns), (1.0,), gain))
+        return sorted((p for p in out if p.gain > 0.0), key=lambda p: -p.gain)[:BEAM]
+
+    def _beyond(self, block: Block) -> Fit:
+        """The accepted model with a try as it is."""
+        return replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
+
+    def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
+        """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
+        chosen: list[Promise] = []
+        for p in promises:
+            kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
+            same = [c for c in kin if c.block.suspect == p.block.suspect]
+            if p.gain > 0 and len(chosen) < DEEP and len(same) < 2 and len(kin) < 4:
+                chosen.append(p)
+        variants = [(p, f) for p in chosen for f in (FOLLOWED if p.block.start.kind != "whole" else (1.0,))]
+        changes = [p.block.start.at([a * f for a in p.amounts]) for p, f in variants]
+        accepted = self.now.fit.changes
+        still, *answers = residuals(
+            self.simulations,
+            [accepted, *([*accepted, c] for c in changes)],
+            self.ground.train,
+            self.ground.floors.coarse,
+        )
+        if still is None:
+            return chosen
+        there: list[tuple[Promise, Block]] = []
+        for (p, _), change, answer in zip(variants, changes, answers, strict=True):
+            if answer is not None:
+                start = Start(change, (change,), p.block.start.zero, "whole")
+                there.append((p, Block(start, np.nan_to_num(answer - still)[:, None])))
+        linear = linear_at(self.look, [block for _, block in there])
+        best: dict[int, Promise] = {}
+        for k, (p, _) in enumerate(there):
+            followed = linear.promise(k)
+            if id(p) not in best or followed.gain > best[id(p)].gain:
+                best[id(p)] = followed
+        return sorted(best.values(), key=lambda p: -p.gain)
+
+
+def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
+    """The straight-line model around a fit, in its own metric."""
+    return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)
+
+
+def told_change(change: Change) -> str:
+    """A change in words, with its fitted values."""
+    return f"{change.suspect} " + ", ".join(f"{n} {v:.4g}" for n, v in change.values if n in change.free)
