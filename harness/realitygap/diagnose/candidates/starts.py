@@ -31,6 +31,10 @@ TO_BOTH_SIDES = (1.0, -1.0)
 """What the first size is multiplied by where it may have either sign: play and friction that holds answer unevenly."""
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
+LIGHTEST = 0.05
+"""A load whose point masses add up to less than this many of its first sizes is taken as so much: it has no centre."""
+SHORTEST = 0.05
+"""How far from its link's frame a load is tried at least [m]."""
 PERIODS = np.arange(1.0, 61.0, 0.25)
 """Periods of a ripple that are looked for: up to the slots of a servo's motor times a low gear's ratio."""
 PEAKS = 3
@@ -46,13 +50,14 @@ class Start:
         tries: changes at a visible size.
         zero: the neutral values.
         kind: `linear`: a parameter moves from neutral by the amount; `inverse`: a stiffness, twice as much is half of
-            it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave.
+            it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave; `load`: point
+            masses at several places, whose sum is one mass at their centre.
     """
 
     first: Change
     tries: tuple[Change, ...]
     zero: tuple[tuple[str, float], ...]
-    kind: Literal["linear", "inverse", "whole", "wave"]
+    kind: Literal["linear", "inverse", "whole", "wave", "load"]
 
     @property
     def suspect(self) -> Suspect:
@@ -74,6 +79,11 @@ class Start:
             size = self.tries[0].parameters[wave.name] * math.hypot(sine, cosine)
             return self.tries[0].at({wave.name: min(size, wave.high), "phase": math.atan2(cosine, sine)})
         zero, values = dict(self.zero), {}
+        if self.kind == "load":
+            total = max(sum(amounts), LIGHTEST)
+            masses = [(a, t.parameters) for a, t in zip(amounts, self.tries, strict=True)]
+            place = {n: sum(a * at[n] for a, at in masses) / total for n in "xyz"}
+            return self.first.at({"mass": total * self.tries[0].parameters["mass"], **place})
         for k, amount in enumerate(amounts):
             for name in self.moved(k):
                 p, tried = self.suspect.kind.parameter(name), self.tries[k].parameters[name]
@@ -87,7 +97,7 @@ class Start:
         """The least and the largest amount of a try within the bounds of its parameters."""
         if self.kind == "whole":
             return 1.0, 1.0
-        if self.kind == "wave":
+        if self.kind in ("wave", "load"):
             return -FURTHEST, FURTHEST
         if self.kind == "inverse":
             return 0.0, FURTHEST
@@ -136,6 +146,10 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         grid = [(a, b) for a in WHOLE_FIRST for b in WHOLE_SECOND]
         tries = [first.at({one: first.parameters[one] * a, two: first.parameters[two] * b}) for a, b in grid]
         return [Start(first, (t,), known, "whole") for t in tries]
+    if {"mass", "x", "y", "z"} <= set(first.free):
+        arm = max(math.hypot(*(size[n] for n in "xyz")), SHORTEST)
+        at = [first.at({n: arm * (n == axis) for n in "xyz"}) for axis in ("", "x", "y", "z")]
+        return [Start(first, tuple(at), known, "load")]
     if "periods" in first.free:
         waves = _periods(problem, suspect, residual)
         return [Start(first, _wave(first, size, p), known, "wave") for p in waves]

@@ -23,14 +23,10 @@ def _apply(plant: Plant, indices: list[int], values: Values) -> None:
 
 
 def _first(plant: Plant, index: int) -> dict[str, float]:
-    """A tenth of what moves with the link, at its centre of mass."""
-    links, carried = plant.model.links, {index}
-    for i, joint in enumerate(plant.model.joints):
-        if joint.parent in carried:
-            carried.add(i + 1)
-    link = links[index]
+    """A twentieth of what moves of the robot, at the link's centre of mass: arms carry a tenth to a third of that."""
+    link, moving = plant.model.links[index], plant.model.links[0 if plant.model.floating else 1 :]
     x, y, z = (float(v) for v in link.com)
-    return {"mass": max(0.1 * sum(links[i].mass for i in carried), 0.2 * link.mass), "x": x, "y": y, "z": z}
+    return {"mass": max(0.05 * sum(m.mass for m in moving), 0.2 * link.mass), "x": x, "y": y, "z": z}
 
 
 def _nothing(values: Values) -> str | None:
