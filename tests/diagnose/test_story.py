@@ -44,16 +44,9 @@ def judged() -> Any:
     with Simulations(problem, 2) as simulations:
         ground = Ground(simulations, [change])
         base = ground.score(Fit((), residual(simulations, [], ground.train)))
-<<<<<<< HEAD
-        done = ground.fit([change], base.metric)
+        done = ground.fit([change])
         every = range(len(problem.cases))
         signals = [dict(enumerate(simulations.of(c, every))) for c in (list[Change](), done.fit.changes)]
-=======
-        done = ground.fit([change])
-        signals = [
-            dict(enumerate(simulations.of(changes, range(len(problem.cases))))) for changes in ([], done.fit.changes)
-        ]
->>>>>>> 692f66d (A search that carries many findings: a plain fit as one move, quick fits that choose, limits tried one by one, and models fitted in the metric of what they leave themselves)
     return problem, ground.floors, base, done, *signals
 
 
