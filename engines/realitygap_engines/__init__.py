@@ -61,6 +61,7 @@ ENGINES = {
     "mujoco": Entry("realitygap_engines.mujoco", "mujoco", "pip install mujoco"),
     "ode": Entry("realitygap_engines.ode.adapter", "", "apt-get install libode8", library="ode"),
     "pybullet": Entry("realitygap_engines.pybullet", "pybullet", "pip install pybullet"),
+    "simbody": Entry("realitygap_engines.simbody", "opensim", "pip install opensim"),
 }
 
 

@@ -14,8 +14,12 @@ friction at the speed it was last seen to have (iteratively reweighted least squ
 import numpy as np
 from numba import njit
 
+from realitygap_engines.law.limits import floor
+
 TOUCH = 1e-4
-"""A point nearer than this [m] to rigid ground is looked at."""
+"""A point nearer than this [m] to rigid ground is looked at, where the ground is the engine's own."""
+FAST = 10.0
+"""Where it is not, a point is looked at that could get there within a step at this speed [m/s]."""
 PRESS, GRIP, ALONG_X, ALONG_Y, LIFT, FORCE, OLD_X, OLD_Y = range(8)
 """Of a point: inertia [kg] along the normal (0: off) and along the ground, impulses [N·s] along the ground that are
 given instead of an inertia, the impulse of the normal's inertia, the normal impulse, and those along the ground."""
@@ -28,8 +32,9 @@ def begin(speed, height, soil, ancestor, motion, point, point_end, touching, row
     Args:
         speed: of every coordinate. Shape (nv,).
         height: of every contact point [m]. Shape (k,).
-        soil: step [s], stiffness [N/m] (inf: rigid), damping [N·s/m], friction, inertia of what is held firm [kg], and
-            a speed below which a point is at rest [m/s]. Shape (6,).
+        soil: step [s], stiffness [N/m] (inf: rigid), damping [N·s/m], friction, inertia of what is held firm [kg],
+            a speed below which a point is at rest [m/s], the height at which it is looked at [m], and the speed [m/s]
+            at which a point that is below rigid ground comes up at most (0 where the engine sees to that). Shape (8,).
         ancestor: as in `Dynamics`.
         motion: as in `Dynamics`.
         point: as in `Dynamics`.
@@ -41,12 +46,12 @@ def begin(speed, height, soil, ancestor, motion, point, point_end, touching, row
     Returns:
         The number of points near the ground.
     """
-    h, stiffness, damping, firm, slow = soil[0], soil[1], soil[2], soil[4], soil[5]
+    h, stiffness, damping, firm, slow, reach, rise = soil[0], soil[1], soil[2], soil[4], soil[5], soil[6], soil[7]
     rigid = stiffness == np.inf
     count = 0
     for i in range(len(height)):
         state = points[i]
-        if height[i] > (TOUCH if rigid else 0.0) or point_end[i] < 0:
+        if height[i] > (reach if rigid else 0.0) or point_end[i] < 0:
             state[:] = 0.0
             continue
         touching[count] = i
@@ -63,7 +68,7 @@ def begin(speed, height, soil, ancestor, motion, point, point_end, touching, row
             j = ancestor[j]
         fresh = state[FORCE] == 0.0
         if rigid:
-            lands = z < slow - max(height[i], 0.0) / h
+            lands = z < slow + floor(height[i], h, rise)
             state[PRESS] = firm if lands and (fresh or state[PRESS] > 0.0) else 0.0
         else:
             weight = h * (damping + h * stiffness)
@@ -86,7 +91,7 @@ def press(speed, height, soil, ancestor, point_end, touching, count, rows, point
             state[LIFT] = state[FORCE] = state[OLD_X] = state[OLD_Y] = 0.0
             continue
         if stiffness == np.inf:
-            state[LIFT] = state[PRESS] * (-max(height[i], 0.0) / h - z)
+            state[LIFT] = state[PRESS] * (floor(height[i], h, soil[7]) - z)
         else:
             state[LIFT] = -h * stiffness * height[i] - state[PRESS] * z
         along_x, along_y = state[ALONG_X] - state[GRIP] * x, state[ALONG_Y] - state[GRIP] * y
@@ -119,8 +124,7 @@ def settle(speed, change, height, soil, ancestor, point_end, touching, count, ro
         before_x, before_y, before_z = _velocity(row, speed, ancestor, point_end[i])
         x, y, z = x + before_x, y + before_y, z + before_z
         if state[PRESS] == 0.0:
-            floor = -max(height[i], 0.0) / h
-            if rigid and z < floor:
+            if rigid and z < floor(height[i], h, soil[7]):
                 state[PRESS], moved = firm, np.inf
             elif not rigid and -stiffness * (height[i] + h * z) - soil[2] * z > 0.0:
                 state[PRESS], moved = h * (soil[2] + h * stiffness), np.inf

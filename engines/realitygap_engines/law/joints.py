@@ -15,7 +15,8 @@ from the law is A - E then, which is small where contact is felt. An engine opts
 ground there is none.
 
 *Ground.* It has to be foreseen (`law.ground`): what presses, sticks and slides decides how much a torque moves a
-joint. An engine without soft ground gets it from here, as forces; then nothing is left to be foreseen.
+joint. An engine without soft ground, or without any, gets it from here, as forces; then nothing is left to be foreseen.
+So it is with the stops at the joints' limits (`law.limits`).
 
 *Momentum.* Where the engine moved otherwise than foreseen (an impact, a foot that leaves the ground, sliding), what
 A + h D - E should have had of it is handed over in the next step, and on soft ground a stuck joint that was moved goes
@@ -34,11 +35,10 @@ from realitygap_engines.engine import Ground, Physics
 from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.law.friction import stick_slip
-from realitygap_engines.law.ground import begin, press, push, settle
+from realitygap_engines.law.ground import FAST, TOUCH, begin, press, push, settle
+from realitygap_engines.law.limits import RISE, foresee, settle_stops, stop
 from realitygap_engines.model.robot import Array, Model
 
-TOUCH = 1e-4
-"""A joint limit nearer than this [rad or m], approached or left slower than this [rad/s or m/s], is touched."""
 FIRM = 1e4
 """Inertia of a point that stays, in units of the robot's mass [kg] and, for limits, of as many kg·m²."""
 GUESSES, PASSES = 4, 40
@@ -70,6 +70,7 @@ class JointLaw:
         native_armature: bool,
         native_damping: bool,
         native_ground: bool = True,
+        native_limits: bool = True,
         ballast: bool = False,
     ) -> None:
         """Set up the law for one model.
@@ -80,6 +81,7 @@ class JointLaw:
             native_armature: the engine itself adds the model's armature.
             native_damping: the engine itself adds the step's damping.
             native_ground: the engine itself has the ground; otherwise it has none, and applies `wrench`.
+            native_limits: the engine itself has stops at the joints' limits.
             ballast: the engine simulates `model` of this object, not the one given, and applies `wrench`.
         """
         n, ground = len(model.joints), physics.ground
@@ -102,19 +104,22 @@ class JointLaw:
 
         h, fall = physics.timestep, float(np.linalg.norm(self._gravity)) * physics.timestep
         self._carries_ground = not native_ground and ground is not None
-        self._settings = np.array([h, self._lacks_armature, self._lacks_damping, self._carries_ground, FIRM])
+        self._limits = np.array([[j.lower, j.upper] for j in model.joints]).reshape(n, 2)
+        self._carries_stops = not native_limits and bool(np.isfinite(self._limits).any())
+        carried = (self._carries_ground, self._carries_stops)
+        self._settings = np.array([h, self._lacks_armature, self._lacks_damping, *carried, FIRM])
         soil = ground or Ground()
         stiffness, soil_damping = np.inf if soil.stiffness is None else soil.stiffness, soil.damping or 0.0
         # what is slower than half of what a free fall gains in a step is at rest
-        self._soil = np.array([h, stiffness, soil_damping, soil.friction, FIRM * model.mass, 0.5 * fall])
+        reach, rise = (FAST * h, RISE) if self._carries_ground else (TOUCH, 0.0)
+        self._soil = np.array([h, stiffness, soil_damping, soil.friction, FIRM * model.mass, 0.5 * fall, reach, rise])
         points = len(d.height) if ground is not None else 0
         self._near = np.zeros(points, dtype=np.int64)
         self._points = np.zeros((points, 8))
         self._rows = np.zeros((points, 3, first + n))
         self._armature = np.append(np.zeros(first), model.armature)
-        self._limits = np.array([[j.lower, j.upper] for j in model.joints]).reshape(n, 2)
-        self._stick = np.zeros(n, dtype=np.int64)
-        self._anchor = np.zeros((2, n))
+        self._stick, self._side = np.zeros((2, n), dtype=np.int64)
+        self._anchor = np.zeros((3, n))
         self._known = np.zeros(1, dtype=np.bool_)
         self._work = np.zeros((6, first + n))
         self._matrices = np.zeros((2, first + n, first + n))
@@ -126,7 +131,7 @@ class JointLaw:
         """Forget the previous step."""
         self.dry[:] = 0.0
         self._given[:] = 0.0
-        self._stick[:] = 0
+        self._stick[:] = self._side[:] = 0
         self._points[:] = 0.0
         self._known[0] = False
 
@@ -143,7 +148,8 @@ class JointLaw:
             damping: as in `Simulation.step`.
             friction: as in `Simulation.step`.
         """
-        needed = self._lacks_armature or self._carries_ground or np.count_nonzero(friction)
+        carries = self._carries_ground or self._carries_stops
+        needed = self._lacks_armature or carries or np.count_nonzero(friction)
         if not (needed or (self._lacks_damping and np.count_nonzero(damping))):
             if self._known[0]:
                 self.reset()
@@ -155,7 +161,7 @@ class JointLaw:
             d.inertia, d.bias, d.ancestor, d.motion, d.swing, d.point, d.height, d.point_end,
             self._armature, self._limits, self._settings, *self._ballast,
             self._soil, self._near, self._rows, self._points,
-            self._known, self._stick, *self._anchor, self.dry, self._given, self._work, self._matrices,
+            self._known, self._stick, self._side, *self._anchor, self.dry, self._given, self._work, self._matrices,
         )  # fmt: skip
         return self._out
 
@@ -193,11 +199,12 @@ def _solve(
     inertia, bias, ancestor, motion, swing, point, height, point_end,
     armature, limits, settings, carrier, ballast, carrier_end,
     soil, near, rows, points,
-    known, stick, anchor, aim, dry, given, work, matrices,
+    known, stick, side, anchor, aim, stopped, dry, given, work, matrices,
 ):  # fmt: skip
     n, nv = len(position), len(bias)
     first = nv - n
     h, lacks_armature, lacks_damping, carries_ground = settings[0], settings[1], settings[2], settings[3]
+    carries_stops, firm = settings[4], settings[5]
     foreseen, speed, change, right, free = work[0], work[1], work[2], work[3], work[4]
     matrix, factor = matrices[0], matrices[1]
     for i in range(first):
@@ -223,7 +230,7 @@ def _solve(
         aim[i] = RETURN * (anchor[i] - position[i]) / h if soil[1] < np.inf else 0.0
 
     count = begin(speed, height, soil, ancestor, motion, point, point_end, near, rows, points) if len(points) else 0
-    for turn in range(PASSES if carries_ground > 0 else GUESSES):
+    for turn in range(PASSES if carries_ground > 0 or carries_stops > 0 else GUESSES):
         for i in range(nv):
             j = i
             while j >= 0:
@@ -234,13 +241,18 @@ def _solve(
         for i in range(n):
             matrix[first + i, first + i] += h * damping[i]
             right[first + i] -= h * damping[i] * velocity[i]
-        _limit(position, velocity, limits, settings, matrix, right)
+        if carries_stops > 0:
+            stop(position, velocity, limits, h, firm, side, matrix, right)
+        else:
+            foresee(position, velocity, limits, firm, matrix, right)
         press(speed, height, soil, ancestor, point_end, near, count, rows, points, matrix, right)
         stick_slip(matrix, factor, ancestor, right, change, free, speed, friction, h, aim, stick, dry)
-        if count == 0:
-            break
-        careful = turn > PASSES // 4
-        moved = settle(speed, change, height, soil, ancestor, point_end, near, count, rows, points, careful)
+        moved = 0.0
+        if count > 0:
+            careful = turn > PASSES // 4
+            moved = settle(speed, change, height, soil, ancestor, point_end, near, count, rows, points, careful)
+        if carries_stops > 0 and settle_stops(position, velocity, change, limits, h, firm, side, stopped):
+            moved = np.inf
         if moved < SETTLED:
             break
 
@@ -255,6 +267,8 @@ def _solve(
             given[j] -= damping[i] * foreseen[j]
         if armature[j] != 0 and lacks_armature > 0:
             given[j] -= armature[j] * change[j]
+        if side[i] != 0:
+            given[j] += stopped[i] / h
     for i in range(len(carrier)):
         _swing(motion, ancestor, carrier_end[i], ballast[i], change, swing[carrier[i]], 1.0, given)
     if carries_ground > 0:
@@ -277,16 +291,3 @@ def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
         out[j] += weight * (a * motion[j, 3] + b * motion[j, 4] + c * motion[j, 5])
         j = ancestor[j]
 
-
-@compiled
-def _limit(position, velocity, limits, settings, matrix, right):
-    """Add what the joint limits will do to `matrix` and `right`."""
-    firm, first = settings[4], len(right) - len(position)
-    for i in range(len(position)):
-        rate = velocity[i]
-        if position[i] - limits[i, 0] < TOUCH and rate < TOUCH:
-            matrix[first + i, first + i] += firm
-            right[first + i] -= firm * min(rate, 0.0)
-        elif limits[i, 1] - position[i] < TOUCH and rate > -TOUCH:
-            matrix[first + i, first + i] += firm
-            right[first + i] -= firm * max(rate, 0.0)
