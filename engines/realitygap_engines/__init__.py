@@ -58,6 +58,7 @@ class Entry:
 ENGINES = {
     "dart": Entry("realitygap_engines.dart", "dartpy", "pip install dartpy"),
     "drake": Entry("realitygap_engines.drake", "pydrake", "pip install drake"),
+    "exudyn": Entry("realitygap_engines.exudyn", "exudyn", "pip install exudyn"),
     "mujoco": Entry("realitygap_engines.mujoco", "mujoco", "pip install mujoco"),
     "ode": Entry("realitygap_engines.ode.adapter", "", "apt-get install libode8", library="ode"),
     "pybullet": Entry("realitygap_engines.pybullet", "pybullet", "pip install pybullet"),

@@ -20,10 +20,9 @@ import opensim
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.law.mimic import coupled
 from realitygap_engines.law.stepped import EMULATED, Stepped
-from realitygap_engines.model.robot import Array, Model, rotation_between, rotation_from_quaternion
+from realitygap_engines.model.robot import Array, Model, frame_along, rotation_from_quaternion
 
 LEVEL = np.array([1.0, 0.0, 0.0, 0.0])
-Z, X = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
 
 class SimbodySimulation(Stepped):
@@ -151,9 +150,9 @@ def _tree(model: Model, gravity: Array) -> "tuple[opensim.Model, list[opensim.Jo
     joints = []
     for i, joint in enumerate(model.joints):
         body = _body(tree, model, i + 1)
-        own = X if joint.prismatic else Z
-        # of the shortest turn there is none onto the opposite direction
-        turn = rotation_between(own, joint.axis) if own @ joint.axis > -0.5 else _flipped(own, joint.axis)
+        turn = frame_along(joint.axis)
+        if joint.prismatic:
+            turn = np.roll(turn, 1, axis=1)
         kind = opensim.SliderJoint if joint.prismatic else opensim.PinJoint
         made = kind(
             f"joint{i}",
@@ -176,13 +175,6 @@ def _body(tree: "opensim.Model", model: Model, i: int) -> "opensim.Body":
     body = opensim.Body(f"link{i}", link.mass, opensim.Vec3(*link.com.tolist()), inertia)
     tree.addBody(body)
     return body
-
-
-def _flipped(own: Array, axis: Array) -> Array:
-    """A rotation that takes `own` onto an axis that is far from it: half a turn about y, then the shortest."""
-    half_turn = np.diag([-1.0, 1.0, -1.0])
-    turn: Array = rotation_between(-own, axis) @ half_turn
-    return turn
 
 
 def _orientation(rotation: Array) -> "opensim.Vec3":

@@ -290,4 +290,3 @@ def _swing(motion, ancestor, end, weight, acceleration, swing, share, out):
     while j >= 0:
         out[j] += weight * (a * motion[j, 3] + b * motion[j, 4] + c * motion[j, 5])
         j = ancestor[j]
-

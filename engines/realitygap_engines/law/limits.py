@@ -7,7 +7,6 @@ guessed and corrected as the points of `law.ground` are.
 # mypy: allow-untyped-defs
 # (compiled into `law.joints`; numba's cache of that file does not see a change made here)
 
-import numpy as np
 from numba import njit
 
 TOUCH = 1e-4

@@ -185,6 +185,13 @@ def rotation_between(a: Array, b: Array) -> Array:
     return rotation
 
 
+def frame_along(axis: Array) -> Array:
+    """A rotation matrix whose last column is a unit axis. Shape (3, 3)."""
+    side = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)
+    side /= np.linalg.norm(side)
+    return np.column_stack([side, np.cross(axis, side), axis])
+
+
 def link_poses(model: Model, position: Array, base: Array | None = None) -> Array:
     """The pose of every link at joint positions (n,) for a base pose (4, 4), default identity. Shape (n + 1, 4, 4)."""
     poses = np.empty((len(model.links), 4, 4))
