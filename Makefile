@@ -77,7 +77,7 @@ $(READY): requirements.lock pyproject.toml
 		"install one (Debian: python3 and python3-venv) or name it: make PYTHON=python3.12"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m ensurepip >/dev/null 2>&1 \
 		|| $(PYTHON) -m venv --clear .venv
-	@echo "installing into .venv (about 2 GB, the first time takes some minutes)"
+	@echo "installing into .venv (about 2.5 GB, the first time takes some minutes)"
 	@$(BIN)/python -c '$(LOCKED)' || { echo ".venv has a Python that the lock does not hold (3.11 to 3.14):" \
 		"remove it with make clean"; exit 1; }
 	@$(BIN)/python -m pip install --quiet --require-hashes -r requirements.lock

@@ -12,6 +12,9 @@ hinges is taken off again. Gravity, which is uniform, is added to the base's acc
 and warns of settings that were renamed.
 """
 
+# mypy: allow-untyped-defs
+# (the compiled function takes arrays; its caller is typed)
+
 from functools import cached_property
 from importlib.metadata import version
 

@@ -134,7 +134,7 @@ def test_the_lock_covers_every_dependency() -> None:
 def test_starting_the_command_imports_no_engine() -> None:
     program = "import sys, realitygap.cli.main; print(*sorted(sys.modules))"
     modules = set(run(sys.executable, "-c", program, cwd=ROOT).split())
-    assert modules.isdisjoint({"dartpy", "mujoco", "pinocchio", "pybullet", "pydrake"})
+    assert modules.isdisjoint({"dartpy", "exudyn", "mujoco", "opensim", "pinocchio", "pybullet", "pydrake"})
 
 
 def test_the_make_targets_of_the_documents_exist() -> None:

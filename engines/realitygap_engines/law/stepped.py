@@ -1,7 +1,7 @@
 """The step of an engine that gives accelerations and no step of its own: velocities first, positions from the new ones.
 
 With a the acceleration of every coordinate at the start of the step, v' = v + h·a and q' = q + h·v' (semi-implicit
-Euler), as the other engines step; the base turns by the rotation vector h·ω'. Whatever is implicit in the joint law, the
+Euler), as the other engines step; the base turns by the rotation vector h·ω'. What is implicit in the joint law, the
 stops and the ground are solved outside the engine (`law.joints`) and handed to it as generalized efforts, so that an
 adapter is left with the machine itself: its acceleration, inertia matrix and bias.
 """

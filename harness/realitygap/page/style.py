@@ -8,8 +8,10 @@ ENGINES = {
     "drake": ("Drake", "#009e73"),
     "pybullet": ("PyBullet", "#cc79a7"),
     "ode": ("ODE", "#b8860b"),
+    "simbody": ("Simbody", "#56b4e9"),
+    "exudyn": ("Exudyn", "#8c6bb1"),
 }
-OTHERS = ("#56b4e9", "#8c6bb1", "#737373", "#a6761d")
+OTHERS = ("#737373", "#a6761d", "#44aa99", "#332288")
 
 SIGNALS = {
     "position": "position",
@@ -49,7 +51,7 @@ def engine_color(name: str, among: list[str]) -> str:
 
 
 def engine_dashes(name: str, among: list[str]) -> int:
-    """Which of five dash patterns is the engine's: the second sign, beside the colour, that tells curves apart."""
+    """Which of seven dash patterns is the engine's: the second sign, beside the colour, that tells curves apart."""
     return list(ENGINES).index(name) if name in ENGINES else (len(ENGINES) - 1 + among.index(name)) % len(ENGINES)
 
 

@@ -27,7 +27,15 @@ STYLE: Any = {
     "svg.hashsalt": "realitygap",  # the same picture is the same file
     "figure.constrained_layout.use": True,
 }
-DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (3, 3)))
+DASHES = (
+    "-",
+    (0, (6, 2)),
+    (0, (2, 1.5)),
+    (0, (6, 1.5, 1.5, 1.5)),
+    (0, (3, 3)),
+    (0, (9, 2)),
+    (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
+)
 INK = "#1d2126"
 
 

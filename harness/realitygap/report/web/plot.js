@@ -1,5 +1,5 @@
 // Small plots in SVG: lines over time, points with lines, boxes. Drawn at the width there is, so that text stays legible.
-const DASHES = ["", "7 3", "2 2.5", "9 3 2 3", "4 4"];
+const DASHES = ["", "7 3", "2 2.5", "9 3 2 3", "4 4", "14 3", "9 3 2 3 2 3"];
 
 function engineStyle(engine) { return { stroke: data.engines[engine].color, "stroke-dasharray": DASHES[data.engines[engine].dashes] }; }
 
