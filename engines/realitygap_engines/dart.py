@@ -82,6 +82,7 @@ class DartSimulation(Simulation):
         skeleton = self._skeleton
         self._world.reset()
         self._world.getConstraintSolver().clearLastCollisionResult()
+        self._world.setCollisionDetector(dartpy.collision.DARTCollisionDetector())  # the last one remembers contacts
         position, velocity = np.zeros_like(self._forces), np.zeros_like(self._forces)
         position[self._joints], velocity[self._joints] = state.position, state.velocity
         pose = dartpy.math.Isometry3()
@@ -105,7 +106,7 @@ class DartSimulation(Simulation):
     def step(self, effort: Array, damping: Array, friction: Array) -> None:
         self._steps += 1
         effort = self._law.effort(self._position, self._velocity, self._base, effort, damping, friction)
-        if not isfinite(effort.dot(effort)):
+        if not isfinite(sum(effort.tolist())):
             raise self._diverged(effort, "effort is not finite")
         self._forces[self._joints] = effort
         if self._pushed:
@@ -138,7 +139,7 @@ class DartSimulation(Simulation):
             base[:] = self._base
 
     def dry_friction(self) -> Array:
-        return self._law.dry.copy()
+        return self._law.dry
 
     def mass_matrix(self) -> Array:
         order = self._world_order()
