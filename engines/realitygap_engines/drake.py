@@ -72,14 +72,19 @@ class DrakeSimulation(Simulation):
         base = [3, 4, 5, 0, 1, 2] if model.floating else []  # Drake counts rotation first
         self._world_order = np.array([*base, *speeds], dtype=np.int64)
         self._state = np.zeros(plant.num_multibody_states())
-        self._q = _run([joint.position_start() for joint in self._joints])
-        self._v = _run([plant.num_positions() + start for start in speeds])
+        o = plant.num_positions()
+        self._q = np.array([joint.position_start() for joint in self._joints], dtype=np.int64)
+        self._v = np.array([o + start for start in speeds], dtype=np.int64)
+        free = [4, 5, 6, 0, 1, 2, 3, o + 3, o + 4, o + 5, o, o + 1, o + 2] if model.floating else []
+        self._order = np.concatenate([self._q, self._v, np.array(free, dtype=np.int64)])
         inputs = [plant.GetJointActuatorByName(joint.name).input_start() for joint in model.joints]
         self._inputs = _run(inputs)
         self._actuation = plant.get_actuation_input_port().FixValue(self._plant_context, np.zeros(n)) if n else None
         self._law = JointLaw(model, physics, native_armature=True, native_damping=True)
         self._damping = np.zeros(n)
-        self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
+        row = np.zeros(2 * n + 13)
+        self._position, self._velocity, self._base = row[:n], row[n : 2 * n], row[2 * n :]
+        self._fetched = row[: len(self._order)]  # what is in Drake's state, in our order; a fixed base is not
         self.settings = {
             "time_step": plant.time_step(),
             "gravity": plant.gravity_field().gravity_vector().tolist(),
@@ -135,17 +140,13 @@ class DrakeSimulation(Simulation):
         self._damped = damping.tobytes()
 
     def _fetch(self) -> None:
-        x = self._plant.GetPositionsAndVelocities(self._plant_context)  # a view: to be copied
-        self._position[:] = x[self._q]
-        self._velocity[:] = x[self._v]
+        x = self._plant.GetPositionsAndVelocities(self._plant_context)
+        x.take(self._order, out=self._fetched, mode="clip")  # which does not buffer; no index is out of bounds
         if self.model.floating:
-            base, o = self._base, self._plant.num_positions()
-            base[:3] = x[4:7]
-            w, a, b, c = x[:4].tolist()  # its norm drifts, and Drake does not mind
+            turn = self._base[3:7]
+            w, a, b, c = turn.tolist()  # its norm drifts, and Drake does not mind
             norm = sqrt(w * w + a * a + b * b + c * c)
-            base[3:7] = w / norm, a / norm, b / norm, c / norm
-            base[7:10] = x[o + 3 : o + 6]
-            base[10:] = x[o : o + 3]
+            turn[:] = w / norm, a / norm, b / norm, c / norm
 
     def _diverged(self, effort: Array, what: str) -> Diverged:
         wrong = np.flatnonzero(~np.isfinite(effort + self._position + self._velocity))
@@ -159,7 +160,7 @@ class DrakeSimulation(Simulation):
             base[:] = self._base
 
     def dry_friction(self) -> Array:
-        return self._law.dry.copy()
+        return self._law.dry
 
     def mass_matrix(self) -> Array:
         order = self._world_order

@@ -109,7 +109,7 @@ class Simulation(ABC):
 
     @abstractmethod
     def dry_friction(self) -> Array:
-        """The dry friction effort of the last step, signed [N·m or N]. Shape (n,)."""
+        """The dry friction effort of the last step, signed [N·m or N]; valid until the next one. Shape (n,)."""
 
     @abstractmethod
     def mass_matrix(self) -> Array:

@@ -75,7 +75,8 @@ class MujocoSimulation(Simulation):
         p = 7 if model.floating else 0
         self._qpos, self._qvel = d.qpos[p:], d.qvel[o:]
         self._base_pose, self._base_velocity = d.qpos[:p], d.qvel[:o]
-        self._zero = State(np.zeros(len(model.joints)), np.zeros(len(model.joints)))
+        self._n = len(model.joints)
+        self._zero = State(np.zeros(self._n), np.zeros(self._n))
         option = m.opt
         self.settings = {
             "integrator": mujoco.mjtIntegrator(option.integrator).name,
@@ -135,9 +136,10 @@ class MujocoSimulation(Simulation):
             base[10:] = _rotate(base[3:7], base[10:])
 
     def dry_friction(self) -> Array:
-        d, n = self._d, len(self._qvel)
+        d, n = self._d, self._n
         if d.nf == n:  # a row for every joint, in their order, before those of limits and contacts
-            return np.array(d.efc_force[:n])
+            force: Array = d.efc_force[:n]
+            return force
         out = np.zeros(n)
         out[d.efc_id[: d.nf] - self._offset] = d.efc_force[: d.nf]
         return out

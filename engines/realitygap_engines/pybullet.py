@@ -136,7 +136,7 @@ class PybulletSimulation(Simulation):
             base[:] = self._base
 
     def dry_friction(self) -> Array:
-        return self._law.dry.copy()
+        return self._law.dry
 
     def mass_matrix(self) -> Array:
         n = len(self._joints)

@@ -16,7 +16,7 @@ What it cannot do: a joint is a constraint that is never quite met, and centripe
 step late, so that one step from a moving state is no forward dynamics and a chain drifts away by an error of order h.
 """
 
-from math import inf, isfinite
+from math import hypot, inf, isfinite
 
 import numpy as np
 
@@ -61,6 +61,7 @@ class OdeSimulation(Simulation):
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
         self._armature = model.armature
         self._damping, self._friction = np.full(n, -1.0), np.full(n, -1.0)  # none of them is set yet
+        self._damped = self._braked = b"unset"
         self._rotors: list[tuple[OdeJoint, float, int]] = []
         self.settings = {
             "step function": "dWorldStep" if physics.solver_iterations is None else "dWorldQuickStep",
@@ -100,11 +101,12 @@ class OdeSimulation(Simulation):
 
     def step(self, effort: Array, damping: Array, friction: Array) -> None:
         self._steps += 1
-        if not isfinite(effort.sum()):  # ODE would end the process
+        efforts = effort.tolist()
+        if not isfinite(sum(efforts)):  # ODE would end the process
             raise self._diverged(effort, "effort is not finite")
-        if (damping != self._damping).any() or (friction != self._friction).any():
+        if damping.tobytes() != self._damped or friction.tobytes() != self._braked:
             self._set_motors(damping, friction)
-        for joint, given in zip(self._robot.joints, effort.tolist(), strict=True):
+        for joint, given in zip(self._robot.joints, efforts, strict=True):
             joint.push(joint.joint, given)
         for joint, share, speed in self._rotors:
             joint.set_motor(joint.rotor, VEL, share * self._velocity.item(speed))
@@ -127,6 +129,7 @@ class OdeSimulation(Simulation):
                 joint.set_motor(joint.rotor, CFM, h / mass)
             joint.set_motor(joint.brake, FMAX, friction.item(i))
         self._damping[:], self._friction[:] = damping, friction
+        self._damped, self._braked = damping.tobytes(), friction.tobytes()
         self._rotors = [
             (joint, a / (a + h * d), i)
             for i, (joint, a, d) in enumerate(
@@ -139,7 +142,7 @@ class OdeSimulation(Simulation):
         self._robot.read_joints(self._position, self._velocity)
         if self.model.floating:
             self._robot.read_base(self._base)
-        if not self._velocity @ self._velocity + self._base[7:] @ self._base[7:] < RUNAWAY**2:
+        if not hypot(*self._velocity.tolist(), *self._base[7:].tolist()) < RUNAWAY:
             raise self._diverged(self._velocity, "velocity runs away")
 
     def _diverged(self, values: Array, what: str) -> Diverged:

@@ -3,6 +3,7 @@
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import chain, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,22 +79,15 @@ def rollout(
     state["velocity"] = w[0]
     state["integral"] = 0.0 if integral is None else integral
     began = clock.perf_counter()
-    rows = zip(
-        command,
-        np.vstack([command[1:], command[-1:]]),
-        q,
-        w,
-        volts.tolist(),
-        log,
-        dry,
-        q[1:],
-        w[1:],
-        base[1:],
-        strict=False,
-    )
-    step, read, efforts = simulation.step, simulation.read, plant.efforts
+    # what a step ends with the next one begins with: every row is taken out of its array once
+    upcoming = chain(command[1:], command[-1:])
+    bases = base[1:] if plant.model.floating else repeat(base[0])
+    drags = dry[1:] if wants_dry else repeat(dry[0])
+    rows = zip(upcoming, volts.tolist(), log, q[1:], w[1:], bases, drags, strict=False)
+    c, qk, wk, dk = command[0], q[0], w[0], dry[0]
+    step, read, dry_friction, efforts = simulation.step, simulation.read, simulation.dry_friction, plant.efforts
     try:
-        for k, (c, c1, qk, wk, v, lk, dk, q1, w1, b1) in enumerate(rows):
+        for k, (c1, v, lk, q1, w1, b1, d1) in enumerate(rows):
             t = k * h
             drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
             if mapped:
@@ -103,12 +97,13 @@ def rollout(
             step(effort, damping, friction)
             read(q1, w1, b1)
             if wants_dry:
-                dry[k + 1] = simulation.dry_friction()
+                d1[:] = dry_friction()
             if k % CHECK_EVERY == 0:
                 if not _sane(w1, b1):
                     break
                 if k == 0:
                     began = clock.perf_counter()  # anew, because the first step may compile
+            c, qk, wk, dk = c1, q1, w1, d1
     except Diverged as error:
         raise Diverged(error.time, error.joint, error.what) from None
     wall = clock.perf_counter() - began
