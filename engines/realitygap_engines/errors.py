@@ -46,11 +46,11 @@ LONGEST = 300
 """Characters of a sentence that somebody else's words may fill."""
 
 
-def in_a_line(words: object) -> str:
-    """Somebody else's words in one line: line ends and other control characters as they are escaped, not endless."""
-    text = " ".join(str(words).split())
-    text = "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
+def in_a_line(words: object, most: int = LONGEST) -> str:
+    """Words from outside in one line: control characters as they are escaped, and of what is too long both ends."""
+    text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in str(words))
+    text = " ".join(text.split())
+    return text if len(text) <= most else f"{text[: most * 2 // 3]} ... {text[-(most // 3 - 5) :]}"
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-LONGEST = 600
+LONGEST = 1100
 """Characters of a sentence with the path in it."""
 MEMORY = 2048
 """MiB."""

@@ -47,12 +47,13 @@ def simulate(arguments: list[str]) -> None:
     """A robot in one engine, in this process: what `run` does in a worker."""
     from realitygap.compare.library import compare
     from realitygap_engines import RealityGapError
+    from realitygap_engines.errors import in_a_line
 
     engine, scenario = arguments
     try:
         done = compare(scenario, [engine], floors=False)
     except RealityGapError as error:
-        sys.stderr.write(f"realitygap: {error}\n")
+        sys.stderr.write(f"realitygap: {in_a_line(error, 1000)}\n")
         raise SystemExit(2) from None
     sys.stdout.write(repr({c.outcome: c.note for c in done.comparisons}))
 

@@ -4,11 +4,14 @@ from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.mjcf import read_mjcf
 from realitygap_engines.model.robot import Model
 from realitygap_engines.model.sdf import read_sdf
 from realitygap_engines.model.urdf import read_urdf
 
+LARGEST = 64 << 20
+"""Bytes of a robot's description; meshes lie beside it."""
 HEAD = 65536
 """Bytes in which the root element of an XML file begins, after whatever its authors wrote above it."""
 
@@ -36,6 +39,10 @@ def read_model(
 ) -> Model:
     """The canonical model of a URDF, xacro, MJCF or SDF file. Arguments and errors as of `read_urdf`."""
     file = Path(path)
+    if file.exists() and not (file.is_file() or file.is_dir()):
+        raise ModelError(f"{file}: is a pipe, a socket or a device; expected a robot's file")
+    if file.is_file() and file.stat().st_size > LARGEST:
+        raise ModelError(f"{file}: holds {file.stat().st_size >> 20} MiB, expected at most {LARGEST >> 20} MiB of XML")
     if format_of(file) == "mjcf":
         return read_mjcf(file, floating=floating, contact_links=contact_links)
     if format_of(file) == "sdf":

@@ -101,6 +101,8 @@ def _check_part(path: Path, part: ElementTree.Element) -> None:
         if element is None or not element.get("link"):
             raise ModelError(f'{path}: joint {name} has no {end}, expected <{end} link="..."/>')
     for element in part.iter():
+        if element.tag == "mesh" and not element.get("filename"):
+            raise ModelError(f"{path}: {part.tag} {name}: mesh has no filename, expected the path of one")
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             text = element.get(attribute)
             if text is None and element.tag in NEEDED:

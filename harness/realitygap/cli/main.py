@@ -14,6 +14,8 @@ from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
 from realitygap.files.interrupted import Interrupted, listening
 
+MOST = 1000
+"""Characters of a sentence, paths and lists of names included."""
 COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
 
@@ -70,7 +72,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _fail(sentence: str) -> NoReturn:
-    typer.echo(f"realitygap: {sentence}", err=True)
+    from realitygap_engines.errors import in_a_line
+
+    typer.echo(f"realitygap: {in_a_line(sentence, MOST)}", err=True)
     raise SystemExit(2) from None
 
 

@@ -121,6 +121,11 @@ def table(rows: Iterable[Row]) -> pd.DataFrame:
     return frame.sort_values(keys, kind="stable", na_position="first", ignore_index=True)
 
 
+FORMULA = ("=", "+", "-", "@")
+"""How a text begins that a spreadsheet would compute; with an apostrophe in front it does not."""
+QUOTED = r"^'(?=[=+\-@])"
+
+
 def to_csv(frame: pd.DataFrame) -> str:
     """The table as text: fixed digits, so that a difference between two files means that physics moved."""
     out = io.StringIO()
@@ -136,7 +141,8 @@ def _text(value: object) -> str:
         return ""
     if isinstance(value, float | np.floating):
         return "" if np.isnan(value) else f"{value:.{SIGNIFICANT}g}"
-    return str(value)
+    text = str(value)
+    return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def read_gaps(path: Path) -> pd.DataFrame:
@@ -155,7 +161,7 @@ def read_gaps(path: Path) -> pd.DataFrame:
     missing = [c for c in COLUMNS if c not in frame]
     if missing:
         raise InputError(f"{path}: has no column {', '.join(missing)}; expected a table that realitygap wrote")
-    frame[list(text)] = frame[list(text)].fillna("")
+    frame[list(text)] = frame[list(text)].fillna("").apply(lambda words: words.str.replace(QUOTED, "", regex=True))
     return frame
 
 

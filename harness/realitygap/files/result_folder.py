@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from realitygap.files.unfinished import UNFINISHED, hold, part_folder
-from realitygap.files.whole import write_whole
+from realitygap.files.whole import made, write_whole
 
 MANIFEST = "manifest.json"
 FILES = "files"
@@ -30,18 +30,11 @@ def written_whole(out: Path, keeps: tuple[str, ...] = ()) -> Iterator[Path]:
     Where the work fails or is interrupted, `out` is as before. Files that no run has written stay in any case, and so
     do those of the earlier run that match the patterns in `keeps`.
     """
-    absent = [folder for folder in (out, *out.parents) if not folder.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    try:
+    with made(out):
         settle(out)
         with part_folder(out) as part:  # inside: files are moved, never copied
             yield part
             _finish(out, part, keeps)
-    except BaseException:
-        for folder in absent:
-            with contextlib.suppress(OSError):  # something else was put there meanwhile
-                folder.rmdir()
-        raise
 
 
 def settle(out: Path) -> None:

@@ -1,6 +1,5 @@
 """Files that were packed with gzip or Zstandard, as plain ones for as long as they are read."""
 
-import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,6 +10,8 @@ from realitygap.files.unfinished import ELSEWHERE, part_folder
 
 PACKED = {".gz": "gzip", ".zst": "zstd", ".zstd": "zstd"}
 """Suffixes of packed files, and what pyarrow calls the method."""
+TIMES, LEAST = 100, 256 << 20
+"""By how much a recording is packed at most, and the bytes that it may unpack to in any case."""
 OTHERS = (".bz2", ".xz", ".zip", ".7z", ".tar", ".tgz", ".lz4")
 """Suffixes of files that have to be unpacked by hand."""
 
@@ -34,10 +35,17 @@ def unpacked(path: Path) -> Iterator[Path]:
     import pyarrow as pa  # here, because a scenario that only asks for a name is to load fast
 
     with part_folder(Path(tempfile.gettempdir()), ELSEWHERE) as folder:
+        most = max(TIMES * path.stat().st_size, LEAST)
         plain = folder / plain_name(path).name
         try:
             with pa.input_stream(str(path), compression=method) as source, plain.open("wb") as target:
-                shutil.copyfileobj(source, target, 1 << 20)
+                while data := source.read(1 << 20):
+                    if target.tell() > most:
+                        raise InputError(
+                            f"{path}: unpacks to more than {most >> 20} MiB, {TIMES} times its size; expected a "
+                            "recording: unpack it first where it is one"
+                        )
+                    target.write(data)
         except (OSError, pa.ArrowException) as error:
             what = " ".join(str(error).split()) or type(error).__name__
             raise InputError(

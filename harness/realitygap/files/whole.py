@@ -1,7 +1,9 @@
 """Files that are written whole or not at all, and the check, before long work, that a folder takes files."""
 
+import contextlib
 import os
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from realitygap.files.errors import InputError
@@ -26,6 +28,20 @@ def check_writable(folder: Path, option: str = "--out") -> None:
             f"{option}: {folder} cannot be written, {place} takes no files ({error.strerror}); expected a folder to "
             "write to"
         ) from None
+
+
+@contextlib.contextmanager
+def made(folder: Path) -> Iterator[None]:
+    """A folder that is there, and is gone again where the work in here fails and nothing else was put there."""
+    absent = [f for f in (folder, *folder.parents) if not f.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield
+    except BaseException:
+        for new in absent:
+            with contextlib.suppress(OSError):
+                new.rmdir()
+        raise
 
 
 def write_whole(path: Path, content: str | bytes) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from realitygap.files.errors import InputError
+from realitygap.files.plain_file import read_written
 
 LARGEST = 100_000
 """Values that a file may hold once its aliases are written out; a few lines of them can stand for billions."""
@@ -47,7 +48,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
         InputError: for a file that cannot be read, is not YAML, holds something else, or grows without end.
     """
     try:
-        loader = _Loader(path.read_text(encoding="utf-8"))
+        loader = _Loader(read_written(path))
         node = loader.get_single_node()
         if node is not None:
             _check_size(path, node)

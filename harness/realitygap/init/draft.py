@@ -9,7 +9,8 @@ from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
-from realitygap.files.whole import write_whole
+from realitygap.files.unfinished import UNFINISHED
+from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.robot_guess import base_of, servo_lines
@@ -63,17 +64,17 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
     text = _text(urdf, out, packages, model, fixed, sections)
-    out.mkdir(parents=True, exist_ok=True)
-    draft = out / ".scenario.yaml.part"
-    try:
-        draft.write_text(text, encoding="utf-8")
-        loaded = load_scenario(draft)
-        for case in loaded.cases():
-            read_recording(case.path, case.scenario, model.joint_names, file=target)
-        write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
-        draft.rename(target)
-    finally:
-        draft.unlink(missing_ok=True)
+    with made(out):
+        draft = out / f"{UNFINISHED}scenario.yaml"
+        try:
+            draft.write_text(text, encoding="utf-8")
+            loaded = load_scenario(draft)
+            for case in loaded.cases():
+                read_recording(case.path, case.scenario, model.joint_names, file=target)
+            write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
+            draft.rename(target)
+        finally:
+            draft.unlink(missing_ok=True)
     return Draft(target, _guesses(text), sections.told)
 
 
@@ -99,8 +100,8 @@ def _model(urdf: Path, packages: Mapping[str, Path]) -> tuple[Model, str | None]
     except ModelError as floating:
         try:
             return read_model(urdf, floating=False, packages=packages, contact_links=[]), "the root link has no mass"
-        except ModelError:
-            raise InputError(str(floating)) from None
+        except ModelError as fixed:  # of a single body, which a fixed base would keep from moving, the other counts
+            raise InputError(str(floating if "nothing can move" in str(fixed) else fixed)) from None
 
 
 def _sections(urdf: Path, bags: list[Path], out: Path, model: Model) -> Sections:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap.recording.readers.messages import NAMES, POSES, JointMessages
+from realitygap.files.errors import InputError
+from realitygap.recording.readers.messages import NAMES, POSES, JointMessages, Refused
 from realitygap.recording.readers.ros_control import ARRAYS, collector_of
 from realitygap.recording.readers.rosbag import Bag, opened, short
 from realitygap.recording.readers.trajectory import Trajectories
@@ -81,8 +82,11 @@ def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
             collector = collector_of(kind, fields, found, role="state" if controller else "command")
             if collector is None:
                 return None
-        if collector.joints and collector.take(message):
-            times.append(receive * 1e-9)
+        try:
+            if collector.joints and collector.take(message):
+                times.append(receive * 1e-9)
+        except Refused as error:
+            raise InputError(f"{bag.path}: {topic}: message {len(times) + 1}: {error}") from None
     if collector is None or not times:
         return None
     time = np.array(times)

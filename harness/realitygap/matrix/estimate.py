@@ -12,6 +12,10 @@ OVERHEAD = 0.1
 """s per cell for opening, comparing and writing."""
 START = 8.0
 """s until the worker processes are ready and know their engines."""
+BYTES = 200
+"""of memory per step and joint, while a motion is simulated."""
+LONG = 60.0
+"""s: what takes longer is told before it starts."""
 REPORT = 10.0
 """s for the figures and the page."""
 
@@ -21,6 +25,25 @@ def steps(task: Task) -> float:
     seconds = sum(e.duration for e in task.motion.experiments)
     rate = task.motion.experiments[0].scenario.physics.step_rate
     return seconds * rate * (3 if task.floors and task.motion.measured is not None else 1)
+
+
+def memory(task: Task) -> float:
+    """Bytes that the longest simulation of a cell takes; with floors, that is the one with half the step."""
+    e = max(task.motion.experiments, key=lambda e: e.duration)
+    finer = 2 if task.floors and task.motion.measured is not None else 1
+    return finer * e.duration * e.scenario.physics.step_rate * len(e.plant.model.joints) * BYTES
+
+
+def costs(seconds: float, todo: Sequence[Task], jobs: int, there: float) -> list[str]:
+    """Sentences on what is long or large, before it starts; `there` is the memory of the machine [bytes]."""
+    needed = sum(sorted(map(memory, todo))[-jobs:])
+    lines = [f"this takes about {seconds / 60:.0f} minutes"] if seconds > LONG else []
+    if needed > there / 2:
+        lines.append(
+            f"this takes about {needed / 1e9:.1f} GB of memory, of {there / 1e9:.1f} GB; a shorter `part` of the "
+            "recordings, a lower physics.step_rate or fewer processes take less"
+        )
+    return lines
 
 
 class Estimate:

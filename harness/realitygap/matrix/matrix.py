@@ -1,5 +1,6 @@
 """The cells of a matrix planned, computed where it was asked for, and collected; `run` is a matrix of one scenario."""
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from realitygap.files.result_folder import written_whole
 from realitygap.matrix.checked import checked
 from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
-from realitygap.matrix.estimate import Estimate
+from realitygap.matrix.estimate import Estimate, costs
 from realitygap.matrix.local import run_local
 from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import plan
@@ -84,6 +85,10 @@ def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, pr
     there = finished(tasks, store, retry_crashed=settings.retry_crashed)
     todo = [t for t in tasks if t.key not in there]
     undone: dict[str, str] = {}
+    estimate, jobs = Estimate(there.values()), min(settings.jobs, max(len(todo), 1))
+    installed = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    for line in costs(estimate.total(todo, jobs), todo, jobs, installed):
+        progress.say(line)
     with progress.task("simulating", len(todo)) as advance:
 
         def done(task: Task, what: str | None) -> None:
@@ -91,11 +96,11 @@ def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, pr
             if what is not None:
                 undone[task.key] = what
 
-        todo.sort(key=Estimate(there.values()).seconds, reverse=True)  # the longest first, so that none is left alone
+        todo.sort(key=estimate.seconds, reverse=True)  # the longest first, so that none is left alone
         if todo and settings.scheduler:
             run_cluster(todo, settings.scheduler, place, limit, done)
         elif todo:
-            run_local(todo, min(settings.jobs, len(todo)), place, limit, done)
+            run_local(todo, jobs, place, limit, done)
     return undone
 
 

@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import OTHERS, PACKED, plain_name
 from realitygap.recording.assemble import assemble
 from realitygap.recording.part import part_of
@@ -36,6 +37,7 @@ def reader_of(path: Path) -> str:
     """
     if not path.exists():
         raise InputError(f"{path}: does not exist; expected a bag, a bag folder, a table or a data set")
+    check_plain(path)
     kind = plain_name(path).suffix.lower()
     if path.suffix.lower() in OTHERS:
         raise InputError(

@@ -13,6 +13,9 @@ from realitygap.recording.recording import Recording
 from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
 from realitygap.trace.trace import Array, Trace
 
+JUMP = 60.0
+"""s: a pause that is longer, and longer than all the rest, is no pause."""
+
 
 def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     """One recording: time starts at the first message, other streams are brought to the clock of the joint states.
@@ -28,6 +31,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if len(clock.time) < 2:
         raise InputError(f"{clock.source}: holds {len(clock.time)} sample, expected at least two")
     for samples in streams.all():
+        _steady(samples)
         if samples is not streams.command:
             _finite(samples)
     signals = _joint_signals(streams, request, clock)
@@ -135,6 +139,20 @@ def _command(samples: Samples, kind: str, state_time: Array) -> tuple[Array, Arr
     if np.isinf(value).any():
         raise InputError(f"{samples.source}: a command is infinite, expected finite numbers (or NaN for none)")
     return in_force(samples.time, value, samples.present, state_time, samples.joints)
+
+
+def _steady(samples: Samples) -> None:
+    """Make sure that no clock jumped: no pause is longer than all the rest of a recording and than `JUMP`."""
+    steps = np.diff(samples.time)
+    if not len(steps):
+        return
+    longest = int(np.argmax(steps))
+    rest = float(samples.time[-1] - samples.time[0] - steps[longest])
+    if steps[longest] > max(JUMP, rest):
+        raise InputError(
+            f"{samples.source}: the clock jumps from {samples.time[longest]:.3f} to {samples.time[longest + 1]:.3f} s, "
+            f"which is longer than all the rest ({rest:.3g} s); expected a clock without jumps: cut the recording there"
+        )
 
 
 def _finite(samples: Samples) -> None:

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.plain_file import read_written
 from realitygap.files.validation import validate
 from realitygap.scenario.section import Finite, NotNegative
 from realitygap.simulate.commands import Commands
@@ -44,7 +45,9 @@ def read_animation(path: Path) -> Animation:
         InputError: for a file that is not one.
     """
     try:
-        raw = json.loads(path.read_text(encoding="utf-8"))
+        raw = json.loads(read_written(path))
+    except InputError:
+        raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); expected an animation file") from None
     except RecursionError:

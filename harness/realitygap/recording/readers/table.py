@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
@@ -14,6 +15,9 @@ from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import Columns
 from realitygap.trace.trace import Array
+
+LARGEST = 2e8
+"""Values of a table: three hours of twenty joints with four signals at 200 Hz, and 1.6 GB."""
 
 
 def read(path: Path, request: Request) -> Streams:
@@ -50,10 +54,13 @@ def load(path: Path) -> pd.DataFrame:
     with unpacked(path) as plain:
         try:
             if plain.suffix.lower() == ".parquet":
+                _check_size(path, pq.read_metadata(plain))
                 frame, first = pd.read_parquet(plain), 2
             else:
                 dialect = dialect_of(plain)
                 frame, first = pd.read_csv(plain, **dialect.arguments()), dialect.first_line
+        except InputError:
+            raise
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
@@ -64,6 +71,15 @@ def load(path: Path) -> pd.DataFrame:
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
     frame.attrs["first_line"] = first
     return frame
+
+
+def _check_size(path: Path, about: "pq.FileMetaData") -> None:
+    """A few bytes of Parquet can say that they are millions of rows."""
+    if about.num_rows * about.num_columns > LARGEST:
+        raise InputError(
+            f"{path}: holds {about.num_rows} rows of {about.num_columns} columns, expected at most {LARGEST:.2g} "
+            "values: cut the recording, or leave columns out"
+        )
 
 
 class Table:
