@@ -142,7 +142,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     "step rate infinite": (changed(physics__step_rate=float("inf")), "physics.step_rate: found inf"),
     "step rate negative": (
         changed(physics__step_rate=-1000),
-        "physics.step_rate: found -1000; expected greater than 0",
+        "physics.step_rate: found -1000; expected greater than or equal to 10",
     ),
     "step rate beyond all memory": (changed(physics__step_rate=1e9), "physics.step_rate: found 1e+09, which makes"),
     "left out what is not there": (
