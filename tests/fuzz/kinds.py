@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import realitygap_engines as engines
 from fuzz import template
 from fuzz.strategies import altered, damaged, numbers, words
 from hypothesis import strategies as st
@@ -75,7 +76,7 @@ def urdf(draw: st.DrawFn) -> Case:
         )
         text = text[: found.start()] + value.replace('"', "").replace("<", "") + text[found.end() :]
     content = draw(st.just(text.encode("utf-8", "replace")) | damaged(template.URDF.encode()))
-    engine = draw(st.sampled_from(["mujoco", "dart", "drake", "pybullet", "ode"]))
+    engine = draw(st.sampled_from(engines.available()))
     commands = [["simulate", engine, "scenario.yaml"], ["init", "arm.urdf", "run.csv", *NEW], CHECK]
     return template.files(arm__urdf=content), draw(st.sampled_from(commands))
 
