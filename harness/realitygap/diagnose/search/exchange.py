@@ -94,10 +94,10 @@ class Exchanged:
             self.better = other
 
 
-def exchanged(round_: Round, keep: Sequence[Suspect]) -> Exchanged:
+def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exchanged:
     """Every finding left out, and exchanged for what promises most in its place; `keep` stays.
 
-    Where one is superfluous, that is all that is said.
+    Where one is superfluous, that is all that is said. What was far behind `before` is not tried again.
     """
     now, out = round_.now, Exchanged()
     fewer = pruned(round_, now, keep)
@@ -117,7 +117,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect]) -> Exchanged:
             round_.say(f"  without {change.suspect}: {-gain:+.1f}")
             out.offer(alone)
             continue
-        rivals = _rivals(round_, change, alone)
+        rivals = _rivals(round_, change, alone, before.rivals.get(change.suspect, []))
         out.rivals[change.suspect] = rivals
         for rival in rivals:
             equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, change.suspect)
@@ -134,7 +134,7 @@ def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     return round_.ground.fit(rest)
 
 
-def _rivals(round_: Round, change: Change, alone: Scored) -> list[Rival]:
+def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     ground, rest = round_.ground, alone.fit.changes
 
@@ -149,8 +149,10 @@ def _rivals(round_: Round, change: Change, alone: Scored) -> list[Rival]:
     for p in linear_at(ground.sharp(alone.fit), here).promises():
         if p.gain > 0 and len(chosen) < EXCHANGED:
             chosen.setdefault(p.block.suspect, p)
-    out = []
+    out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, p in chosen.items():
+        if any(r.suspect == suspect for r in out):
+            continue
         quick = round_.adjusted([*rest, p.change])
         if quick is None or quick.evidence <= alone.evidence:
             continue

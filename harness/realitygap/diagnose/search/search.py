@@ -60,19 +60,18 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     changes, seen, grows = tuple(told), set[Standing](), True
-    looked_at = list(everyone)
+    looked_at, last = list(everyone), Exchanged()
     for _ in range(ROUNDS):
         round_ = Round(simulations, changes, looked_at, limit, say)
         here = standing(round_.now)
         grows = grows and here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept) if grows else None
-        last = Exchanged()
         if following is None and len(looked_at) < len(everyone):
             changes, looked_at = round_.now.fit.changes, list(everyone)
             continue
         seen.add(here)
         if following is None:
-            last = exchanged(round_, kept)
+            last = exchanged(round_, kept, last)
             following = last.better
             if following is not None and len(following.fit.changes) == len(here):
                 following = None if standing(following) in seen else following
