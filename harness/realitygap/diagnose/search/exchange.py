@@ -30,6 +30,8 @@ ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
 EXCHANGED = 4
 """Suspects that are tried in the place of a finding: those that promise most."""
+CLOSE = 0.5
+"""Beside the one that promises most, those are tried that promise this share of what the finding explains."""
 FAR = 2.0
 """A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
 PLAIN = 3.0
@@ -137,6 +139,7 @@ def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
 def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     ground, rest = round_.ground, alone.fit.changes
+    gain = round_.now.evidence - alone.evidence
 
     def fits(suspect: Suspect) -> bool:
         return not any(clash(suspect, c.suspect) for c in rest)
@@ -147,7 +150,8 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     here += ground.responses(alone.fit, [s for s in beside if fits(s)])
     chosen: dict[Suspect, Promise] = {}
     for p in linear_at(ground.sharp(alone.fit), here).promises():
-        if p.gain > 0 and len(chosen) < EXCHANGED:
+        worth = p.gain > (CLOSE * gain if chosen else 0.0)
+        if worth and len(chosen) < EXCHANGED:
             chosen.setdefault(p.block.suspect, p)
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, p in chosen.items():
