@@ -6,7 +6,7 @@ from realitygap.robot.effects.body import moves
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
 from realitygap.robot.plant import Plant
 
-WHERE = 10.0
+WHERE = 1.0
 """A load lies no further than this from the link's frame [m]."""
 
 
