@@ -196,7 +196,33 @@ def test_columns_as_people_name_them(time: str, position: str, command: str, eff
     np.testing.assert_allclose(recording.trace.command, np.column_stack([goal(clock) + k for k in (0, 1)]))
     np.testing.assert_allclose(recording.trace.effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
     assert scenario.motion.meaning == "position"
-    assert draft.told == ["not used: temperature_0, temperature_1"]
+    assert draft.told[0] == "not used: temperature_0, temperature_1"
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "velocity", "factors"),
+    [
+        ("timestamp_ms", "q{n} [deg]", "dq{n} [deg/s]", (1e3, 180 / np.pi, 180 / np.pi)),
+        ("time_us", "q{n}", "qd{n}_deg", (1e6, 1.0, 180 / np.pi)),
+        ("t", "pos{n} (mm)", "vel{n}", (1.0, 1e3, 1.0)),
+    ],
+)
+def test_units_that_columns_name_are_taken(
+    time: str, position: str, velocity: str, factors: tuple[float, float, float], tmp_path: Path
+) -> None:
+    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
+    frame = pd.DataFrame({time: clock * factors[0]})
+    for n in (1, 2):
+        frame[position.format(n=n)] = goal(clock) * factors[1]
+        frame[velocity.format(n=n)] = np.gradient(goal(clock), clock) * factors[2]
+        frame[f"tau{n}"] = np.sin(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, joints)
+    assert scenario.follows
+    np.testing.assert_allclose(recording.trace.time, clock, atol=1e-12)
+    np.testing.assert_allclose(recording.trace.position[:, 1], goal(clock))
+    np.testing.assert_allclose(recording.trace.velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
 
 
 def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path: Path) -> None:

@@ -158,6 +158,26 @@ def test_what_is_wrong_with_a_table_is_told(
         read_recording(path, scenario(**asked), ["elbow"], file=FILE)
 
 
+def test_units_are_said_for_all_joints_or_by_pattern(tmp_path: Path) -> None:
+    frame = pd.DataFrame(
+        {"time": 1e3 * TIME, **{f"{s}_{j}": TIME for s in ("command", "position") for j in ("a", "b")}}
+    )
+    units = {"time": "ms", "position": {"a": "deg", "*": "mm"}, "command": "deg"}
+    path = write(frame, tmp_path / "run.csv")
+    recording = read_recording(path, scenario(columns={"units": units}), ["a", "b"], file=FILE)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
+    np.testing.assert_allclose(recording.trace.position, np.outer(TIME, [np.pi / 180, 1e-3]))
+    np.testing.assert_allclose(recording.trace.command, np.outer(TIME, [np.pi / 180] * 2))
+    with pytest.raises(InputError, match=r"recordings.columns.units.position: no pattern matches joint b"):
+        read_recording(path, scenario(columns={"units": {"position": {"a": "deg"}}}), ["a", "b"], file=FILE)
+
+
+def test_a_table_without_names_is_told(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("0.0,1.5,-2e-3\n0.01,1.6,2e-3\n")
+    with pytest.raises(InputError, match=r"begins with numbers; expected a line with the names"):
+        read_recording(tmp_path / "run.csv", scenario(), ["elbow"], file=FILE)
+
+
 def test_a_command_that_is_not_there(tmp_path: Path) -> None:
     path = write(one_joint().drop(columns="command"), tmp_path / "run.csv")
     with pytest.raises(InputError, match=r"has no command of joint elbow; it has the columns time, position"):

@@ -42,7 +42,8 @@ def contact_spheres(
         elif geometry.cylinder is not None:
             points = inset_cylinder(float(geometry.cylinder.radius), float(geometry.cylinder.length) / 2)
         elif geometry.mesh is not None:
-            points = _inset_mesh(path, link, geometry.mesh, packages)
+            file = find_mesh(path, link, geometry.mesh.filename, packages)
+            points = inset_mesh(path, link, file, geometry.mesh.scale if geometry.mesh.scale is not None else 1.0)
         else:
             continue
         corners.append(points @ pose[:3, :3].T + pose[:3, 3])
@@ -69,15 +70,18 @@ def inset_cylinder(radius: float, half: float) -> Array:
     return np.vstack([ring + rise, ring - rise])
 
 
-def _inset_mesh(path: Path, link: str, mesh: yourdfpy.Mesh, packages: Mapping[str, Path]) -> Array:
-    file = find_mesh(path, link, mesh.filename, packages)
+def inset_mesh(path: Path, link: str, file: Path, scale: float | Array) -> Array:
+    """The corners of a mesh's convex hull, moved inwards likewise; path and link are for messages.
+
+    Raises:
+        ModelError: for a mesh that cannot be read or has no volume.
+    """
     try:
         with quiet("trimesh"):  # what it complains about is said here
             loaded = trimesh.load(file, force="mesh")
         vertices = np.asarray(loaded.vertices, dtype=float)
     except Exception as error:
         raise ModelError(f"{path}: mesh {file} of link {link} cannot be read ({error})") from None
-    scale = mesh.scale if mesh.scale is not None else 1.0
     vertices = vertices * np.asarray(scale, dtype=float)
     if len(vertices) < 4 or not np.isfinite(vertices).all():
         raise ModelError(f"{path}: mesh {file} of link {link} has no volume")

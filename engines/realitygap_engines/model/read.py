@@ -46,5 +46,5 @@ def read_model(
     if format_of(file) == "mjcf":
         return read_mjcf(file, floating=floating, contact_links=contact_links)
     if format_of(file) == "sdf":
-        return read_sdf(file, floating=floating, packages=packages)
+        return read_sdf(file, floating=floating, packages=packages, contact_links=contact_links)
     return read_urdf(file, floating=floating, packages=packages, contact_links=contact_links)

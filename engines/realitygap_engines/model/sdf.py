@@ -1,13 +1,14 @@
 """Reading a SDF file, as Drake's parser has it, into the canonical `Model`.
 
-Drake resolves SDF's frames and poses; dry friction, which it drops, is taken from the file. A link's frame is that of
-its joint, which in SDF is its own unless the joint has a pose.
+Drake resolves SDF's frames and poses; dry friction, mimics and shapes, which it drops, are taken from the file. A
+link's frame is that of its joint, which in SDF is its own unless the joint has a pose.
 """
 
 import importlib.util
 import logging
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +17,28 @@ import numpy as np
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.inertia import Part, lump
-from realitygap_engines.model.robot import Array, Joint, Link, Model
+from realitygap_engines.model.mimics import resolved
+from realitygap_engines.model.robot import Array, Joint, Link, Mimic, Model
+from realitygap_engines.model.sdf_shapes import spheres_of
+from realitygap_engines.model.touching import touching
 
 KINDS = {"weld": None, "revolute": False, "prismatic": True}
 """Drake's names of joints that a model has, and whether they slide."""
+SAID = {"multiplier": "1", "offset": "0", "reference": "0"}
+"""What a mimic says, and what it means where it does not."""
 
 
-def read_sdf(path: Path, *, floating: bool, packages: Mapping[str, Path] | None = None) -> Model:
-    """The canonical model of a SDF file with one robot. Its shapes are not read: nothing of it touches the ground.
+def read_sdf(
+    path: Path, *, floating: bool, packages: Mapping[str, Path] | None = None, contact_links: list[str] | None = None
+) -> Model:
+    """The canonical model of a SDF file with one robot. Arguments as of `read_urdf`; where `contact_links` is empty,
+    nothing touches the ground, and meshes may be missing.
 
     Raises:
         ModelError: where Drake is not installed or cannot read the file, or for a robot that cannot be simulated.
     """
     joints, root = _joints_of(path, packages or {})
-    friction = _friction(path)
+    friction, mimics = _friction(path), _mimics(path)
     below: dict[str, list[Any]] = {}
     for joint in joints:
         below.setdefault(joint.parent_body().name(), []).append(joint)
@@ -40,15 +49,17 @@ def read_sdf(path: Path, *, floating: bool, packages: Mapping[str, Path] | None 
         start = joints[0].parent_body().GetParentPlant().world_body()
     links: list[Link] = []
     made: list[Joint] = []
-    notes: list[str] = ["the shapes of a SDF are not read: nothing of it touches the ground"]
+    carried: list[list[tuple[Any, Array]]] = []
+    notes: list[str] = []
     todo: list[tuple[Any, Array, Any, int]] = [(start, np.eye(4), None, -1)]
     while todo:
         body, pose, joint, parent = todo.pop()
         if joint is not None:
-            made.append(_joint(path, joint, pose, parent, friction))
+            made.append(replace(_joint(path, joint, pose, parent, friction), mimic=mimics.get(joint.name())))
             pose = _inverse(_pose(joint.frame_on_child()))
         index, parts, inner = len(links), [_part(body, pose)], [(body, pose)]
         branches: list[tuple[Any, Array, Any, int]] = []
+        fixed = [(body, pose)]
         while inner:
             at, where = inner.pop()
             for next_joint in below.get(at.name(), []):
@@ -58,15 +69,25 @@ def read_sdf(path: Path, *, floating: bool, packages: Mapping[str, Path] | None 
                     place = here @ _inverse(_pose(next_joint.frame_on_child()))
                     parts.append(_part(child, place))
                     inner.append((child, place))
+                    fixed.append((child, place))
                 else:
                     branches.append((child, here, next_joint, index))
         link, mended = lump(path, parts, moves=index > 0 or floating)
         links.append(link)
+        carried.append(fixed)
         notes += mended
         todo += reversed(branches)
     if not floating and not made:
         raise ModelError(f"{path}: nothing can move: the robot has no moving joint and a fixed base")
-    return Model(path.stem, tuple(links), tuple(made), floating, tuple(notes))
+    touch = touching(path, links, made, contact_links)
+    elements = {element.get("name", ""): element for element in _tree(path).iter("link")}
+    for i, link in enumerate(links):
+        if link.name in touch:
+            placed = [(elements[body.name()], place) for body, place in carried[i] if body.name() in elements]
+            spheres, said = spheres_of(path, link.name, placed, packages or {})
+            links[i] = replace(link, spheres=spheres)
+            notes += said
+    return Model(path.stem, tuple(links), resolved(path, made), floating, tuple(notes))
 
 
 def _joints_of(path: Path, packages: Mapping[str, Path]) -> tuple[list[Any], Any]:
@@ -111,16 +132,27 @@ def _model(path: Path) -> str:
         raise ModelError(f"{path}: is not well-formed XML ({error}); expected a SDF") from None
     if len(models) != 1:
         raise ModelError(f"{path}: expected one model, found {len(models)}")
-    if models[0].find(".//mimic") is not None:
-        raise ModelError(
-            f"{path}: has mimic joints, which are not read from a SDF; expected a URDF or MJCF of the robot"
-        )
     return models[0].get("name", "")
 
 
 def _friction(path: Path) -> dict[str, float]:
     found = {j.get("name", ""): j.findtext("axis/dynamics/friction") for j in _tree(path).iter("joint")}
     return {name: float(text) for name, text in found.items() if text}
+
+
+def _mimics(path: Path) -> dict[str, Mimic]:
+    """What mimics: position = multiplier·(the other's − reference) + offset (SDF 1.11)."""
+    out = {}
+    for joint in _tree(path).iter("joint"):
+        mimic = joint.find("axis/mimic")
+        if mimic is not None:
+            try:
+                words = (mimic.findtext(key) or default for key, default in SAID.items())
+                multiplier, offset, reference = (float(word) for word in words)
+            except ValueError as error:
+                raise ModelError(f"{path}: joint {joint.get('name')} mimics by no number ({error})") from None
+            out[joint.get("name", "")] = Mimic(mimic.get("joint", ""), multiplier, offset - multiplier * reference)
+    return out
 
 
 def _moves(below: Mapping[str, list[Any]], name: str) -> bool:

@@ -65,7 +65,9 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
                 out.append(Mistake("degrees", "likely", (joint.name,), sentence, "robot.urdf", (o.name,)))
             continue
         sentence = f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
-        key = "recordings.columns.position" if o.recording.receive_time is None else "recordings.state"
+        table = o.recording.receive_time is None
+        key = "recordings.columns.position" if table else "recordings.state"
+        sentence += ", or `units: {position: deg}` under recordings.columns" * table
         out.append(Mistake("degrees", "certain", (joint.name,), sentence, key, (o.name,)))
     return out
 

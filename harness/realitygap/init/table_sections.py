@@ -10,11 +10,12 @@ from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
 from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
 from realitygap.recording.readers.table import FORMS, column_of, load
-from realitygap.scenario.schema import Columns
+from realitygap.scenario.schema import Columns, Units
 
 TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
 TIME_UNITS = {"s", "sec", "secs", "seconds", "ms", "us", "ns", "stamp"}
-NOT_SI = {"deg": "rad", "degree": "rad", "degrees": "rad", "ms": "s", "us": "s", "ns": "s", "ma": "A"}
+NOT_SI = {"deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
+"""Words of a label that say a unit, and how a scenario says it."""
 DEFAULTS = {"time": "time", "command": "command", "position": "position", "velocity": "velocity", "effort": "effort"}
 Column = str | dict[str, str]
 """A column by its stem, or by joint."""
@@ -40,13 +41,30 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
     current = _current(chosen)
     told = _told(labels, columns, joints)
     if current:
-        told.append("the effort is a current: recordings.effort.factor is N·m per A, which the table does not say")
+        told.append(
+            "the effort is a current: recordings.effort.factor is N·m per A at the joint (torque constant times gear "
+            "ratio), by joint pattern or `fit`, which takes it from the robot's own weight"
+        )
+    if "command" in columns and "effort" in columns and meaning == "position":
+        told.append(
+            "where the controller is not known, `motion: {followed: true}` in place of motion and servos asks the "
+            "model for the measured effort alone"
+        )
     if "command" not in columns and joints:
         told.append(AS_FOLLOWED.format("column") if "effort" in columns else NOTHING_DRIVES.format("column"))
     lines = _columns(columns)
+    units = _units(columns)
+    if units:
+        lines += [] if lines else ["  columns:"]
+        lines.append(f"    units: {{{', '.join(f'{key}: {unit}' for key, unit in units.items())}}}  # as the names say")
     if "effort" in columns:
-        unit = "{measures: motor, factor: 1.0}" if current else "motor"
-        why = "N·m per A is not in the table" if current else "of the motor, before friction, in N·m or N"
+        milli = current and "ma" in _words(columns["effort"])
+        unit = f"{{measures: motor, factor: {'0.001' if milli else '1.0'}}}" if current else "motor"
+        why = (
+            f"N·m per {'mA' if milli else 'A'} is not in the table"
+            if current
+            else "of the motor, before friction, in N·m or N"
+        )
         lines.append(f"  effort: {unit}  # GUESS: {why}")
     return Sections(_motion(columns, meaning), lines, runs_of(paths, out), meaning=meaning, told=told)
 
@@ -144,9 +162,25 @@ def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence
     spare = [
         label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
     ]
-    told = [f"not used: {', '.join(spare)}"] if spare else []
-    for label in labels:
-        wrong = [word for word in words(label)[1:] if word in NOT_SI] if label in used else []
-        if wrong:
-            told.append(f"{label} says {wrong[0]}; a table is read in {NOT_SI[wrong[0]]}: convert it")
-    return told
+    return [f"not used: {', '.join(spare)}"] if spare else []
+
+
+def _effort(column: Column, current: bool) -> str:
+    if not current:
+        return "  effort: motor  # GUESS: of the motor, before friction, in N·m or N"
+    factor, unit = ("0.001", "mA") if "ma" in _words(column) else ("1.0", "A")
+    return f"  effort: {{measures: motor, factor: {factor}}}  # GUESS: N·m per {unit} is not in the table"
+
+
+def _words(column: Column) -> set[str]:
+    return {word for label in ([column] if isinstance(column, str) else column.values()) for word in words(label)}
+
+
+def _units(columns: Mapping[str, Column]) -> dict[str, str]:
+    """The units that the names of columns say, where they are not SI."""
+    out = {}
+    for key, name in columns.items():
+        said = sorted(NOT_SI[word] for word in _words(name) & NOT_SI.keys())
+        if said and key in Units.model_fields:
+            out[key] = said[0]
+    return out

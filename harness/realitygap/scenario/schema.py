@@ -105,9 +105,23 @@ class EffortStream(Section):
     )
 
 
+Length = Literal["rad", "deg", "m", "mm"]
+Lengths = Length | dict[str, Length]
+
+
+class Units(Section):
+    """The units of a table's columns, for all joints or by joint pattern; velocities are per s."""
+
+    time: Literal["s", "ms", "us", "ns"] = Field(default="s", description="of time")
+    command: Lengths = Field(default="rad", description="of a command that is a position or velocity")
+    position: Lengths = Field(default="rad", description="of the measured position (rad and m are the same here)")
+    velocity: Lengths = Field(default="rad", description="of the measured velocity, per s")
+
+
 class Columns(Section):
     """Column names of a table. A joint signal is one column, or a mapping from joint to column."""
 
+    units: Units = Field(default=Units(), description="of these columns; an effort's is said by `effort`")
     time: str = Field(default="time", description="time [s]")
     command: str | dict[str, str] = Field(
         default="command", description="the command [rad or m, or what `motion.as` says]"

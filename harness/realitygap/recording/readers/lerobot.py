@@ -29,6 +29,10 @@ def read(path: Path, request: Request) -> Streams:
         InputError: for an episode, feature or joint that is not there, normalized units without their range, or a file
             that is missing or broken.
     """
+    if "units" in request.recordings.columns.model_fields_set:
+        raise InputError(
+            f"{request.file}: recordings.columns.units: are those of tables; expected dataset: {{units: …}}"
+        )
     folder = open_folder(path)
     episode = folder.episode(request.recordings.episode, f"{request.file}: recordings: episode")
     names = {signal: name for signal in FEATURES if (name := _feature(folder, request, signal)) is not None}

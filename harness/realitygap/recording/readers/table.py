@@ -1,7 +1,9 @@
 """Tables of text (comma, semicolon, tab or white space between cells; point or comma in numbers) and Parquet."""
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import overload
 
 import numpy as np
 import pandas as pd
@@ -12,6 +14,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
+from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import Columns
 from realitygap.trace.trace import Array
@@ -69,6 +72,8 @@ def load(path: Path) -> pd.DataFrame:
     frame = frame.drop(columns=spare)  # every line ended with a separator
     if frame.empty:
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
+    if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
+        raise InputError(f"{path}: begins with numbers; expected a line with the names of the columns above them")
     frame.attrs["first_line"] = first
     return frame
 
@@ -93,7 +98,7 @@ class Table:
 
     def times(self) -> tuple[Array, NDArray[np.intp], list[str]]:
         """The times [s] from the first row, the rows that are kept and what was dropped."""
-        time = self._column(self.columns.time, "time")
+        time = self._column(self.columns.time, "time") * SECONDS[self.columns.units.time]
         if np.isnan(time).any():
             row = int(np.flatnonzero(np.isnan(time))[0])
             line = self._line(row)
@@ -113,8 +118,10 @@ class Table:
     def state(self) -> dict[str, Array]:
         """Position and, where it is there, velocity and effort."""
         found = {
-            "position": self._joints("position", required=True),
-            "velocity": self._joints("velocity", required="velocity" in self.columns.model_fields_set),
+            "position": self._si("position", self._joints("position", required=True)),
+            "velocity": self._si(
+                "velocity", self._joints("velocity", required="velocity" in self.columns.model_fields_set)
+            ),
             "effort": self._joints("effort", required="effort" in self.columns.model_fields_set),
         }
         return {name: value for name, value in found.items() if value is not None}
@@ -142,10 +149,21 @@ class Table:
             kind = self.request.command_signal
         if command is None:
             return {}
+        if kind != "effort":
+            command = self._si("command", command)
         enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
         if enabled is not None:
             command = np.where(enabled == 0, np.nan, command)
         return {kind: command}
+
+    @overload
+    def _si(self, signal: str, value: Array) -> Array: ...
+    @overload
+    def _si(self, signal: str, value: Array | None) -> Array | None: ...
+    def _si(self, signal: str, value: Array | None) -> Array | None:
+        """A position or velocity in SI units."""
+        units, key = getattr(self.columns.units, signal), f"recordings.columns.units.{signal}"
+        return None if value is None else value * joint_factors(units, self.request.joints, key, self.request.file)
 
     def supply(self) -> dict[str, Array]:
         """The supply voltage."""
@@ -234,6 +252,8 @@ class Table:
         return ", ".join(self.frame.columns)
 
 
+NUMBER_LIKE = re.compile(r"[-+]?[\d.][-+.\deE]*")
+"""A number, also where pandas tells it from another one like it."""
 FORMS = ("{0}_{1}", "{1}_{0}", "{0}.{1}", "{0}/{1}")
 """How the column of one joint's signal is called."""
 
