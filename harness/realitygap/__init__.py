@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from realitygap.diagnose.library import Revised as Revised
     from realitygap.diagnose.library import diagnose as diagnose
     from realitygap.files.errors import InputError as InputError
+    from realitygap.missing.library import Missing as Missing
+    from realitygap.missing.library import missing_effort as missing_effort
     from realitygap.recording.recording import Recording as Recording
     from realitygap.robot.effects.library import effects as effects
     from realitygap.scenario.file import ScenarioFile as ScenarioFile
@@ -50,6 +52,7 @@ _PLACES = {  # name -> the module that holds it
     "Failed": "realitygap_engines",
     "Finding": "realitygap.diagnose.library",
     "InputError": "realitygap.files.errors",
+    "Missing": "realitygap.missing.library",
     "Model": "realitygap_engines.model.robot",
     "ModelError": "realitygap_engines",
     "RealityGapError": "realitygap_engines",
@@ -63,6 +66,7 @@ _PLACES = {  # name -> the module that holds it
     "diagnose": "realitygap.diagnose.library",
     "effects": "realitygap.robot.effects.library",
     "load_scenario": "realitygap.scenario.file",
+    "missing_effort": "realitygap.missing.library",
     "read_model": "realitygap_engines.model.read",
     "read_run": "realitygap.simulate.library",
     "simulate": "realitygap.simulate.library",

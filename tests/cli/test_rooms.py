@@ -22,7 +22,7 @@ FLOORS = (  # as DESIGN draws them: a room knows only what lies below
     ("scenario",),
     ("recording", "robot"),
     ("simulate", "init", "audit", "check"),
-    ("compare", "bench"),
+    ("compare", "bench", "missing"),
     ("matrix", "report", "diagnose"),
     ("cli",),
 )

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_array_equal
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.experiment import experiments, simulate
-from realitygap.trace.parquet import read_about, read_parquet, write_parquet
+from realitygap.trace.parquet import JOINT_SIGNALS, read_about, read_parquet, write_parquet
 from realitygap.trace.trace import Trace
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
@@ -20,7 +20,7 @@ def some(rows: int, joints: tuple[str, ...], *without: str) -> Trace:
     random = np.random.default_rng(rows)
     width = {"base_quaternion": 4, "imu_quaternion": 4}
     signals = {
-        s: random.standard_normal((rows, len(joints) if s in ("position", "velocity", "effort", "command") else w))
+        s: random.standard_normal((rows, len(joints) if s in JOINT_SIGNALS else w))
         for s in Trace.SIGNALS
         if s not in without and (w := width.get(s, 3))
     }

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from realitygap.cli.missing_effort import add_missing
 from realitygap.compare.budget import stated_budget
 from realitygap.compare.table import means
 from realitygap.files.errors import spared
@@ -25,14 +26,26 @@ Said = tuple[list[str], int]
 
 
 def run(
-    path: Path, engines: Sequence[str], out: Path, budget: Mapping[str, float], junit: Path | None, progress: Progress
+    path: Path,
+    engines: Sequence[str],
+    out: Path,
+    budget: Mapping[str, float],
+    junit: Path | None,
+    progress: Progress,
+    *,
+    missing: bool = False,
 ) -> Said:
-    """Run one scenario: the matrix of it alone. A budget that is given replaces the scenario's own for its signal."""
+    """Run one scenario: the matrix of it alone. A budget that is given replaces the scenario's own for its signal.
+
+    With `missing`, the effort that the model lacks is worked out, too.
+    """
     chosen = engine_names(engines)
     file = load_scenario(path)
     limits = stated_budget(file.scenario.budget) | dict(budget)
-    made = make(matrix_of(file, chosen), out, ONCE, progress)
-    return _said(made, summary(made), out, limits, junit)
+    with results(matrix_of(file, chosen), out, ONCE, progress) as (made, folder):
+        lacking = add_missing(folder, file, chosen, progress) if missing else []
+        write_report(folder)
+    return _said(made, [*summary(made), *lacking], out, limits, junit)
 
 
 def matrix(

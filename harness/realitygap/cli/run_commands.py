@@ -14,6 +14,9 @@ def run(
     out: Out = None,
     max_gap: MaxGap = None,
     junit: Junit = None,
+    missing_effort: Annotated[
+        bool, typer.Option("--missing-effort", help="also what the model lacks, as efforts, and what they depend on")
+    ] = False,
 ) -> None:
     """Run one scenario in the engines.
 
@@ -29,7 +32,7 @@ def run(
     if junit is not None:
         check_writable(junit.parent, "--junit")
     folder = folder_for(out, scenario.resolve().parent.name)
-    _judged(results.run(scenario, engine or [], folder, budget, junit, Progress()))
+    _judged(results.run(scenario, engine or [], folder, budget, junit, Progress(), missing=missing_effort))
 
 
 def matrix(

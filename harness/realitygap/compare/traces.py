@@ -1,6 +1,6 @@
 """The traces of a cell as files: whole as Parquet, for page, figures and whoever computes on; as MCAP for viewers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -60,6 +60,13 @@ def write_traces(folder: Path, done: Comparison, model: Model) -> None:
     slides = [j.name for j in model.joints if j.prismatic]
     each = {f"{SIMULATED} {name}": trace for name, trace in done.repetitions.items()}
     write_parquet(path, traces | each, {"cell": asdict(done.cell)}, slides)
+
+
+def add_traces(path: Path, kept: Mapping[str, Trace], viewed: Mapping[str, Trace]) -> None:
+    """Add traces to the files of a cell: some to its Parquet file, and to its MCAP file those that viewers can show."""
+    about, traces = read_about(path), read_parquet(path)
+    write_parquet(path, traces | dict(kept), {"cell": about["cell"]}, about["slides"])
+    write_mcap(path.with_suffix(".mcap"), {n: traces[n] for n in (SIMULATED, MEASURED) if n in traces} | dict(viewed))
 
 
 def cell_of_traces(path: Path) -> Cell:

@@ -87,7 +87,7 @@ def draw_boxes(path: Path, sets: list[BoxSet], signal: str, units: str, title: s
         style: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if tilt else {}
         panels[-1].set_xticks(range(len(names)), names, **style)
         figure.suptitle(f"{SIGNALS[signal].capitalize()}: |simulated − measured|, {title}", fontsize=10)
-        return _save(figure, path)
+        return save(figure, path)
 
 
 def _boxes(axes: Axes, one: BoxSet, signal: str, joints: list[str], first: int) -> None:
@@ -146,10 +146,11 @@ def draw_curves(
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), frameon=False)
         figure.suptitle(f"{SIGNALS[signal].capitalize()}, {title}", fontsize=10)
-        return _save(figure, path)
+        return save(figure, path)
 
 
-def _save(figure: Figure, path: Path) -> Path:
+def save(figure: Figure, path: Path) -> Path:
+    """Write a figure whole; the same picture is the same file."""
     out = io.BytesIO()
     figure.savefig(out, format=path.suffix[1:], metadata={"Date": None})
     write_whole(path, out.getvalue())

@@ -1,5 +1,6 @@
 """`report.html`: a page that opens offline, a pure function of the result folder. Many curves stay beside it."""
 
+import base64
 import json
 from collections.abc import Sequence
 from importlib.resources import files
@@ -12,6 +13,7 @@ from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
 from realitygap.report.curves import write_curves
 from realitygap.report.folder import Results, read_folder
+from realitygap.report.missing import missing_pictures
 from realitygap.report.payload import payload
 from realitygap.report.sentences import sentences
 from realitygap.report.spread import spread
@@ -59,6 +61,7 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
         sentences=said,
         shown=SHOWN if len(said) > SHOWN + 1 else len(said),
         tags=TAGS,
+        missing=_missing(results),
         published=_published() if is_wolfgang(results) else (),
         spread=_spread_rows(results),
         settings=_settings(results),
@@ -71,6 +74,15 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
     path = out / "report.html"
     write_whole(path, text)
     return path
+
+
+def _missing(results: Results) -> list[tuple[str, str]]:
+    """Of every joint: what its missing effort depends on, and the picture as a link that holds it; "" without one."""
+    out = []
+    for picture in missing_pictures(results):
+        text = "" if picture.path is None else base64.b64encode(picture.path.read_bytes()).decode()
+        out.append((picture.sentence, f"data:image/svg+xml;base64,{text}" if text else ""))
+    return out
 
 
 def _published() -> list[tuple[str, tuple[str, ...], Any]]:

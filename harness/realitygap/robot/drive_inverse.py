@@ -23,7 +23,7 @@ CLOSE = 1e-10
 
 
 @compiled
-def motor_efforts(drive, position, velocity, acceleration, error, load, motor, joint):
+def motor_efforts(drive, position, velocity, acceleration, error, load, motor, joint, left):
     """Write the efforts of motors and on joints along a motion.
 
     Args:
@@ -35,6 +35,7 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
         load: what the motion takes behind the drives [N·m or N]: `Simulation.inverse_dynamics`.
         motor: written: of the motor, at the output, before friction.
         joint: written: on the joint, after friction.
+        left: written: by how much dry friction could be more or less than that, as the joint is nearly at rest.
     """
     for k in range(len(position)):
         for j in range(len(drive)):
@@ -55,4 +56,5 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
                 if change <= CLOSE * abs(found):
                     break
             motor[k, j] = given
+            left[k, j] = (1.0 - abs(side)) * uneven * dry_bound(d, abs(v), given, transmitted)
             joint[k, j] = smooth

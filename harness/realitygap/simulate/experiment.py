@@ -23,10 +23,11 @@ from realitygap.scenario.servos import DcServo, RecordedSupply
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
 from realitygap.simulate.flight import Launch, launch
-from realitygap.simulate.follow import Followed, check_clear, follow
+from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
+from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.rollout import Rollout, rollout
-from realitygap.simulate.start import start_integral, start_state
+from realitygap.simulate.start import start_state
 from realitygap.trace.trace import Trace
 
 Read = Callable[..., Recording]
@@ -210,6 +211,7 @@ def _prepare(
         start = experiment.start()
         if followed is not None:
             check_clear(plant, followed, start)
+            check_maps(plant, supply=followed.supply is not None)
     except InputError as error:  # said now rather than after other motions were simulated
         raise InputError(f"{file.path}: {error}") from None
     return experiment
@@ -267,7 +269,7 @@ def _followed(
         if reason:
             raise InputError(f"{file.path}: effects: {spec.effect} where the motion is followed: {reason}; take it out")
     assert recording.trace.position is not None
-    return Followed(recording.trace.time, recording.trace.position)
+    return Followed(recording.trace.time, recording.trace.position, supply_of(recording, 0.0))
 
 
 def _start(experiment: Experiment) -> State:
@@ -326,14 +328,8 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
         with as_its_outcome(engine):
             return follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
-    supply = None
-    if recording is not None and len(recording.supply):
-        supply = (recording.supply_time - experiment.begin, recording.supply)
-    integral = None
-    if recording is not None:
-        of_motor = scenario.effort_measures == "motor"
-        measured = recording.trace if of_motor else replace(recording.trace, effort=None)
-        integral = start_integral(plant, measured, experiment.commands, experiment.begin)
+    supply = supply_of(recording, experiment.begin)
+    integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
     with as_its_outcome(engine), engines.load(engine).open(plant.machine(), physics) as simulation:
         result = rollout(
             simulation,

@@ -10,6 +10,8 @@ from realitygap_engines.law.dynamics import Dynamics
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive_inverse import motor_efforts
+from realitygap.robot.effort_map import packed
+from realitygap.robot.law.effort_map import map_along
 from realitygap.robot.plant import Plant
 from realitygap.simulate.rollout import Rollout, sensed
 from realitygap.simulate.smooth import Smoothed, smooth
@@ -21,10 +23,14 @@ LEAST = 1e-3
 
 @dataclass(frozen=True)
 class Followed:
-    """A measured motion: readings (t, n) of the joints at times (t,), smoothed when that is first asked for."""
+    """A measured motion: readings (t, n) of the joints at times (t,), smoothed when that is first asked for.
+
+    `supply` is times [s] on the same clock and voltages [V], where it was recorded.
+    """
 
     time: Array
     position: Array
+    supply: tuple[Array, Array] | None = None
     _kept: dict[float, Smoothed] = field(default_factory=dict, repr=False, compare=False)
 
     def smoothed(self, wider: float = 1.0) -> Smoothed:
@@ -69,6 +75,64 @@ def check_clear(plant: Plant, followed: Followed, start: State) -> None:
             )
 
 
+def check_maps(plant: Plant, supply: bool) -> None:
+    """Make sure that what the efforts by table depend on is known where no servo follows a command.
+
+    Raises:
+        InputError: for one that depends on the position error, or on a supply that was not recorded.
+    """
+    for variable in [v for one in plant.maps for v in one.variables]:
+        if variable == "error" or (variable == "supply" and not supply):
+            what = "no command is followed" if variable == "error" else "no supply was recorded"
+            raise InputError(
+                f"effects: effort_map over the {variable} where the motion is followed: {what}; take it out"
+            )
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What a measured motion takes of a plant at its stamps. Shapes (t, n), in N·m or N.
+
+    Attributes:
+        motion: the smoothed readings.
+        load: what moving the links takes: gravity and inertia, without the rotors.
+        motor: effort of the motors, before friction.
+        joint: effort on the joints, after friction.
+        left: by how much dry friction could be more or less than in `motor`, as a joint is nearly at rest.
+        settings: what the engine really set.
+    """
+
+    motion: Smoothed
+    load: Array
+    motor: Array
+    joint: Array
+    left: Array
+    settings: dict[str, object]
+
+
+def taken(engine: str, plant: Plant, followed: Followed, start: State, *, wider: float = 1.0) -> Taken:
+    """What a measured motion takes in one engine; arguments as of `follow`.
+
+    Raises:
+        Unsupported: where the engine cannot express the plant.
+    """
+    motion, n = followed.smoothed(wider), len(plant.model.joints)
+    reading, velocity, acceleration = motion.value
+    position = reading + plant.drive["offset"]
+    model = plant.machine().with_armature(np.zeros(n))
+    with engines.load(engine).open(model, Physics()) as simulation:
+        load = simulation.inverse_dynamics(start, position, velocity, acceleration)
+        settings = dict(simulation.settings)
+    driven = load.copy()
+    for law in plant.efforts:
+        driven -= np.array([law(float(t), q, w) for t, q, w in zip(motion.time, position, velocity, strict=True)])
+    volts = np.zeros(len(motion.time)) if followed.supply is None else np.interp(motion.time, *followed.supply)
+    map_along(*packed(plant.maps), motion.time - motion.time[0], reading, velocity, load, volts, driven)
+    motor, joint, left = np.empty_like(load), np.empty_like(load), np.empty_like(load)
+    motor_efforts(plant.drive, position, velocity, acceleration, motion.error[1], driven, motor, joint, left)
+    return Taken(motion, load, motor, joint, left, settings)
+
+
 def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_joint: bool, wider: float) -> Rollout:
     """What a measured motion takes in one engine: positions and velocities as smoothed, efforts at the same stamps.
 
@@ -84,21 +148,12 @@ def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_jo
         Unsupported: where the engine cannot express the plant.
     """
     began = clock.perf_counter()
-    motion, n = followed.smoothed(wider), len(plant.model.joints)
-    reading, velocity, acceleration = motion.value
-    position = reading + plant.drive["offset"]
-    model = plant.machine().with_armature(np.zeros(n))
-    with engines.load(engine).open(model, Physics()) as simulation:
-        load = simulation.inverse_dynamics(start, position, velocity, acceleration)
-        settings = dict(simulation.settings)
-    for law in plant.efforts:
-        load -= np.array([law(float(t), q, w) for t, q, w in zip(motion.time, position, velocity, strict=True)])
-    motor, joint = np.empty_like(load), np.empty_like(load)
-    motor_efforts(plant.drive, position, velocity, acceleration, motion.error[1], load, motor, joint)
-    effort = joint if of_joint else motor * _reported(plant, motion.time - motion.time[0])
+    found = taken(engine, plant, followed, start, wider=wider)
+    motion, (reading, velocity, _) = found.motion, found.motion.value
+    effort = found.joint if of_joint else found.motor * reported(plant, motion.time - motion.time[0])
     seen = sensed(velocity, plant.velocity_lag, np.diff(motion.time, prepend=motion.time[0])) * plant.velocity_scale
     trace = Trace(motion.time, tuple(plant.model.joint_names), position=reading, velocity=seen, effort=effort)
-    settings |= {
+    settings = found.settings | {
         "motion": "followed: inverse dynamics at the measured stamps, no integration over time",
         "smoother": "quintic smoothing spline, likeliest bandwidth",
         "bandwidth [Hz]": ", ".join(
@@ -108,7 +163,7 @@ def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_jo
     return Rollout(trace, len(motion.time), clock.perf_counter() - began, settings)
 
 
-def _reported(plant: Plant, time: Array) -> Array:
+def reported(plant: Plant, time: Array) -> Array:
     """What an effort that is told from a current shows, over what the motor gives. Shape (t, n).
 
     The current is effort/torque constant, and the scenario's factor turns it back as if the constant were the factor.

@@ -47,18 +47,21 @@ class Smoothed:
     noise: Array
 
 
-def smooth(time: Array, position: Array, *, wider: float = 1.0) -> Smoothed:
+def smooth(time: Array, position: Array, *, wider: float = 1.0, around: Array | None = None) -> Smoothed:
     """The motion that readings (t, n) at increasing times (t,) tell; NaN is a reading that is missing.
 
     Args:
         time: of the readings [s].
         position: the readings [rad or m].
         wider: what the chosen bandwidths are multiplied by, to see what depends on them.
+        around: a motion (t, n) that is expected; what is smoothed and told is how the readings differ from it.
     """
     n = position.shape[1]
     out = Smoothed(time, np.zeros((3, *position.shape)), np.zeros((3, *position.shape)), np.zeros(n), np.zeros(n))
     step = float(np.median(np.diff(time)))
     rounding = quantum(position) / np.sqrt(12.0)
+    if around is not None:
+        position = position - around
     for j in range(n):
         reading = position[:, j]
         known = np.isfinite(reading)

@@ -20,12 +20,14 @@ from realitygap.trace.trace import Array, Trace
 
 ABOUT = b"realitygap"
 """The key of the file's metadata under which JSON says what the traces are of."""
-JOINT_SIGNALS = ("position", "velocity", "effort", "command")
+JOINT_SIGNALS = ("position", "velocity", "effort", "command", "effort_error", "load")
 AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 UNITS = {
     "position": ("rad", "m"),
     "velocity": ("rad/s", "m/s"),
     "effort": ("N·m", "N"),
+    "effort_error": ("N·m", "N"),
+    "load": ("N·m", "N"),
     "base_position": ("m", "m"),
     "base_linear": ("m/s", "m/s"),
     "base_angular": ("rad/s", "rad/s"),

@@ -30,6 +30,8 @@ class Trace:
         imu_angular: Shape (t, 3) [rad/s], axes of the sensor.
         imu_quaternion: Shape (t, 4), w x y z.
         supply: Shape (t,) [V].
+        effort_error: Shape (t, n), standard error of the effort [N·m or N], where that was estimated.
+        load: Shape (t, n), what gravity and inertia ask of the joint [N·m or N], where that was worked out.
     """
 
     time: Array
@@ -45,6 +47,8 @@ class Trace:
     imu_angular: Array | None = None
     imu_quaternion: Array | None = None
     supply: Array | None = None
+    effort_error: Array | None = None
+    load: Array | None = None
     notes: tuple[str, ...] = field(default=())
 
     SIGNALS = (
@@ -59,6 +63,8 @@ class Trace:
         "imu_angular",
         "imu_quaternion",
         "supply",
+        "effort_error",
+        "load",
     )
 
     def __repr__(self) -> str:

@@ -69,6 +69,7 @@ class Effect:
         contradiction: (values) -> what in them cannot be, and what was expected, or None.
         read: (keys of a scenario) -> checked values, of an effect whose parameters are tables instead of numbers.
         example: such values.
+        repeatable: several of them may stand on one target, and add up.
     """
 
     name: str
@@ -88,6 +89,7 @@ class Effect:
     contradiction: Callable[[Values], str | None] | None = None
     read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
     example: Mapping[str, Any] = field(default_factory=dict)
+    repeatable: bool = False
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

@@ -98,5 +98,5 @@ EFFORT_MAP = Effect(
         source="Eilers, Marx: Flexible smoothing with B-splines and penalties, Statistical Science 11(2), 1996 (the "
         "smooth functions that such tables are drawn from).",
     ),
-    unseen_when_followed="what it depends on is taken from a motion that a servo drives",
+    repeatable=True,
 )

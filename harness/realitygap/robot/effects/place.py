@@ -91,7 +91,7 @@ def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
         indices = targets(plant, effect, spec.target)
         for i in indices:
             for other in (effect.name, *effect.excludes):
-                if (other, i) in seen:
+                if (other, i) in seen and not effect.repeatable:
                     what = "stands twice on" if other == effect.name else f"and {other} exclude each other on"
                     raise InputError(f"effect {effect.name} {what} {_written(spec.target)}; expected one of them")
             seen.add((effect.name, i))

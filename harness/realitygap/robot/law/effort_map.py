@@ -45,6 +45,22 @@ def add_mapped(  # type: ignore[no-untyped-def]
 
 
 @compiled
+def map_along(maps, numbers, time, reading, velocity, load, volts, out):  # type: ignore[no-untyped-def]
+    """Take the efforts of all maps from `out` (t, n), along a motion that no servo drives: without position errors."""
+    for m in range(maps.size):
+        p = maps[m]
+        j = p.joint
+        heading, reversed_at = 0.0, 0.0
+        for k in range(len(time)):
+            v = velocity[k, j]
+            if abs(v) > TURNING and v * heading <= 0.0:
+                reversed_at = time[k] if heading != 0.0 else 0.0
+                heading = np.sign(v)
+            values = (reading[k, j], v, 0.0, load[k, j], time[k] - reversed_at, volts[k], 0.0)
+            out[k, j] -= between(p, numbers, values[p.first], values[p.second])
+
+
+@compiled
 def between(p, numbers, a, b):  # type: ignore[no-untyped-def]
     """The value of a map at a of its first variable and b of its second."""
     rows, columns = numbers[p.at : p.at + p.rows], numbers[p.at + p.rows : p.at + p.rows + p.columns]
