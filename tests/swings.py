@@ -37,7 +37,7 @@ def ramps(t: Array) -> Array:
 
 def steps(t: Array) -> Array:
     at = np.floor(t / 0.9).astype(int)
-    return np.random.default_rng(5).uniform(-1.2, 1.2, at.max() + 1)[at]
+    return np.asarray(np.random.default_rng(5).uniform(-1.2, 1.2, at.max() + 1)[at])
 
 
 MOTIONS: tuple[Motion, ...] = (chirp, sines, ramps, steps)

@@ -35,6 +35,9 @@ MEANT = [
 ]
 
 
+FOLLOWED = Path(__file__).parents[2] / "scenarios" / "effort_driven" / "followed.yaml"
+
+
 def followed(plant: Plant, time: Array, position: Array, engine: str = "mujoco", *, wider: float = 1.0) -> Trace:
     start = start_state(plant, position[0])
     return follow(engine, plant, Followed(time, position), start, of_joint=False, wider=wider).trace
@@ -76,6 +79,41 @@ def test_what_is_planted_in_a_driven_motion_is_the_effort_of_the_followed_one(na
         gap.append(float(np.sqrt(np.mean((found - trace.effort)[moving] ** 2))))
     assert gap[0] < 0.01, "N·m, of efforts of 1 N·m"
     assert gap[1] > 2 * gap[0]
+
+
+MAPS = {
+    ("angle",): {"knots": [[-0.8, 0.0, 0.8]], "values": [0.3, -0.2, 0.3]},
+    ("speed",): {"knots": [[-4.0, 4.0]], "values": [0.4, -0.4]},
+    ("load",): {"knots": [[-1.0, 1.0]], "values": [-0.3, 0.3]},
+    ("reversal",): {"knots": [[0.0, 0.3]], "values": [0.3, 0.0]},
+    ("angle", "speed"): {"knots": [[-0.8, 0.8], [-4.0, 4.0]], "values": [[0.4, -0.4], [-0.4, 0.4]]},
+}
+
+
+@pytest.mark.parametrize("variables", MAPS)
+def test_an_effort_by_table_is_the_same_driven_and_followed(variables: tuple[str, ...]) -> None:
+    told = {"effect": "effort_map", "target": "hinge", "variables": [*variables], **MAPS[variables]}
+    plant = place(arm(), [EffectSpec.model_validate(told)])
+    trace = driven(plant)
+    assert trace.position is not None
+    assert trace.effort is not None
+    assert trace.velocity is not None
+    moving = (np.abs(trace.velocity[:, 0]) > 0.2) & (trace.time > 0.05) & (trace.time < 1.45)
+    gap = []
+    for candidate in (plant, arm()):
+        found = followed(candidate, trace.time, trace.position).effort
+        assert found is not None
+        gap.append(float(np.median(np.abs(found - trace.effort)[moving])))
+    assert gap[0] < 0.01, "N·m, of a table of some tenths"
+    assert gap[1] > 5 * gap[0]
+
+
+@pytest.mark.parametrize("variable", ["error", "supply"])
+def test_an_effort_by_table_needs_what_a_followed_motion_does_not_have(variable: str) -> None:
+    spec = {"effect": "effort_map", "variables": [variable], "knots": [[0.0, 1.0]], "values": [0.0, 1.0]}
+    armature = {"effect": "rotor_inertia", "target": "*", "armature": 0.004}
+    with pytest.raises(InputError, match=f"over the {variable} where the motion is followed"):
+        experiments(load_scenario(FOLLOWED).override({"effects": [armature, spec]}))
 
 
 def test_friction_is_not_claimed_where_nothing_moves() -> None:

@@ -30,7 +30,7 @@ def add_missing(folder: Path, file: ScenarioFile, engines: Sequence[str], progre
                 try:
                     runs = [missing_of(e, engine) for e in motion.experiments]
                 except (Unsupported, InputError) as error:
-                    said.append(f"missing effort, {engine}, {motion.name}: {error}")
+                    said.append(f"missing effort: not told, {error}")
                     continue
                 found += runs
                 path = folder / FOLDER / f"{slug(cell_of(motion, engine))}.parquet"
@@ -43,4 +43,4 @@ def add_missing(folder: Path, file: ScenarioFile, engines: Sequence[str], progre
                 missing = Missing(file.scenario.name, tuple(found))
                 write_told(folder, engine, [missing.shape(j) for j in found[0].joints])
                 said, told = [*said, *missing.sentences], True
-    return said
+    return list(dict.fromkeys(said))

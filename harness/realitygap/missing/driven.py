@@ -14,6 +14,7 @@ from realitygap_engines import Physics, State
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from realitygap.missing.lacking import Lacking, inertias, times
+from realitygap.recording.quantum import quantum
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.led import Led, lead
@@ -56,20 +57,30 @@ def lacking_driven(
     volts = np.zeros(steps) if supply is None else np.interp(grid, *supply)
     motion = smooth(time, reading)
     position, velocity, acceleration = motion.value
-    error = motion.error
+    error, unsure = motion.error, motion.error[0]
     for _ in range(PASSES):
         machine = _machine(engine, plant, start, position, velocity)
         need = _on(time, machine.bias + times(machine.inertia, acceleration), grid)
         known = [_led(plant, time, p, v, error[1], need, command, volts, h, integral) for p, v in (
-            (position, velocity), (position + error[0], velocity), (position, velocity + error[1]))]  # fmt: skip
+            (position, velocity), (position + unsure, velocity), (position, velocity + error[1]))]  # fmt: skip
         expected = _expected(time, machine, known[0], grid, h)
         rest = smooth(time, reading, around=expected[0])
         position, velocity, acceleration = expected + rest.value
-        error = rest.error
+        error, unsure = rest.error, np.hypot(rest.error[0], _rounding(reading, velocity, rest.bandwidth))
     missing = times(machine.inertia, rest.value[2])
     spread = times(machine.inertia**2, rest.error[2] ** 2) + _unsure(known, time, grid)
     load = machine.bias + times(machine.links, acceleration)
     return Lacking(position, velocity, missing, np.sqrt(spread), load)
+
+
+def _rounding(reading: Array, velocity: Array, bandwidth: Array) -> Array:
+    """What rounding leaves open of positions that are smoothed over one over the bandwidth [Hz]. Shape (t, n).
+
+    Readings of one count have one error, however many there are: what averages out is the number of counts passed.
+    """
+    count = quantum(reading)
+    passed = np.abs(velocity) / np.maximum(bandwidth * count, 1e-300)
+    return np.asarray(count / np.sqrt(12.0 * (1.0 + np.where(count > 0, passed, 0.0))))
 
 
 def _machine(engine: str, plant: Plant, start: State, position: Array, velocity: Array) -> Machine:

@@ -87,7 +87,9 @@ def missing_of(experiment: Experiment, engine: str) -> MissingEffort:
     if len(recording.supply):
         volts = np.interp(time, recording.supply_time, recording.supply)
         variables["supply"] = np.repeat(volts[:, None], len(trace.joints), axis=1)
-    inside = (time >= experiment.window[0]) & (time <= experiment.window[1])
+    inside = (time >= experiment.window[0]) & (time <= experiment.window[1]) & np.isfinite(found.effort).all(axis=1)
+    if not inside.any():
+        raise InputError(f"{experiment.name}: found no sample in its window that tells a missing effort")
     return MissingEffort(
         name=experiment.name,
         engine=engine,

@@ -65,7 +65,7 @@ class Missing:
                         "joint": joint,
                         "time": run.time,
                         "effort": run.effort[:, j],
-                        "error": run.error[:, j],
+                        "effort_error": run.error[:, j],
                         **{name: values[:, j] for name, values in run.variables.items()},
                     }
                 )

@@ -15,13 +15,17 @@ from realitygap.missing.effort import BAND, MissingEffort
 from realitygap.missing.fit import Fitted, Samples, fit, nothing
 from realitygap.missing.splines import spline
 from realitygap.robot.effort_map import VARIABLES
+from realitygap.robot.law.effort_map import TURNING
 from realitygap.scenario.schema import EffectSpec
 from realitygap.trace.trace import Array
 
 MOST_SAMPLES = 6000
 """Of all recordings together."""
-MOTIONS, PARTS, BLOCK = 4, 5, 1.0
-"""Motions from which on one is left out at a time; otherwise parts, and the length of their blocks of time [s]."""
+MOTIONS, FOLDS, PARTS, BLOCK = 4, 8, 5, 1.0
+"""Recordings from which on whole ones are left out, in so many parts; otherwise parts, and the length of their blocks
+of time [s]."""
+SLOW, RARELY = 0.02, 0.1
+"""A joint is at rest below this share of its own speed; one that moves less often than this is fitted at rest, too."""
 LEAST = 0.03
 """The share that a variable must explain to be told, and a second one beyond the first."""
 MOSTLY = 0.7
@@ -191,21 +195,39 @@ def _periods(angle: Array, values: Array) -> float | None:
 
 
 def _samples(runs: Sequence[MissingEffort], joint: str) -> tuple[Samples, float, float]:
-    """The samples of all recordings, the mean effort, and the share of its variance that the band explains."""
+    """The samples of all recordings, the mean effort, and the share of its variance that the band explains.
+
+    At rest dry friction holds whatever is asked of it, which nothing that is measured tells: what moves is fitted.
+    """
     j = runs[0].joints.index(joint)
     every = max(1, round(sum(len(r.time) for r in runs) / MOST_SAMPLES))
     common = set.intersection(*(set(r.variables) for r in runs))
-    rows = [slice(i % every, None, every) for i, _ in enumerate(runs)]
-    effort, error = (
-        np.concatenate([getattr(r, what)[s, j] for r, s in zip(runs, rows, strict=True)])
-        for what in ("effort", "error")
+    effort, error, time, run = (
+        np.concatenate(parts)
+        for parts in zip(
+            *(
+                (
+                    r.effort[::every, j],
+                    r.error[::every, j],
+                    r.time[::every] - r.time[0],
+                    np.full(len(r.time[::every]), i),
+                )
+                for i, r in enumerate(runs)
+            ),
+            strict=True,
+        )
     )
-    columns = {v: np.concatenate([r.variables[v][s, j] for r, s in zip(runs, rows, strict=True)]) for v in common}
-    fold, motions = [], len(runs)
-    for i, (r, s) in enumerate(zip(runs, rows, strict=True)):
-        block = np.floor((r.time[s] - r.time[0]) / max(BLOCK, (r.time[-1] - r.time[0]) / 40)).astype(np.int64)
-        fold.append(np.full(len(block), i % 8) if motions >= MOTIONS else (block + i) % PARTS)
-    weight = 1 / (error**2 + SOFT * effort.var())
+    columns = {v: np.concatenate([r.variables[v][::every, j] for r in runs]) for v in common}
+    if len(runs) >= MOTIONS:
+        fold = run * min(len(runs), FOLDS) // len(runs)  # repetitions stand beside one another
+    else:
+        fold = (np.floor(time / max(BLOCK, time.max() / 40)) + run) % PARTS
+    speed = np.abs(columns["speed"])
+    moves = speed > max(TURNING, SLOW * float(np.quantile(speed, 0.99)))
+    keep = moves if moves.mean() > RARELY else np.ones_like(moves)
+    effort, error = effort[keep], error[keep]
+    weight = 1 / (error**2 + SOFT * effort.var() + np.finfo(float).tiny)
     mean = float(np.average(effort, weights=weight))
     noise = float(min(np.average(error**2, weights=weight) / np.average((effort - mean) ** 2, weights=weight), 1.0))
-    return Samples(effort - mean, weight / weight.mean(), columns, np.concatenate(fold)), mean, noise
+    parts = np.unique(fold[keep], return_inverse=True)[1]
+    return Samples(effort - mean, weight / weight.mean(), {v: x[keep] for v, x in columns.items()}, parts), mean, noise

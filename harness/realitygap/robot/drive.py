@@ -91,6 +91,7 @@ STATE = np.dtype(
         ("bus", np.float64),  # supply voltage after sag
         ("heading", np.float64),  # sign of the last speed that was one, and when that changed: for effort maps
         ("reversed", np.float64),
+        ("mapped", np.float64),  # effort of all maps over the previous step
         ("velocity", np.float64),  # of the link, at the previous step
         ("effort", np.float64),  # of the joint law over the previous step, without the constant effort
         ("damping", np.float64),

@@ -21,9 +21,9 @@ VARIABLES = {
 }
 """What an effort can depend on, as it is measured, with its unit. Their order is that of the codes in `MAP`.
 
-angle, speed: what the encoder reads. error: command less reading, 0 where the servo is off. load: the torque that the
-gears hand to the link, signed. reversal: time since the encoder's speed last changed its sign, or since the beginning.
-supply: the voltage that was recorded, else the servo's bus.
+angle, speed: what the encoder reads. error: command less reading, 0 where the servo is off. load: what moving the link
+takes, signed: the torque that gears and maps hand to it. reversal: time since the encoder's speed last changed its
+sign, or since the beginning. supply: the voltage that was recorded, else the servo's bus.
 """
 
 MAP = np.dtype(

@@ -14,6 +14,7 @@ LINEAR = {
     "duty/rad": "duty/m",
     "rad": "m",
     "rad/s": "m/s",
+    "rad/s²": "m/s²",
     "kg·m²": "kg",
 }
 """Units of a prismatic joint, in place of those of a revolute one."""

@@ -86,9 +86,10 @@ EFFORT_MAP = Effect(
     example={"variables": ("angle",), "knots": ((-0.5, 0.0, 0.5),), "values": (0.1, -0.1, 0.1)},
     page=Page(
         physics="An effort that the recordings show and that no law on the list explains, as a table over what it "
-        "depends on: one or two of angle, speed, error, load, reversal (the time since the last one) and supply. It "
-        "acts on the link, is linear between its knots and stays as it is at the outermost ones beyond them: it says "
-        "nothing about where nothing was measured. It has no name and tells no cause; its place and its shape are "
+        "depends on: one or two of angle, speed, error, load, reversal (the time since the last one) and supply. "
+        "Several on one joint add up. It acts on the link, is linear between its knots and stays as it is at the "
+        "outermost ones beyond them: it says nothing about where nothing was measured. It has no name and tells no "
+        "cause; its place and its shape are "
         "what a mechanic may recognise.",
         equation="τ += the value between the knots of the variables",
         signature="Whatever it was drawn from.",

@@ -22,6 +22,7 @@ def add_mapped(  # type: ignore[no-untyped-def]
     What an effort loses from rest to the speed is damping, and acts on the speed amid the step as other damping does:
     a map that is as steep as dry friction does not ring.
     """
+    given = np.zeros(maps.size)
     for m in range(maps.size):
         p = maps[m]
         j = p.joint
@@ -32,8 +33,8 @@ def add_mapped(  # type: ignore[no-untyped-def]
             s.heading = np.sign(speed)
         a = measured(p.first, d, s, log[j], command[j], speed, recorded, t)
         b = measured(p.second, d, s, log[j], command[j], speed, recorded, t)
-        torque = between(p, numbers, a, b)
-        effort[j] += torque
+        given[m] = between(p, numbers, a, b)
+        effort[j] += given[m]
         if d.stiffness == 0.0 and (p.first == SPEED or p.second == SPEED):
             moving = speed if abs(speed) > SLOW else SLOW
             there = between(p, numbers, moving if p.first == SPEED else a, moving if p.second == SPEED else b)
@@ -42,6 +43,10 @@ def add_mapped(  # type: ignore[no-untyped-def]
             late = weight(h * lost / inertia[j])
             effort[j] += late * lost * w[j]
             damping[j] += late * lost
+    for m in range(maps.size):
+        state[maps[m].joint].mapped = 0.0
+    for m in range(maps.size):
+        state[maps[m].joint].mapped += given[m]
 
 
 @compiled
@@ -88,7 +93,7 @@ def measured(variable, d, s, logged, command, speed, recorded, t):  # type: igno
     if variable == ERROR:
         return 0.0 if np.isnan(command) else command - reading
     if variable == LOAD:
-        return logged.transmitted
+        return logged.transmitted + s.mapped
     if variable == REVERSAL:
         return t - s.reversed
     return recorded if recorded > 0.0 else s.bus
