@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from realitygap_engines import Unsupported
+from realitygap_engines import RealityGapError
 
 from realitygap.compare.comparison import cell_of, motions_of
 from realitygap.compare.table import slug
 from realitygap.compare.traces import FOLDER, add_traces
-from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.missing.effort import MissingEffort, missing_of
 from realitygap.missing.files import NAME, as_trace, viewed, write_told
@@ -29,7 +28,7 @@ def add_missing(folder: Path, file: ScenarioFile, engines: Sequence[str], progre
                 advance(f"{engine}: {motion.name}")
                 try:
                     runs = [missing_of(e, engine) for e in motion.experiments]
-                except (Unsupported, InputError) as error:
+                except RealityGapError as error:
                     said.append(f"missing effort: not told, {error}")
                     continue
                 found += runs

@@ -42,9 +42,12 @@ def run(
     chosen = engine_names(engines)
     file = load_scenario(path)
     limits = stated_budget(file.scenario.budget) | dict(budget)
+    lacking: list[str] = []
     with results(matrix_of(file, chosen), out, ONCE, progress) as (made, folder):
-        lacking = add_missing(folder, file, chosen, progress) if missing else []
-        write_report(folder)
+        if missing:
+            with spared("the missing effort", made.failures):
+                lacking = add_missing(folder, file, chosen, progress)
+        made.failures.extend(write_report(folder))
     return _said(made, [*summary(made), *lacking], out, limits, junit)
 
 

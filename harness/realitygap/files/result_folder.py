@@ -19,7 +19,10 @@ FILES = "files"
 """The key of the manifest under which our files are listed."""
 FINISHED = ".finished-"
 """How the name of a folder begins whose files are whole and on their way to their places."""
-OURS = ("curves/*.js", "traces/*.mcap", "traces/*.parquet", "figures/*.svg", "timings.csv", "gaps.csv", "report.html")
+OURS = (
+    *("curves/*.js", "traces/*.mcap", "traces/*.parquet", "figures/*.svg"),
+    *("timings.csv", "gaps.csv", "report.html", "missing_effort.json", "missing_effort.yaml"),
+)
 """What a run writes. Of a list that somebody altered, nothing else is taken."""
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from realitygap_engines import Unsupported
+from realitygap_engines.errors import as_its_outcome
 
 from realitygap.files.errors import InputError
 from realitygap.missing.driven import lacking_driven
@@ -70,6 +71,7 @@ def missing_of(experiment: Experiment, engine: str) -> MissingEffort:
         InputError: where no joint position was measured, or a moving link of a fixed robot touches the ground.
         Unsupported: for a floating base, whose forces from the ground were not measured, for joints that are coupled,
             and for what the engine cannot express.
+        Failed: where the engine fails.
     """
     plant, recording = experiment.plant, experiment.recording
     if recording is None or recording.trace.position is None or not plant.model.joints:
@@ -78,7 +80,8 @@ def missing_of(experiment: Experiment, engine: str) -> MissingEffort:
         raise Unsupported("a missing effort is of a fixed base: what the ground does to a floating one is not known")
     if any(j.mimic is not None for j in plant.model.joints):
         raise Unsupported("a missing effort is of joints that move on their own, not of coupled ones")
-    found, since = _lacking(experiment, engine)
+    with as_its_outcome(engine):
+        found, since = _lacking(experiment, engine)
     time, trace = since + experiment.begin, recording.trace
     variables = {"angle": found.position, "speed": found.velocity, "load": found.load}
     if experiment.followed is None and recording.command_kind == "position" and trace.command is not None:

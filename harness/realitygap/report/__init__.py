@@ -10,7 +10,7 @@ from realitygap.report.page import write_page
 
 __all__ = ["remake", "write_figures", "write_page", "write_report"]
 
-RESULTS = ("traces/*", "gaps.csv", "timings.csv")
+RESULTS = ("traces/*", "gaps.csv", "timings.csv", "missing_effort.*")
 """What page and figures are made of."""
 
 

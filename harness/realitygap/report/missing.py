@@ -21,21 +21,23 @@ class Picture:
     path: Path | None
 
 
-def missing_pictures(results: Results) -> list[Picture]:
-    """Write `figures/missing-effort-JOINT.svg` for every joint, and tell what they show; nothing without any."""
+def missing_pictures(results: Results, out: Path) -> list[Picture]:
+    """Write `figures/missing-effort-JOINT.svg` of every joint into a folder, and tell what they show; nothing without
+    any.
+    """
     told = read_told(results.folder)
     runs = _runs(results) if told else []
     if not runs:
         return [Picture(one["sentence"], None) for one in told]
     order = sorted(told, key=lambda one: -one["rms"] * (1 - min(one["noise"], 1.0)))
-    out = []
+    pictures = []
     for one in told:
         path = None
         if any(one is chosen for chosen in order[:MOST]):
             safe = "".join(c if c.isalnum() or c in "-_." else "-" for c in one["joint"])
-            path = draw_missing(results.folder / "figures" / f"missing-effort-{safe}.svg", runs, one)
-        out.append(Picture(one["sentence"], path))
-    return out
+            path = draw_missing(out / "figures" / f"missing-effort-{safe}.svg", runs, one)
+        pictures.append(Picture(one["sentence"], path))
+    return pictures
 
 
 def _runs(results: Results) -> list[MissingEffort]:

@@ -61,7 +61,7 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
         sentences=said,
         shown=SHOWN if len(said) > SHOWN + 1 else len(said),
         tags=TAGS,
-        missing=_missing(results),
+        missing=_missing(results, out),
         published=_published() if is_wolfgang(results) else (),
         spread=_spread_rows(results),
         settings=_settings(results),
@@ -76,13 +76,13 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
     return path
 
 
-def _missing(results: Results) -> list[tuple[str, str]]:
+def _missing(results: Results, out: Path) -> list[tuple[str, str]]:
     """Of every joint: what its missing effort depends on, and the picture as a link that holds it; "" without one."""
-    out = []
-    for picture in missing_pictures(results):
+    told = []
+    for picture in missing_pictures(results, out):
         text = "" if picture.path is None else base64.b64encode(picture.path.read_bytes()).decode()
-        out.append((picture.sentence, f"data:image/svg+xml;base64,{text}" if text else ""))
-    return out
+        told.append((picture.sentence, f"data:image/svg+xml;base64,{text}" if text else ""))
+    return told
 
 
 def _published() -> list[tuple[str, tuple[str, ...], Any]]:

@@ -71,6 +71,7 @@ def rollout(
     effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
     wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
+    wants_dry |= any("load" in one.variables for one in plant.maps)
     inertia = plant.inertia()
     mapped, (maps, numbers) = bool(plant.maps), packed(plant.maps)
 
