@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_what_is_planted_in_a_driven_motion_is_the_effort_of_the_followed_one(na
     assert gap[1] > 2 * gap[0]
 
 
-MAPS = {
+MAPS: dict[tuple[str, ...], dict[str, Any]] = {
     ("angle",): {"knots": [[-0.8, 0.0, 0.8]], "values": [0.3, -0.2, 0.3]},
     ("speed",): {"knots": [[-4.0, 4.0]], "values": [0.4, -0.4]},
     ("load",): {"knots": [[-1.0, 1.0]], "values": [-0.3, 0.3]},
