@@ -5,7 +5,14 @@ from statistics import median
 
 from realitygap.matrix.task import Outcome, Task
 
-STEP = {"dart": (4.0, 3.2), "drake": (8.0, 5.5), "mujoco": (4.0, 0.8), "pybullet": (5.0, 4.0)}
+STEP = {
+    "dart": (4.0, 3.2),
+    "drake": (8.0, 5.5),
+    "exudyn": (16.0, 2.5),
+    "mujoco": (4.0, 0.8),
+    "pybullet": (5.0, 4.0),
+    "simbody": (20.0, 4.0),
+}
 """µs per step and further µs per joint, servos included; on a machine of 2023."""
 UNKNOWN = (8.0, 5.5)
 OVERHEAD = 0.1
