@@ -121,8 +121,10 @@ class _Worker:
         assert self._process.stdout is not None
         try:
             good, result = pickle.load(self._process.stdout)
-        except EOFError:
-            raise RuntimeError(f"a simulation in {question.engine} ended its process") from None
+        except EOFError:  # an engine that takes its process down cannot simulate this; the next question has a new one
+            self.close()
+            self._process = None
+            return None
         if not good:
             raise RuntimeError(result)
         return cast("dict[str, Array] | None", result)

@@ -12,11 +12,12 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
-from realitygap_engines import Diverged, Unsupported
+from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.push import Push
+from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
 from realitygap.simulate.experiment import simulate
 
@@ -46,7 +47,7 @@ def answer(problem: Problem, question: Question) -> dict[str, Array] | None:
     rate = experiment.scenario.physics.step_rate * question.finer
     try:
         trace = simulate(experiment, question.engine, step_rate=rate).trace
-    except (Diverged, Unsupported):
+    except (Diverged, Failed, Unsupported):
         return None
     at = trace.at(case.measured.time)
     out = {s: np.asarray(getattr(at, s)) for s in problem.signals(question.case)}
@@ -60,6 +61,7 @@ def answer(problem: Problem, question: Question) -> dict[str, Array] | None:
 def main() -> None:
     """Answer until the input ends."""
     asked = sys.stdin.buffer
+    end_with(os.getppid())  # also in the middle of a simulation
     told = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what an engine prints is no answer
     try:
