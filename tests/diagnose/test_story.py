@@ -20,6 +20,7 @@ from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import Worsened, in_units
+from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
@@ -231,3 +232,15 @@ def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(
         assert abs(light[0] - light[1]) > 90  # text of figures stands out from the page
         browser.press("Tab")
         assert browser.run("document.activeElement.className") == "skip"
+
+
+def test_many_findings_are_told_by_effect_and_in_a_table(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(story, "MANY", 0)
+    monkeypatch.setattr(story_text, "MANY", 0)
+    text, page, words = page_of(told("partly explained"), tmp_path)
+    assert not page.open, "an element is left open"
+    assert "Coulomb friction at elbow is missing or wrong" in words
+    assert words.count("the model had") == 2, "in the table, and in the finding's own"
+    assert text.count("<details>") == 1

@@ -15,6 +15,7 @@ from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import (
+    MANY,
     better,
     effect_label,
     interval,
@@ -32,6 +33,7 @@ from realitygap.robot.effects import EFFECTS
 
 SHOWN = 4
 """Joints whose curves are shown: those with the largest gap."""
+NOT_FITTED = "not fitted"
 USES = {"held_out": "held out", "train": "training"}
 
 
@@ -47,6 +49,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
     changes = result.changes
     recordings = problem.file.scenario.recordings
     gaps = {use: [number(gap, 3) for gap in result.gap(use)] for use in USES}
+    findings = [_finding(result, c) for c in changes]
     return {
         "title": problem.file.scenario.name,
         "meta": _meta(result),
@@ -56,7 +59,8 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "gaps": gaps,
         "mended": bool(changes),
         "where": [_place(p) for p in result.where],
-        "findings": [_finding(result, c) for c in changes],
+        "findings": findings,
+        "table": _table(findings) if len(findings) > MANY else [],
         "curves": _curves(result),
         "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
         "apart": [
@@ -109,7 +113,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     for p in effect.parameters:
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
         fitted = p.name in change.free
-        spread = interval(told["low"], told["high"], unit) if fitted else "not fitted"
+        spread = interval(told["low"], told["high"], unit) if fitted else NOT_FITTED
         parameters.append(
             (
                 p.name.replace("_", " "),
@@ -137,6 +141,13 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {effect_label(suspect.effect)}, by engine")),
         "missing": missing,
     }
+
+
+def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
+    """Every fitted value in one table, alike effects together."""
+    order = list(dict.fromkeys(f["name"] for f in found))
+    rows = [(f["name"], f["target"], *p) for f in found for p in f["parameters"] if p[2] != NOT_FITTED]
+    return sorted(rows, key=lambda row: order.index(row[0]))
 
 
 def _closest(result: Diagnosis, closest: Closest) -> tuple[str, str, str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -13,6 +14,8 @@ from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.page.style import number
 from realitygap.robot.effects import EFFECTS, Parameter
 
+MANY = 4
+"""With more findings than this, a sentence tells effects and how many places, and a table has the values."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
 
@@ -81,6 +84,22 @@ def lacks(result: Diagnosis, change: Change) -> str:
     return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
 
 
+def _grouped(changes: Sequence[Change]) -> str:
+    """Many findings as part of a sentence: `coulomb friction at 6 joints and link mass at 3 links are ...`."""
+    places: dict[str, list[Suspect]] = {}
+    for change in changes:
+        places.setdefault(change.suspect.effect, []).append(change.suspect)
+    told = []
+    for effect, where in places.items():
+        alone = len(where) == 1
+        told.append(f"{effect_label(effect)} at {target_label(where[0]) if alone else _places(where)}")
+    return f"{listed(told)} {'are' if len(changes) > 1 else 'is'} missing or wrong"
+
+
+def _places(where: Sequence[Suspect]) -> str:
+    return f"{len(where)} {where[0].kind.sits_at}s"
+
+
 def verdict(result: Diagnosis) -> str:
     """The verdict in one sentence."""
     before, after = result.gap("held_out")
@@ -95,7 +114,7 @@ def verdict(result: Diagnosis) -> str:
             f"Something is missing that no effect explains: the gap on held-out motions is {number(before, 2)} times "
             f"the floor{_most(result.where)}, and no effect explains it better than something else would."
         )
-    what = listed([lacks(result, c) for c in changes])
+    what = _grouped(changes) if len(changes) > MANY else listed([lacks(result, c) for c in changes])
     text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
     text += f"falls from {number(before, 2)} to {number(after, 2)} times the floor"
     if result.verdict == "explained":

@@ -173,7 +173,9 @@ def _closest(simulations: Simulations, found: Found, changes: Sequence[Change]) 
             continue
         after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
         if after < before:
-            reason = f"it gains {p.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
+            needs = f"a name needs {found.limit:.1f}"
+            promised = f"it promises {p.gain:.1f} in evidence over something else; {needs}"
+            reason = promised if p.gain < found.limit else f"{promised}, and fitted it gains less than that"
             out.append(Closest(p.change, before, after, reason))
     return out
 
