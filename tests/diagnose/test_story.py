@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import quantity
+from realitygap.diagnose.result.workflow import summary
 from realitygap.diagnose.search.exchange import Rival
 from realitygap.diagnose.search.model import Ground
 from realitygap.diagnose.search.search import Found
@@ -244,3 +246,13 @@ def test_many_findings_are_told_by_effect_and_in_a_table(
     assert "Coulomb friction at elbow is missing or wrong" in words
     assert words.count("the model had") == 2, "in the table, and in the finding's own"
     assert text.count("<details>") == 1
+
+
+def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    profile = Suspect("command_profile", "elbow", (1,))
+    change = Change(profile, (("speed", np.inf), ("acceleration", 40.0)), ("acceleration",))
+    result = replace(told("explained"), changes=(change,), shown={profile: Shown(3.0, 1.05)})
+    _, _, words = page_of(result, tmp_path)
+    assert "40.0 rad/s²" in words
+    assert list(result.to_json()["findings"][0]["parameters"]) == ["acceleration"]
+    assert any("acceleration 40" in line and "speed" not in line for line in summary(result))

@@ -161,6 +161,8 @@ class Diagnosis:
         parameters = {}
         for p in suspect.kind.parameters:
             value = change.parameters[p.name]
+            if not np.isfinite(value):  # a limit that is not there
+                continue
             low, high = self.interval(change, p.name)
             unit = unit_there(self.problem, suspect, p)
             parameters[p.name] = {

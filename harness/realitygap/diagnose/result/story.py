@@ -110,7 +110,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = EFFECTS[change.suspect.effect], change.suspect
     parameters = []
-    for p in effect.parameters:
+    for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
         fitted = p.name in change.free
         spread = interval(told["low"], told["high"], unit) if fitted else NOT_FITTED
