@@ -88,41 +88,42 @@ class Ground:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
         not these effects.
 
-        Each pass fits in the metric of what the one before left: what is an outlier, and what no law explains, is told
-        by the model itself.
+        Values are fitted as if laws were exact, which tells them best; what laws may be wrong by counts in the
+        evidence and in the intervals. Each pass fits in the metric of what the one before left: what is an outlier,
+        and what no law explains, is told by the model itself.
         """
         first = residual(self.simulations, changes, self.train)
         if first is None:
             return None
-        best, start = None, self.score(Fit(tuple(changes), first))
+        best, start = None, self.plain(Fit(tuple(changes), first))
         for _ in range(SETTLE):
             done = fit(self.simulations, start.fit.changes, self.train, start.metric, self.floors.coarse, EVALUATIONS)
             if done is None:
                 break
-            start = self.score(done)
+            start = self.plain(done)
             gain = start.evidence - best.evidence if best is not None else np.inf
             best = start if gain > 0.0 else best
             if gain < 1.0:
                 break
-        return None if best is None or any(absurd(c) for c in best.fit.changes) else best
+        return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
 
     def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
         """The same in a quick fit, near a model that was fitted."""
         first = residual(self.simulations, changes, self.train)
         if first is None:
             return None
-        best = start = self.score(Fit(tuple(changes), first))
+        best = start = self.plain(Fit(tuple(changes), first))
         for _ in range(SETTLE):
             done = adjust(self.simulations, known, start.fit.changes, self.train, start.metric, self.floors.coarse)
             if done is None:
                 break
-            start = self.score(done)
+            start = self.plain(done)
             known = known if len(done.names) - len(known.names) <= BENT else done
             gain = start.evidence - best.evidence if best.fit.names else np.inf
             best = start if gain > 0.0 else best
             if gain < 1.0:
                 break
-        return best
+        return self.score(best.fit)
 
     def elsewhere(self, found: Scored) -> Scored:
         """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""
