@@ -22,6 +22,7 @@ from realitygap_engines.engine import Capability, Engine, Physics, Simulation, S
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
+from realitygap_engines.law.runaway import RUNAWAY, diverged
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
 STICKY = 1e6
@@ -30,8 +31,6 @@ SWEEPS = 100
 """Sweeps of the contact solver, at most; about five are needed in a step of a standing humanoid."""
 TOLERANCE = 1e-5
 """Violation of the contact law at which the sweeps end, in the solver's own relative measure."""
-RUNAWAY = 1e6
-"""A joint speed that no robot has [rad/s or m/s]. DART would replace what overflows by zeros and go on."""
 
 
 class DartSimulation(Simulation):
@@ -118,6 +117,7 @@ class DartSimulation(Simulation):
     def _fetch(self) -> None:
         position, velocity = self._skeleton.getPositions(), self._skeleton.getVelocities()
         if not hypot(*velocity.tolist()) < RUNAWAY:
+            # DART would replace what overflows by zeros and go on
             raise self._diverged(velocity[self._joints], "velocity runs away")
         self._position, self._velocity = position[self._joints], velocity[self._joints]
         if self._offset:
@@ -128,9 +128,7 @@ class DartSimulation(Simulation):
             base[10:] = velocity[:3]
 
     def _diverged(self, values: Array, what: str) -> Diverged:
-        wrong = np.flatnonzero(~(np.abs(values) < RUNAWAY))
-        joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
-        return Diverged(self._steps * self.physics.timestep, joint, what)
+        return diverged(self.model, self._steps * self.physics.timestep, values, what)
 
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._position

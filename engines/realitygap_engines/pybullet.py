@@ -20,9 +20,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
-from realitygap_engines.errors import Diverged
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
+from realitygap_engines.law.runaway import RUNAWAY, diverged
 from realitygap_engines.model.quaternion import Vector, cross, product, rotate
 from realitygap_engines.model.quiet import unprinted
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
@@ -33,8 +33,6 @@ with unprinted(2):  # its C code greets on the standard error at import
 
 FREE = 1e9
 """In place of a limit that does not exist: of a joint's position and speed."""
-RUNAWAY = 1e6
-"""A speed that no robot has [rad/s or m/s]; Bullet removes what leaves its world and goes on."""
 SMOOTH = {"rollingFriction": 0.0, "spinningFriction": 0.0, "restitution": 0.0}
 ITERATIONS = 100
 """Sweeps of the contact solver where none are asked for. With Bullet's 50 a humanoid whose joints have dry friction is
@@ -125,9 +123,8 @@ class PybulletSimulation(Simulation):
             )
             speed += hypot(*linear, *angular)
         if not speed < RUNAWAY:
-            wrong = np.flatnonzero(~(np.abs(self._velocity) < RUNAWAY))
-            joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
-            raise Diverged(self._steps * self.physics.timestep, joint, "velocity runs away")
+            # Bullet removes what leaves its world and goes on
+            raise diverged(self.model, self._steps * self.physics.timestep, self._velocity, "velocity runs away")
 
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._position

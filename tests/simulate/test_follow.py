@@ -64,20 +64,26 @@ def test_an_arm_takes_what_the_closed_form_says(engine: str) -> None:
     np.testing.assert_allclose(effort[inner, 0], (smooth + 0.05 * np.sign(v))[inner], rtol=0, atol=2e-3)
 
 
-@pytest.mark.parametrize("name", [e.name for e in MEANT])
-def test_what_is_planted_in_a_driven_motion_is_the_effort_of_the_followed_one(name: str) -> None:
-    """Followed, the motion that a servo drove takes the effort that its motor gave, with the effect and only so."""
-    plant = planted(EFFECTS[name])
+def off(plant: Plant) -> list[Array]:
+    """What a driven motion's effort is off while it moves, followed with its own plant and with the plain one."""
     trace = driven(plant)
     assert trace.position is not None
     assert trace.effort is not None
     assert trace.velocity is not None
     moving = (np.abs(trace.velocity[:, 0]) > 0.2) & (trace.time > 0.05) & (trace.time < 1.45)
-    gap = []
+    out = []
     for candidate in (plant, arm()):
         found = followed(candidate, trace.time, trace.position).effort
         assert found is not None
-        gap.append(float(np.sqrt(np.mean((found - trace.effort)[moving] ** 2))))
+        out.append((found - trace.effort)[moving])
+    return out
+
+
+@pytest.mark.parametrize("name", [e.name for e in MEANT])
+def test_what_is_planted_in_a_driven_motion_is_the_effort_of_the_followed_one(name: str) -> None:
+    """Followed, the motion that a servo drove takes the effort that its motor gave, with the effect and only so."""
+    plant = planted(EFFECTS[name])
+    gap = [float(np.sqrt(np.mean(rest**2))) for rest in off(plant)]
     assert gap[0] < 0.01, "N·m, of efforts of 1 N·m"
     assert gap[1] > 2 * gap[0]
 
@@ -95,16 +101,7 @@ MAPS: dict[tuple[str, ...], dict[str, Any]] = {
 def test_an_effort_by_table_is_the_same_driven_and_followed(variables: tuple[str, ...]) -> None:
     told = {"effect": "effort_map", "target": "hinge", "variables": [*variables], **MAPS[variables]}
     plant = place(arm(), [EffectSpec.model_validate(told)])
-    trace = driven(plant)
-    assert trace.position is not None
-    assert trace.effort is not None
-    assert trace.velocity is not None
-    moving = (np.abs(trace.velocity[:, 0]) > 0.2) & (trace.time > 0.05) & (trace.time < 1.45)
-    gap = []
-    for candidate in (plant, arm()):
-        found = followed(candidate, trace.time, trace.position).effort
-        assert found is not None
-        gap.append(float(np.median(np.abs(found - trace.effort)[moving])))
+    gap = [float(np.median(np.abs(rest))) for rest in off(plant)]
     assert gap[0] < 0.01, "N·m, of a table of some tenths"
     assert gap[1] > 5 * gap[0]
 

@@ -18,10 +18,9 @@ from realitygap_engines.errors import Diverged
 from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.joints import FIRM, JointLaw
 from realitygap_engines.law.mimic import MIMIC_JOINTS
+from realitygap_engines.law.runaway import RUNAWAY, diverged
 from realitygap_engines.model.robot import Array, Model
 
-RUNAWAY = 1e6
-"""A speed that no robot has [rad/s or m/s]."""
 EMULATED = {
     "armature": Capability("emulated", "law.joints, exact"),
     "joint_damping": Capability("emulated", "law.joints, exact and implicit"),
@@ -92,9 +91,7 @@ class Stepped(Simulation):
             raise self._diverged(self._velocity, "velocity runs away")
 
     def _diverged(self, values: Array, what: str) -> Diverged:
-        wrong = np.flatnonzero(~(np.abs(values) < RUNAWAY))
-        joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
-        return Diverged(self._steps * self.physics.timestep, joint, what)
+        return diverged(self.model, self._steps * self.physics.timestep, values, what)
 
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._position

@@ -24,6 +24,7 @@ from realitygap_engines.engine import Capability, Engine, Physics, Simulation, S
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
+from realitygap_engines.law.runaway import RUNAWAY, diverged
 from realitygap_engines.model.robot import Array, Model
 from realitygap_engines.ode.contact import ContactPoints
 from realitygap_engines.ode.library import CFM, FMAX, VEL, version_of
@@ -35,8 +36,6 @@ COMPLIANCE = 1e-10
 """CFM of all rows that have none of their own: ODE's default with double precision."""
 OVER_RELAXATION = 1.3
 """Of quickStep: ODE's default, and Gazebo's."""
-RUNAWAY = 1e6
-"""A speed that no robot has [rad/s or m/s]."""
 
 
 class OdeSimulation(Simulation):
@@ -146,9 +145,7 @@ class OdeSimulation(Simulation):
             raise self._diverged(self._velocity, "velocity runs away")
 
     def _diverged(self, values: Array, what: str) -> Diverged:
-        wrong = np.flatnonzero(~(np.abs(values) < RUNAWAY))
-        joint = self.model.joints[wrong[0]].name if len(wrong) else "base"
-        return Diverged(self._steps * self.physics.timestep, joint, what)
+        return diverged(self.model, self._steps * self.physics.timestep, values, what)
 
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._position

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,13 +43,22 @@ class Imperfections:
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with its evidence, the metric in which it was found, and the covariance of its values, in sizes² (p, p)."""
+    """A fit with its evidence, the metric in which it was found, and how imperfect laws are in it."""
 
     fit: Fit
     evidence: float
     metric: Metric
     imperfect: float
-    covariance: Array
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Of the fitted values, in sizes². Shape (p, p)."""
+        if not len(self.fit.names):
+            return np.zeros((0, 0))
+        slope, whole = self.metric(self.fit.slope), self.metric(self.fit.residual)
+        model = np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
+        whitening = self.metric.whitening
+        return _covariance(stretches(whitening.channels)[whitening.rows], slope, whole, model)
 
     @property
     def deviation(self) -> Array:
@@ -79,15 +89,12 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
         left = fit.residual - responses @ (scales * taken)
     whole = measure(fit.residual)
     evidence = IMPERFECT[scale] - 0.5 * float(whole @ whole) - measure.determinant
-    covariance = np.zeros((0, 0))
     if len(fit.names):
         slope = measure(fit.slope)
         curvature = slope.T @ slope
         evidence -= 0.5 * float(fit.prior @ fit.prior)
         evidence -= 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
-        model = np.asarray(np.linalg.inv(curvature + np.eye(len(curvature)) / SLAB**2))
-        covariance = _covariance(stretches(channels)[measure.whitening.rows], slope, whole, model)
-    return Scored(fit, evidence, measure, scale, covariance)
+    return Scored(fit, evidence, measure, scale)
 
 
 def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Array) -> Array:

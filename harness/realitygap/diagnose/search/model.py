@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -92,12 +92,35 @@ class Ground:
         evidence and in the intervals. Each pass fits in the metric of what the one before left: what is an outlier,
         and what no law explains, is told by the model itself.
         """
+
+        def once(at: Scored) -> Fit | None:
+            return fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, EVALUATIONS)
+
+        best = self._settled(changes, once)
+        return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
+
+    def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
+        """The same in a quick fit, near a model that was fitted."""
+        near = known
+
+        def once(at: Scored) -> Fit | None:
+            nonlocal near
+            done = adjust(self.simulations, near, at.fit.changes, self.train, at.metric, self.floors.coarse)
+            if done is not None and len(done.names) - len(near.names) > BENT:
+                near = done
+            return done
+
+        best = self._settled(changes, once)
+        return None if best is None else self.score(best.fit)
+
+    def _settled(self, changes: Sequence[Change], once: Callable[[Scored], Fit | None]) -> Scored | None:
+        """The best of passes of a fit, each in the metric of what the one before left; None where none can be made."""
         first = residual(self.simulations, changes, self.train)
         if first is None:
             return None
         best, start = None, self.plain(Fit(tuple(changes), first))
         for _ in range(SETTLE):
-            done = fit(self.simulations, start.fit.changes, self.train, start.metric, self.floors.coarse, EVALUATIONS)
+            done = once(start)
             if done is None:
                 break
             start = self.plain(done)
@@ -105,25 +128,7 @@ class Ground:
             best = start if gain > 0.0 else best
             if gain < 1.0:
                 break
-        return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
-
-    def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
-        """The same in a quick fit, near a model that was fitted."""
-        first = residual(self.simulations, changes, self.train)
-        if first is None:
-            return None
-        best = start = self.plain(Fit(tuple(changes), first))
-        for _ in range(SETTLE):
-            done = adjust(self.simulations, known, start.fit.changes, self.train, start.metric, self.floors.coarse)
-            if done is None:
-                break
-            start = self.plain(done)
-            known = known if len(done.names) - len(known.names) <= BENT else done
-            gain = start.evidence - best.evidence if best.fit.names else np.inf
-            best = start if gain > 0.0 else best
-            if gain < 1.0:
-                break
-        return self.score(best.fit)
+        return best
 
     def elsewhere(self, found: Scored) -> Scored:
         """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""
