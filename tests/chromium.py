@@ -75,6 +75,10 @@ class Browser:
             raise AssertionError(f"{script}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
 
+    def texts(self, selector: str) -> Any:
+        """The text of every element that a selector finds."""
+        return self.run(f"[...document.querySelectorAll({selector!r})].map(n => n.textContent)")
+
     def wait(self, script: str, seconds: float = 20.0) -> Any:
         """Wait until an expression is true; its value."""
         end = time.monotonic() + seconds

@@ -1,11 +1,12 @@
 """Repetitions are found and brought to one clock, and the noise floor is what was put in."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from bags import Run
 from realitygap.recording import Recording
 from realitygap.recording.align import group_repetitions, noise_floor
 from realitygap.recording.delay import delay, mean_squared_difference
@@ -37,15 +38,6 @@ def recording(
     position = np.column_stack([goal(time - late - 0.05), 0.5 * goal(time - late - 0.05)])
     trace = Trace(time, ("a", "b"), position=position, command=command)
     return Recording(Path(f"{name}.mcap"), trace, time, command, "position", np.empty(0), np.empty(0))
-
-
-@dataclass(frozen=True)
-class Run:
-    name: str
-    recording: Recording
-    overrides: str = "{}"
-    use: str | None = None
-    window: tuple[float, float] = (-np.inf, np.inf)
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])

@@ -1,38 +1,18 @@
 """The readers, the alignment and the fault checks on recordings of real machines."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from bags import FILE, Run, scenario
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.align import group_repetitions, noise_floor
 from realitygap.recording.faults import faults
-from realitygap.scenario.schema import Scenario
 from realitygap_engines.model.urdf import read_urdf
 
-FILE = Path("scenario.yaml")
 ENCODER = 2 * np.pi / 4096
 KICKS = ("kick_p16", "kick_p20", "kick_p24", "kick_p28", "kick_p32")
-
-
-def scenario(
-    state: str | dict[str, Any] | None = None,
-    command: str | dict[str, Any] | None = None,
-    base: str = "fixed",
-    meaning: str = "position",
-    **recordings: Any,
-) -> Scenario:
-    return Scenario.model_validate(
-        {
-            "name": "test",
-            "robot": {"urdf": "robot.urdf", "base": base},
-            "motion": {"recorded": command, "as": meaning} if command else None,
-            "recordings": {"state": state, **recordings},
-        }
-    )
 
 
 SIGMABAN = scenario("/joint_states", "/joint_commands", "floating", imu="/imu/data")
@@ -123,18 +103,9 @@ def test_mx106_duty(data_dir: Path) -> None:
     assert recording.trace.velocity is None
 
 
-@dataclass(frozen=True)
-class Run:
-    name: str
-    recording: Recording
-    overrides: str = "{}"
-    use: str | None = None
-    window: tuple[float, float] = (-np.inf, np.inf)
-
-
 def test_sts3215_repetitions_and_their_noise(data_dir: Path) -> None:
     paths = sorted((data_dir / "sts3215_pendulum").glob("*_m0.535_l0.10_kp16_rep*.csv"))
-    runs = [Run(p.stem, read_recording(p, scenario(command="command"), ["pendulum"], file=FILE)) for p in paths]
+    runs = [Run(p.stem, read_recording(p, scenario(None, "command"), ["pendulum"], file=FILE)) for p in paths]
     groups = group_repetitions(runs)
     assert [len(g.indices) for g in groups] == [4] * 5
     for group in groups:
@@ -149,7 +120,7 @@ def test_sts3215_repetitions_and_their_noise(data_dir: Path) -> None:
 
 
 def test_emps_force(data_dir: Path) -> None:
-    asked = scenario(command="command", columns={"effort": "force"}, effort="motor")
+    asked = scenario(None, "command", columns={"effort": "force"}, effort="motor")
     trace = read_recording(data_dir / "emps/estimation.csv", asked, ["slide"], file=FILE).trace
     assert len(trace.time) == 24841
     # the published law of the drive explains the recorded force
@@ -162,7 +133,7 @@ def test_cube_tosses_fly_as_they_are_said_to(data_dir: Path) -> None:
     paths = sorted((data_dir / "cube_toss").glob("toss_*.csv"))
     assert len(paths) >= 100
     for path in paths[:20]:
-        trace = read_recording(path, scenario(base="free"), [], file=FILE).trace
+        trace = read_recording(path, scenario(None, None, "free"), [], file=FILE).trace
         flight = slice(1, 20)
         speed = np.gradient(trace.base_position, trace.time, axis=0)
         assert np.abs(speed - trace.base_linear)[flight].mean() < 0.1

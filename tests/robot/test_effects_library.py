@@ -53,3 +53,13 @@ def test_an_effect_that_is_not_there() -> None:
 def test_what_is_wrong_is_told_at_once(parameters: dict[str, float], sentence: str) -> None:
     with pytest.raises(InputError, match=f"effect coulomb_friction: .*{sentence}|{sentence}"):
         effects.coulomb_friction("elbow", **parameters)
+
+
+def test_every_effect_of_the_design_is_there_in_its_order() -> None:
+    """The order decides between explanations that are equal."""
+    expected = """coulomb_friction viscous_friction stribeck_friction load_dependent_friction backlash joint_compliance
+    rotor_inertia torque_constant torque_speed_limit supply_voltage voltage_sag command_delay controller_gain
+    joint_offset torque_ripple motor_heating constant_effort link_mass center_of_mass link_inertia base_tilt
+    ground_friction soft_ground velocity_filter payload dead_band joint_stop command_profile effort_limit
+    direction_friction friction_ripple cable_spring motor_braking current_lag gain_law servo_rate"""
+    assert list(EFFECTS) == expected.split()

@@ -1,91 +1,16 @@
-"""Bad input on the command line: one sentence on standard error, exit status 2, and nothing written."""
+"""A scenario that is wrong: one sentence on standard error, exit status 2, and nothing written."""
 
 import json
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
-from realitygap.cli.main import main
-
-DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
-Edit = Callable[[Path], None]
-
-
-@pytest.fixture
-def case(tmp_path: Path) -> Path:
-    """A scenario that runs: one joint arm, one recording."""
-    for name in ("arm.urdf", "chirp_1.mcap", "triangle_1.mcap"):
-        shutil.copy(DEMO / name, tmp_path)
-    data = yaml.safe_load((DEMO / "scenario.yaml").read_text())
-    data["recordings"]["runs"] = [{"path": "chirp_1.mcap"}]
-    (tmp_path / "scenario.yaml").write_text(yaml.safe_dump(data))
-    return tmp_path
-
-
-def changed(**keys: object) -> Edit:
-    """The scenario with keys changed; `__` goes into a section or list."""
-
-    def edit(folder: Path) -> None:
-        path = folder / "scenario.yaml"
-        data = yaml.safe_load(path.read_text())
-        for key, value in keys.items():
-            *way, last = (int(p) if p.isdigit() else p for p in key.split("__"))
-            node = data
-            for part in way:
-                node = node[part]
-            node[last] = value
-        path.write_text(yaml.safe_dump(data))
-
-    return edit
-
-
-def file(name: str, content: str | bytes, **keys: object) -> Edit:
-    """A file beside the scenario, and keys that use it."""
-
-    def edit(folder: Path) -> None:
-        (folder / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-        if keys:
-            changed(**keys)(folder)
-
-    return edit
-
-
-def text(old: str, new: str, name: str = "arm.urdf") -> Edit:
-    """Text replaced in a file."""
-
-    def edit(folder: Path) -> None:
-        before = (folder / name).read_text()
-        assert old in before
-        (folder / name).write_text(before.replace(old, new))
-
-    return edit
-
-
-def cut(name: str, share: float) -> Edit:
-    def edit(folder: Path) -> None:
-        data = (folder / name).read_bytes()
-        (folder / name).write_bytes(data[: int(len(data) * share)])
-
-    return edit
-
-
-def folder_instead(name: str) -> Edit:
-    def edit(folder: Path) -> None:
-        (folder / name).unlink()
-        (folder / name).mkdir()
-
-    return edit
-
-
-def gone(name: str) -> Edit:
-    return lambda folder: (folder / name).unlink()
+from spoiled import Edit, changed, cut, file, folder_instead, gone, one_sentence, refused, text
 
 
 def copied(folder: Path) -> None:
@@ -279,24 +204,6 @@ CASES: dict[str, tuple[Edit, str]] = {
 }
 
 
-def refused(*arguments: str | Path) -> int:
-    """The exit status of a command."""
-    with pytest.raises(SystemExit) as end:
-        main([str(a) for a in arguments])
-    assert isinstance(end.value.code, int)
-    return end.value.code
-
-
-def one_sentence(captured: tuple[str, str]) -> str:
-    """What went to standard error, which is all that was said."""
-    out, err = captured
-    assert out == ""
-    assert err.startswith("realitygap: ")
-    assert err.count("\n") == 1
-    assert "Traceback" not in err
-    return err
-
-
 @pytest.mark.parametrize("name", CASES)
 def test_run_refuses(name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("REALITYGAP_DATA", raising=False)
@@ -308,100 +215,6 @@ def test_run_refuses(name: str, case: Path, capfd: pytest.CaptureFixture[str], m
     assert sentence in said
     assert str(case) in said, "names no file"
     assert sorted(case.rglob("*")) == before, "something was written"
-
-
-COMMANDS = {
-    "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
-    "engine of an audit": (["audit", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
-    "engine of a diagnosis": (["diagnose", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo"),
-    "budget without a number": (["run", "scenario.yaml", "--max-gap", "position=x"], "--max-gap: found 'position=x'"),
-    "budget of nothing": (["run", "scenario.yaml", "--max-gap", "speed=1"], "expected SIGNAL=VALUE with one of"),
-    "budget that is negative": (["run", "scenario.yaml", "--max-gap", "-1"], "--max-gap: found '-1'"),
-    "out is a file": (["run", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made because"),
-    "out below a file": (["run", "scenario.yaml", "--out", "arm.urdf/out"], "arm.urdf is a file; expected a folder"),
-    "out in a place that takes no files": (["run", "scenario.yaml", "--out", "/proc/nope"], "/proc takes no files"),
-    "out of a matrix": (["matrix", "matrix.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
-    "out of a diagnosis": (["diagnose", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
-    "out of a bench": (["bench", "servo", "bench.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
-    "out of an audit": (["audit", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
-    "out of a first scenario": (
-        ["init", "arm.urdf", "chirp_1.mcap", "--out", "arm.urdf/a"],
-        "--out: arm.urdf/a cannot",
-    ),
-    "out of JUnit": (["run", "scenario.yaml", "--junit", "arm.urdf/j.xml"], "--junit: arm.urdf cannot be made"),
-    "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
-    "no results": (["report", "none"], "none: found no gaps.csv"),
-    "results that are no table": (
-        ["report", "results"],
-        "gaps.csv: has no column scenario, robot_revision, engine_version",
-    ),
-    "no URDF for an audit": (["audit", "none.urdf"], "none.urdf"),
-    "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
-    "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),
-    "an effect misspelt": (["effects", "colomb_friction"], "; did you mean coulomb_friction?"),
-    "unknown schema": (["schema", "benh"], "schema: found benh; expected one of scenario, matrix, bench; did you mean"),
-    "no servo bench": (["bench", "servo", "none.yaml"], "none.yaml: cannot be read"),
-    "no supply bench": (["bench", "supply", "none.yaml"], "none.yaml: cannot be read"),
-    "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),
-    "no URDF for a first scenario": (["init", "none.urdf", "chirp_1.mcap", "--out", "new"], "none.urdf"),
-    "no bag for a first scenario": (["init", "arm.urdf", "none.mcap", "--out", "new"], "none.mcap: does not exist"),
-    "a scenario that is there": (["init", "arm.urdf", "chirp_1.mcap"], "scenario.yaml: is already there"),
-}
-
-
-@pytest.mark.parametrize("name", COMMANDS)
-def test_commands_refuse(
-    name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    arguments, sentence = COMMANDS[name]
-    monkeypatch.chdir(case)
-    (case / "results").mkdir()
-    (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
-    before = sorted(case.rglob("*"))
-    assert refused(*arguments) == 2
-    assert sentence in one_sentence(capfd.readouterr())
-    assert sorted(case.rglob("*")) == before, "something was written"
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["run"],
-        ["run", "scenario.yaml", "--engin", "mujoco"],
-        ["rnu"],
-        ["bench", "motor", "a"],
-        ["matrix", "a", "-j", "0"],
-    ],
-)
-def test_usage_errors(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
-    assert refused(*arguments) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert "Traceback" not in err
-
-
-@pytest.mark.parametrize(
-    ("error", "said"), [(RuntimeError("surprise"), "Traceback"), (MemoryError("5 GiB"), "the memory does not suffice")]
-)
-def test_no_error_looks_like_a_failed_check(
-    error: Exception, said: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail() -> str:
-        raise error
-
-    monkeypatch.setattr("realitygap.cli.engines_table.engines_table", fail)
-    assert refused("engines") == 2
-    assert said in capfd.readouterr().err
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    case.chmod(0o555)
-    try:
-        assert refused("run", case / "scenario.yaml", "--out", case / "out") == 2
-    finally:
-        case.chmod(0o755)
-    assert "takes no files" in one_sentence(capfd.readouterr())
 
 
 @pytest.mark.parametrize("name", ["unknown key", "bag cut off"])

@@ -1,0 +1,100 @@
+"""A command that is wrong: one sentence on standard error, exit status 2, and nothing written."""
+
+import os
+from pathlib import Path
+
+import pytest
+from spoiled import one_sentence, refused
+
+COMMANDS = {
+    "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
+    "engine of an audit": (["audit", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
+    "engine of a diagnosis": (["diagnose", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo"),
+    "budget without a number": (["run", "scenario.yaml", "--max-gap", "position=x"], "--max-gap: found 'position=x'"),
+    "budget of nothing": (["run", "scenario.yaml", "--max-gap", "speed=1"], "expected SIGNAL=VALUE with one of"),
+    "budget that is negative": (["run", "scenario.yaml", "--max-gap", "-1"], "--max-gap: found '-1'"),
+    "out is a file": (["run", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made because"),
+    "out below a file": (["run", "scenario.yaml", "--out", "arm.urdf/out"], "arm.urdf is a file; expected a folder"),
+    "out in a place that takes no files": (["run", "scenario.yaml", "--out", "/proc/nope"], "/proc takes no files"),
+    "out of a matrix": (["matrix", "matrix.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a diagnosis": (["diagnose", "scenario.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a bench": (["bench", "servo", "bench.yaml", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of an audit": (["audit", "--out", "arm.urdf"], "--out: arm.urdf cannot be made"),
+    "out of a first scenario": (
+        ["init", "arm.urdf", "chirp_1.mcap", "--out", "arm.urdf/a"],
+        "--out: arm.urdf/a cannot",
+    ),
+    "out of JUnit": (["run", "scenario.yaml", "--junit", "arm.urdf/j.xml"], "--junit: arm.urdf cannot be made"),
+    "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
+    "no results": (["report", "none"], "none: found no gaps.csv"),
+    "results that are no table": (
+        ["report", "results"],
+        "gaps.csv: has no column scenario, robot_revision, engine_version",
+    ),
+    "no URDF for an audit": (["audit", "none.urdf"], "none.urdf"),
+    "no scenario for a diagnosis": (["diagnose", "none.yaml"], "none.yaml: cannot be read"),
+    "unknown effect": (["effects", "magic"], "unknown effect magic; known: coulomb_friction"),
+    "an effect misspelt": (["effects", "colomb_friction"], "; did you mean coulomb_friction?"),
+    "unknown schema": (["schema", "benh"], "schema: found benh; expected one of scenario, matrix, bench; did you mean"),
+    "no servo bench": (["bench", "servo", "none.yaml"], "none.yaml: cannot be read"),
+    "no supply bench": (["bench", "supply", "none.yaml"], "none.yaml: cannot be read"),
+    "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),
+    "no URDF for a first scenario": (["init", "none.urdf", "chirp_1.mcap", "--out", "new"], "none.urdf"),
+    "no bag for a first scenario": (["init", "arm.urdf", "none.mcap", "--out", "new"], "none.mcap: does not exist"),
+    "a scenario that is there": (["init", "arm.urdf", "chirp_1.mcap"], "scenario.yaml: is already there"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_commands_refuse(
+    name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments, sentence = COMMANDS[name]
+    monkeypatch.chdir(case)
+    (case / "results").mkdir()
+    (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
+    before = sorted(case.rglob("*"))
+    assert refused(*arguments) == 2
+    assert sentence in one_sentence(capfd.readouterr())
+    assert sorted(case.rglob("*")) == before, "something was written"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run"],
+        ["run", "scenario.yaml", "--engin", "mujoco"],
+        ["rnu"],
+        ["bench", "motor", "a"],
+        ["matrix", "a", "-j", "0"],
+    ],
+)
+def test_usage_errors(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert refused(*arguments) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("error", "said"), [(RuntimeError("surprise"), "Traceback"), (MemoryError("5 GiB"), "the memory does not suffice")]
+)
+def test_no_error_looks_like_a_failed_check(
+    error: Exception, said: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> str:
+        raise error
+
+    monkeypatch.setattr("realitygap.cli.engines_table.engines_table", fail)
+    assert refused("engines") == 2
+    assert said in capfd.readouterr().err
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_is_read_only(case: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    case.chmod(0o555)
+    try:
+        assert refused("run", case / "scenario.yaml", "--out", case / "out") == 2
+    finally:
+        case.chmod(0o755)
+    assert "takes no files" in one_sentence(capfd.readouterr())

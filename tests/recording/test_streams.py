@@ -1,0 +1,187 @@
+"""Streams of a bag become one recording: clocks, order, silence, several topics, a base, a controller's state."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bags import EPOCH, FILE, STATE, scenario, two_joints
+from realitygap.files.errors import InputError
+from realitygap.recording import read_recording
+
+
+@pytest.mark.parametrize(
+    ("stamp", "clock"),
+    [
+        ((EPOCH - 5.0, 1.0), "header stamps"),  # a robot whose clock is 5 s behind
+        ((0.0, 0.0), "those of reception"),  # never set
+        ((EPOCH, 0.0), "those of reception"),  # set once
+    ],
+)
+def test_header_stamps_are_used_where_they_are_sane(
+    stamp: tuple[float, float], clock: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    jitter = np.abs(np.random.default_rng(0).normal(size=50)) * 1e-3
+    messages = [
+        (
+            "/joint_states",
+            EPOCH + 0.01 * k + jitter[k],
+            STATE,
+            {"stamp": stamp[0] + stamp[1] * 0.01 * k, "name": ["a"], "position": [k]},
+        )
+        for k in range(50)
+    ]
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(command=None), ["a"], file=FILE)
+    assert clock in recording.notes[0]
+    exact = np.abs(recording.trace.time - 0.01 * np.arange(50)).max() < 1e-6
+    assert exact == (clock == "header stamps")
+
+
+def test_clocks_of_two_topics_that_disagree_are_not_mixed(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = [
+        (t, r, kind, {**v, "stamp": v["stamp"] - 100.0} if t == "/joint_commands" else v)
+        for t, r, kind, v in two_joints()
+    ]
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a"], file=FILE)
+    assert "100 s apart" in recording.notes[0]
+    assert recording.trace.time[-1] == pytest.approx(0.99, abs=1e-6)
+    assert recording.command_time[-1] == pytest.approx(0.995, abs=1e-6)
+
+
+def test_repeated_and_disordered_stamps(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    stamps = [0.0, 0.01, 0.03, 0.02, 0.02, 0.04]
+    messages = [
+        ("/joint_states", EPOCH + 0.01 * k, STATE, {"stamp": EPOCH + s, "name": ["a"], "position": [float(k)]})
+        for k, s in enumerate(stamps)
+    ]
+    path = write_bag(tmp_path / "run", "db3", messages)
+    recording = read_recording(path, scenario(command=None), ["a"], file=FILE)
+    np.testing.assert_allclose(recording.trace.time, [0, 0.01, 0.02, 0.03, 0.04], atol=1e-6)
+    np.testing.assert_array_equal(recording.trace.position[:, 0], [0, 1, 4, 2, 5])
+    assert "1 messages came out of order" in " ".join(recording.notes)
+    assert "1 messages repeat the stamp" in " ".join(recording.notes)
+
+
+def test_a_silent_command_stream_is_a_servo_that_is_off(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints(300)
+    silent = [m for m in messages if m[0] == "/joint_states" or not 1.0 < m[1] - EPOCH < 2.0]
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", silent), scenario(), ["a", "b"], file=FILE)
+    off = np.isnan(recording.trace.command[:, 0])
+    times = recording.trace.time[off]
+    assert times[0] == pytest.approx(1.01, abs=0.011)
+    assert times[-1] == pytest.approx(2.0, abs=0.011)
+    assert off.sum() == pytest.approx(99, abs=2)
+    assert np.isnan(recording.command).any(axis=1).sum() == 1
+    assert "servo taken as off" in " ".join(recording.notes)
+
+
+def test_goals_sent_once_in_a_while_are_held(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = [m for m in two_joints(1000) if m[0] == "/joint_states"]
+    for t in (0.0, 1.0, 1.1, 4.0, 4.1, 4.2, 8.0):
+        messages.append(("/joint_commands", EPOCH + t, STATE, {"stamp": EPOCH + t, "name": ["a"], "position": [t]}))
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a"], file=FILE)
+    np.testing.assert_allclose(recording.command[:, 0], [0.0, 1.0, 1.1, 4.0, 4.1, 4.2, 8.0])
+    assert np.isfinite(recording.trace.command).all()
+
+
+def test_commands_for_some_joints_keep_the_others(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = [m for m in two_joints(20) if m[0] == "/joint_states"]
+    for k in range(20):
+        name = "ab"[k % 2]
+        command = {"stamp": EPOCH + 0.01 * k, "name": [name], "position": [float(k)]}
+        messages.append(("/joint_commands", EPOCH + 0.01 * k, STATE, command))
+    recording = read_recording(
+        write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a", "b", "c"][:2], file=FILE
+    )
+    np.testing.assert_array_equal(recording.trace.command[4:8, 0], [4, 4, 6, 6])
+    np.testing.assert_array_equal(recording.trace.command[4:8, 1], [3, 5, 5, 7])
+
+
+def test_effort_from_another_topic_with_a_factor(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints()
+    for k in range(50):  # at half the rate, between the states
+        t = 0.02 * k + 0.005
+        effort = {"stamp": EPOCH + t, "name": ["a", "b"], "effort": [t, 1.0]}
+        messages.append(("/currents", EPOCH + t, STATE, effort))
+    asked = scenario(effort={"topic": "/currents", "factor": 2.0})
+    trace = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a", "b"], file=FILE).trace
+    np.testing.assert_allclose(trace.effort[1:-1, 0], 2.0 * np.minimum(trace.time[1:-1], 0.985), atol=1e-6)
+    np.testing.assert_allclose(trace.effort[:, 1], 2.0)
+
+
+def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints()
+    for k in range(50):
+        effort = {"stamp": EPOCH + 0.01 * k, "name": ["a"], "effort": [1.0]}
+        messages.append(("/currents", EPOCH + 0.01 * k, STATE, effort))
+    asked = scenario(effort={"topic": "/currents"})
+    trace = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a"], file=FILE).trace
+    assert np.isfinite(trace.effort[:50]).all()
+    assert np.isnan(trace.effort[53:]).all()
+
+
+QUARTER_TURN = {"w": np.sqrt(0.5), "x": 0.0, "y": 0.0, "z": np.sqrt(0.5)}  # about z
+
+
+def test_base_imu_and_battery(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints()
+    for k in range(100):
+        t = 0.01 * k
+        sign = -1.0 if k % 3 else 1.0  # the same orientation, written two ways
+        turn = {axis: sign * v for axis, v in QUARTER_TURN.items()}
+        pose = {"pose": {"position": {"x": t, "y": 0.0, "z": 1.0}, "orientation": turn}}
+        twist = {"twist": {"linear": {"x": 1.0, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 2.0, "z": 3.0}}}
+        messages += [
+            ("/odom", EPOCH + t, "nav_msgs/msg/Odometry", {"stamp": EPOCH + t, "pose": pose, "twist": twist}),
+            ("/imu", EPOCH + t, "sensor_msgs/msg/Imu", {"stamp": EPOCH + t, "angular_velocity": {"x": t}}),
+            ("/battery", EPOCH + t, "sensor_msgs/msg/BatteryState", {"stamp": EPOCH + t, "voltage": 15.0 - t}),
+        ]
+    asked = scenario(base="floating", pose="/odom", imu="/imu", battery="/battery")
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a", "b"], file=FILE)
+    trace = recording.trace
+    np.testing.assert_allclose(trace.base_position[:, 0], trace.time, atol=1e-6)
+    np.testing.assert_allclose(trace.base_quaternion, np.tile([np.sqrt(0.5), 0, 0, np.sqrt(0.5)], (100, 1)), atol=1e-6)
+    np.testing.assert_allclose(trace.base_linear, np.tile([0, 1.0, 0], (100, 1)), atol=1e-6)  # forward is y there
+    np.testing.assert_allclose(trace.base_angular, np.tile([-2.0, 0, 3.0], (100, 1)), atol=1e-6)
+    np.testing.assert_allclose(trace.imu_angular[:, 0], trace.time, atol=1e-6)
+    assert trace.imu_quaternion is None  # all zeros: this IMU gives no orientation
+    np.testing.assert_allclose(trace.supply, 15.0 - trace.time, atol=1e-5)
+    np.testing.assert_allclose(recording.supply, 15.0 - recording.supply_time, atol=1e-5)
+
+
+CONTROLLER = "control_msgs/msg/JointTrajectoryControllerState"
+CONTROLLER_TEXT = (
+    "std_msgs/Header header\nstring[] joint_names\ntrajectory_msgs/JointTrajectoryPoint desired\n"
+    "trajectory_msgs/JointTrajectoryPoint actual\ntrajectory_msgs/JointTrajectoryPoint error\n"
+)
+
+
+def test_a_controller_state_is_state_and_command(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = []
+    for k in range(20):
+        t = 0.01 * k
+        values = {"desired": {"positions": [t + 1]}, "actual": {"positions": [t], "velocities": [1.0]}}
+        messages.append(("/state", EPOCH + t, CONTROLLER, {"stamp": EPOCH + t, "joint_names": ["a"], **values}))
+    path = write_bag(tmp_path / "run", "mcap", messages, {CONTROLLER: CONTROLLER_TEXT})
+    trace = read_recording(path, scenario("/state", "/state"), ["a"], file=FILE).trace
+    np.testing.assert_allclose(trace.command - trace.position, 1.0)
+    np.testing.assert_allclose(trace.velocity, 1.0)
+
+
+def test_values_that_are_not_finite(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints()
+    messages[80][3]["position"][0] = np.nan
+    path = write_bag(tmp_path / "run", "mcap", messages)
+    with pytest.raises(InputError, match=r"/joint_states: position of joint b is nan at 0.400 s \(1 such"):
+        read_recording(path, scenario(), ["a", "b"], file=FILE)
+
+
+def test_signals_that_were_never_measured_are_left_out(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    path = write_bag(tmp_path / "run", "mcap", two_joints(velocity=[np.nan, np.nan]))
+    assert read_recording(path, scenario(), ["a", "b"], file=FILE).trace.velocity is None
+
+
+def test_names_and_values_of_different_length(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    path = write_bag(tmp_path / "run", "mcap", two_joints(position=[1.0]))
+    with pytest.raises(InputError, match="message 1: names 2 joints and holds 1 values of position"):
+        read_recording(path, scenario(), ["a"], file=FILE)

@@ -1,0 +1,118 @@
+"""The page as a whole in a real browser: any width, dark and light, few results and very many."""
+
+import shutil
+from pathlib import Path
+
+import chromium
+import pytest
+import synthetic
+from invented_page import JOINTS
+from realitygap.report import write_page
+
+
+def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(
+    shared: chromium.Browser, tmp_path: Path
+) -> None:
+    cells = [
+        synthetic.cell(recording=recording, robot_revision=revision, use=use)
+        for recording, revision, use in (("kick", "old", "train"), ("squat", "new", "held_out"))
+    ]
+    synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.01)
+    shared.complaints.clear()
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert shared.texts("#switches legend") == ["signal", "recording"]
+    assert shared.texts("#improvement h3") in ([], ["Improvement from one recording to another"])
+    assert "not measured alike" not in shared.run("document.getElementById('improvement').textContent")
+    assert shared.complaints == []
+
+
+@pytest.mark.parametrize("width", [360, 768, 1280])
+def test_nothing_is_wider_than_the_window(browser: chromium.Browser, width: int) -> None:
+    browser.resize(width, 800)
+    browser.open(Path(browser.run("decodeURIComponent(location.pathname)")))
+    browser.wait("document.querySelector('#detail svg.plot') !== null")
+    assert browser.run("document.documentElement.scrollWidth") <= width
+    lines = "[...document.querySelectorAll('.heat thead th')].map(n => n.clientHeight)"
+    assert max(browser.run(lines)) < 30, "an engine's name is broken"
+    cut = "[...document.querySelectorAll('.sortable td')].filter(n => n.getBoundingClientRect().right > innerWidth)"
+    if width < 500:
+        assert browser.run(f"{cut}.length") == 0, "a value of a table lies outside of the window"
+        labels = (
+            "[...document.querySelectorAll('.sortable tbody td')].map(n => getComputedStyle(n, '::before').content)"
+        )
+        assert '"position [°]"' in browser.run(labels)
+
+
+@pytest.mark.usefixtures("shared")
+def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
+    grounds = []
+    for dark in (False, True):
+        with chromium.Browser(dark=dark) as browser:
+            browser.open(page)
+            script = "(s => [s.backgroundColor, s.color])(getComputedStyle(document.body))"
+            ground, ink = ([int(v) for v in c[4:-1].split(",")] for c in browser.run(script))
+            grounds.append(sum(ground))
+            assert abs(sum(ground) - sum(ink)) > 400
+            assert browser.complaints == []
+    assert grounds[0] > 600 > 200 > grounds[1]
+
+
+def test_one_joint_one_engine(shared: chromium.Browser, tmp_path: Path) -> None:
+    synthetic.write_folder(tmp_path, joints=["pendulum"], cells=[synthetic.cell()], error=lambda _: 0.01)
+    shared.complaints.clear()
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert shared.complaints == []
+    assert shared.texts(".segments span") == ["position", "velocity", "effort"]
+
+
+def test_traces_without_any_measurement_are_shown(shared: chromium.Browser, tmp_path: Path) -> None:
+    joints = ["pendulum"]
+    for engine in ("mujoco", "dart"):
+        cell, trace = synthetic.cell(engine, recording=""), synthetic.trace(joints, 0.01, 1)
+        synthetic.write_cell(tmp_path, cell, trace, None)
+    synthetic.write_planted(tmp_path, synthetic.planted({}))
+    shared.complaints.clear()
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert "Nothing was measured" in shared.run("document.body.textContent")
+    assert shared.complaints == []
+
+
+def test_curves_beside_the_page_are_loaded_from_disk(
+    shared: chromium.Browser, page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = shutil.copytree(page.parent, tmp_path / "beside")
+    monkeypatch.setattr("realitygap.report.page.MAILABLE", 0)
+    assert write_page(folder).stat().st_size < page.stat().st_size
+    shared.complaints.clear()
+    shared.open(folder / "report.html")
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert shared.complaints == []
+
+
+def test_a_thousand_cells_stay_usable(shared: chromium.Browser, tmp_path: Path) -> None:
+    cells = synthetic.grid(
+        engine=["mujoco", "dart", "drake", "pybullet"],
+        recording=[f"toss {i}" for i in range(50)],
+        step_rate=[250.0, 500.0, 1000.0, 2000.0, 4000.0],
+    )
+    gaps = {
+        (c.engine, (("recording", c.recording), ("step_rate", c.step_rate)), s, "moving"): 0.5 + 0.001 * i
+        for i, c in enumerate(cells)
+        for s in ("position", "velocity")
+    }
+    synthetic.write_planted(tmp_path, synthetic.planted(gaps))
+    page = write_page(tmp_path)
+    assert page.stat().st_size < 5e6
+    shared.complaints.clear()
+    shared.open(page)
+    shared.wait("document.querySelectorAll('.heat td[data-r]').length > 0")
+    assert shared.texts("#celltable .more") == ["Show 50 more of 1000"]
+    spent = shared.run(
+        "(() => { const t = performance.now(); for (const n of [0, 1, 2]) "
+        "document.querySelectorAll('input[name=switch-step_rate]')[n].click(); return (performance.now() - t) / 3 })()"
+    )
+    assert spent < 1000  # ms per switch, on a slow machine too
+    assert shared.complaints == []
