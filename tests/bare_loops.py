@@ -210,20 +210,21 @@ def ode_loop(simulation: Any, tape: Tape) -> None:
     tape.q[0], tape.w[0] = simulation._position, simulation._velocity
     for k, (c, c1, qk, wk, dk, lk, q1, w1, b1, d1) in enumerate(tape.rows()):
         drive_effort(drive, state, c, c1, qk, wk, dk, inertia, 0.0, k * H, H, effort, damping, friction, lk)
-        if damping.tobytes() != set_damping or friction.tobytes() != set_friction:
+        if damping.tobytes() != set_damping:
             rates = []
-            for i, (joint, a, b, f) in enumerate(
-                zip(robot.joints, armature, damping.tolist(), friction.tolist(), strict=True)
-            ):
+            for i, (joint, a, b) in enumerate(zip(robot.joints, armature, damping.tolist(), strict=True)):
                 mass = a + H * b
                 joint.set_motor(joint.rotor, FMAX, np.inf if mass > 0 else 0.0)
                 joint.set_motor(joint.rotor, VEL, 0.0)
                 if mass > 0:
                     joint.set_motor(joint.rotor, CFM, H / mass)
-                joint.set_motor(joint.brake, FMAX, f)
                 if a > 0:
                     rates.append((joint, a / mass, i))
-            set_damping, set_friction = damping.tobytes(), friction.tobytes()
+            set_damping = damping.tobytes()
+        if friction.tobytes() != set_friction:
+            for joint, bound in zip(robot.joints, friction.tolist(), strict=True):
+                joint.set_motor(joint.brake, FMAX, bound)
+            set_friction = friction.tobytes()
         for joint, given in zip(robot.joints, effort.tolist(), strict=True):
             joint.push(joint.joint, given)
         for joint, share, i in rates:

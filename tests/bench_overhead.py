@@ -1,13 +1,14 @@
 """What the harness costs: its time loop against a bare loop over the same engine, and a full servo against a plain one.
 
-The cost of a step is that of a long motion less that of a short one, over the steps between. Both take milliseconds and
-run many times, bare and harness in turns, and the least processor time of each counts: now and then even a busy machine
-leaves a core alone for so long.
+The cost of a step is that of a long motion less that of a short one, over the steps between. Both take milliseconds.
+Bare and harness stand beside each other in every turn, now one first and now the other: what a busy machine does to one
+it does to both. Processor time counts, and the overhead is the median of the turns' ratios, with its standard error.
 
-    python tests/bench_overhead.py [--batches 200] [--write results/reference/overhead.csv]
+    python tests/bench_overhead.py [--turns 200] [--engine NAME ...] [--write FILE]
 """
 
 import argparse
+import gc
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -105,30 +106,38 @@ def loops(name: str) -> dict[str, Loop]:
     return {"bare": bare, "harness": harness}
 
 
-def measure(name: str, model: Model, steps: tuple[int, int], batches: int) -> dict[str, float | str]:
+def turns(simulation: engines.Simulation, motions: list[Case], name: str, count: int) -> Array:
+    """Processor seconds of a step, bare and in the harness, turn by turn. Shape (count, 2)."""
+    out = np.empty((count, 2))
+    long, short = (round(motion.seconds / H) for motion in motions)
+    both = list(enumerate(loops(name).values()))
+    gc.collect()
+    gc.disable()  # a collection hits one of the two
+    for turn in out:
+        both.reverse()
+        for i, loop in both:
+            took = [timed(partial(loop, simulation, motion)) for motion in motions]
+            turn[i] = (took[0] - took[1]) / (long - short)
+    gc.enable()
+    return out
+
+
+def measure(name: str, model: Model, steps: tuple[int, int], count: int) -> dict[str, float | str]:
     """Microseconds per step of the bare loop and of the harness, each with a plain PID and with the full servo."""
-    cost: dict[str, float] = {}
+    row: dict[str, float | str] = {"engine": name, "robot": model.name}
     for kind, servo in (("pid", False), ("servo", True)):
         motions = [case(model, k * H, servo=servo) for k in steps]
         plant = motions[0].plant
         with engines.load(name).open(plant.machine(), Physics(H, ground=plant.ground)) as simulation:
-            assert_same(motions[-1], simulation, name)  # and all is compiled
-            least: dict[tuple[str, int], float] = {}
-            for _ in range(batches):
-                for key, loop in loops(name).items():
-                    for k, motion in zip(steps, motions, strict=True):
-                        took = timed(partial(loop, simulation, motion))
-                        least[key, k] = min(took, least.get((key, k), np.inf))
-        for key in ("bare", "harness"):
-            cost[f"{key}_{kind}"] = (least[key, steps[1]] - least[key, steps[0]]) / (steps[1] - steps[0]) * 1e6
-    return {
-        "engine": name,
-        "robot": model.name,
-        **{key: round(value, 2) for key, value in cost.items()},
-        "overhead_pid": round(cost["harness_pid"] / cost["bare_pid"] - 1, 3),
-        "overhead_servo": round(cost["harness_servo"] / cost["bare_servo"] - 1, 3),
-        "servo_rate": round(cost["harness_pid"] / cost["harness_servo"], 3),
-    }
+            assert_same(motions[0], simulation, name)  # and all is compiled
+            cost = turns(simulation, motions, name, count)
+        bare, harness = np.median(cost, axis=0) * 1e6
+        ratio = cost[:, 1] / cost[:, 0]
+        spread = np.subtract(*np.quantile(ratio, [0.75, 0.25])) / 1.349  # a normal distribution's
+        row |= {f"bare_{kind}": round(bare, 2), f"harness_{kind}": round(harness, 2)}
+        row |= {f"overhead_{kind}": round(float(np.median(ratio)) - 1, 3)}
+        row |= {f"error_{kind}": round(1.253 * spread / np.sqrt(count), 3)}
+    return row
 
 
 def assert_same(c: Case, simulation: engines.Simulation, name: str) -> None:
@@ -163,17 +172,17 @@ def law(repeats: int = 20, calls: int = 1000) -> dict[str, float]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--batches", type=int, default=200)
+    parser.add_argument("--turns", type=int, default=200)
     parser.add_argument("--engine", action="append", choices=sorted(LOOPS))
     parser.add_argument("--write", type=Path, help="also write the table to this file")
     options = parser.parse_args()
     rows = [
-        measure(name, model, steps, options.batches)
+        measure(name, model, steps, options.turns)
         for name in options.engine or sorted(set(LOOPS) & set(engines.available()))
-        for model, steps in ((pendulum(), (50, 300)), (humanoid(), (10, 50)))
+        for model, steps in ((pendulum(), (550, 50)), (humanoid(), (90, 10)))
     ]
     found = pd.DataFrame(rows)
-    print("Microseconds per step; overhead of the harness over the bare loop; rate of the full servo over plain PID:")
+    print("Microseconds per step; overhead of the harness over the bare loop, with its standard error:")
     print(found.to_string(index=False))
     print("Control law, twenty joints, µs per step:", {k: round(v, 2) for k, v in law().items()})
     if options.write:

@@ -18,6 +18,7 @@ from numba import njit
 
 from realitygap_engines.engine import Capability, Engine, Ground, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
+from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
 
@@ -131,9 +132,7 @@ class MujocoSimulation(Simulation):
         position[:] = self._qpos
         velocity[:] = self._qvel
         if self._offset:
-            base[:7] = self._base_pose
-            base[7:] = self._base_velocity
-            base[10:] = _rotate(base[3:7], base[10:])
+            _read_base(self._base_pose, self._base_velocity, base)
 
     def dry_friction(self) -> Array:
         d, n = self._d, self._n
@@ -179,12 +178,17 @@ class MujocoSimulation(Simulation):
         return local
 
 
-def _rotate(q: Array, v: Array) -> tuple[float, float, float]:
-    """v turned by the unit quaternion q; plain floats, because three elements are too few for numpy."""
-    w, x, y, z = q.tolist()
-    a, b, c = v.tolist()
+@compiled
+def _read_base(pose, velocity, base):  # type: ignore[no-untyped-def]
+    """Write pose (7,) and velocity (6,) of the base, whose angular velocity MuJoCo has in axes of the base."""
+    base[:7] = pose
+    base[7:] = velocity
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    a, b, c = velocity[3], velocity[4], velocity[5]
     tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    return a + w * tx + y * tz - z * ty, b + w * ty + z * tx - x * tz, c + w * tz + x * ty - y * tx
+    base[10] = a + w * tx + y * tz - z * ty
+    base[11] = b + w * ty + z * tx - x * tz
+    base[12] = c + w * tz + x * ty - y * tx
 
 
 def build_spec(model: Model, physics: Physics) -> "mujoco.MjSpec":

@@ -44,6 +44,7 @@ class OdeSimulation(Simulation):
     def __init__(self, model: Model, physics: Physics) -> None:
         self.model = model
         self.physics = physics
+        self._h, self._floating = physics.timestep, model.floating
         n = len(model.joints)
         self._world = world = ode.dWorldCreate()
         ode.dWorldSetGravity(world, *physics.gravity)
@@ -103,8 +104,10 @@ class OdeSimulation(Simulation):
         efforts = effort.tolist()
         if not isfinite(sum(efforts)):  # ODE would end the process
             raise self._diverged(effort, "effort is not finite")
-        if damping.tobytes() != self._damped or friction.tobytes() != self._braked:
-            self._set_motors(damping, friction)
+        if damping.tobytes() != self._damped:
+            self._set_rotors(damping)
+        if friction.tobytes() != self._braked:
+            self._set_brakes(friction)
         for joint, given in zip(self._robot.joints, efforts, strict=True):
             joint.push(joint.joint, given)
         for joint, share, speed in self._rotors:
@@ -112,36 +115,42 @@ class OdeSimulation(Simulation):
         if self._contacts is not None:
             self._contacts.make()
         ode.dRandSetSeed(self._seed)  # the generator is one for all worlds
-        self._advance(self._world, self.physics.timestep)
+        self._advance(self._world, self._h)
         self._seed = ode.dRandGetSeed()
         if self._contacts is not None:
             self._contacts.clear()
         self._fetch()
 
-    def _set_motors(self, damping: Array, friction: Array) -> None:
-        h = self.physics.timestep
-        for i in np.flatnonzero((damping != self._damping) | (friction != self._friction)):
-            joint, mass = self._robot.joints[i], self._armature.item(i) + h * damping.item(i)
-            joint.set_motor(joint.rotor, FMAX, inf if mass > 0 else 0.0)
-            joint.set_motor(joint.rotor, VEL, 0.0)
-            if mass > 0:
-                joint.set_motor(joint.rotor, CFM, h / mass)
-            joint.set_motor(joint.brake, FMAX, friction.item(i))
-        self._damping[:], self._friction[:] = damping, friction
-        self._damped, self._braked = damping.tobytes(), friction.tobytes()
-        self._rotors = [
-            (joint, a / (a + h * d), i)
-            for i, (joint, a, d) in enumerate(
-                zip(self._robot.joints, self._armature.tolist(), damping.tolist(), strict=True)
-            )
-            if a > 0
-        ]
+    def _set_rotors(self, damping: Array) -> None:
+        h = self._h
+        self._rotors = []
+        for i, (joint, a, d, before) in enumerate(
+            zip(self._robot.joints, self._armature.tolist(), damping.tolist(), self._damping.tolist(), strict=True)
+        ):
+            mass = a + h * d
+            if d != before:
+                joint.set_motor(joint.rotor, FMAX, inf if mass > 0 else 0.0)
+                joint.set_motor(joint.rotor, VEL, 0.0)
+                if mass > 0:
+                    joint.set_motor(joint.rotor, CFM, h / mass)
+            if a > 0:
+                self._rotors.append((joint, a / mass, i))
+        self._damping[:], self._damped = damping, damping.tobytes()
+
+    def _set_brakes(self, friction: Array) -> None:
+        for joint, bound, before in zip(self._robot.joints, friction.tolist(), self._friction.tolist(), strict=True):
+            if bound != before:
+                joint.set_motor(joint.brake, FMAX, bound)
+        self._friction[:], self._braked = friction, friction.tobytes()
 
     def _fetch(self) -> None:
         self._robot.read_joints(self._position, self._velocity)
-        if self.model.floating:
+        if self._floating:
             self._robot.read_base(self._base)
-        if not hypot(*self._velocity.tolist(), *self._base[7:].tolist()) < RUNAWAY:
+            fastest = hypot(*self._velocity.tolist(), *self._base[7:].tolist())
+        else:
+            fastest = hypot(*self._velocity.tolist())
+        if not fastest < RUNAWAY:
             raise self._diverged(self._velocity, "velocity runs away")
 
     def _diverged(self, values: Array, what: str) -> Diverged:
@@ -150,7 +159,7 @@ class OdeSimulation(Simulation):
     def read(self, position: Array, velocity: Array, base: Array) -> None:
         position[:] = self._position
         velocity[:] = self._velocity
-        if self.model.floating:
+        if self._floating:
             base[:] = self._base
 
     def dry_friction(self) -> Array:

@@ -87,19 +87,22 @@ def rollout(
     rows = zip(upcoming, volts.tolist(), log, q[1:], w[1:], bases, drags, strict=False)
     c, qk, wk, dk = command[0], q[0], w[0], dry[0]
     step, read, dry_friction, efforts = simulation.step, simulation.read, simulation.dry_friction, plant.efforts
+    beside, look = mapped or bool(efforts), 0
     try:
         for k, (c1, v, lk, q1, w1, b1, d1) in enumerate(rows):
             t = k * h
             drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
-            if mapped:
-                add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
-            for law in efforts:
-                effort += law(t, qk, wk)
+            if beside:
+                if mapped:
+                    add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
+                for law in efforts:
+                    effort += law(t, qk, wk)
             step(effort, damping, friction)
             read(q1, w1, b1)
             if wants_dry:
                 d1[:] = dry_friction()
-            if k % CHECK_EVERY == 0:
+            if k == look:
+                look += CHECK_EVERY
                 if not _sane(w1, b1):
                     break
                 if k == 0:
