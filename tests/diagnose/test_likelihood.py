@@ -2,12 +2,19 @@
 
 import numpy as np
 import pytest
-from realitygap.diagnose.likelihood.metric import metric, rest_of
+from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
+from realitygap.robot.drive import Array
 
 
 def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal: str = "position") -> Channel:
     return Channel(case, signal, 0, 0.01 * np.arange(n, dtype=np.float64), noise, np.full(n, slow))
+
+
+def measured_by(watched: Channel, rest: float, residual: Array, responses: Array) -> Metric:
+    """The metric for what a residual leaves, of one channel."""
+    whitening, weight = trusted([watched], np.ones(1), {watched.key: rest}, residual)
+    return marginalised(whitening, weight, *whitening(responses, weight))
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
@@ -15,7 +22,7 @@ def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
     rng = np.random.default_rng(3)
     n, watched = 40, channel(40)
     residual, responses, scale = rng.standard_normal(n), rng.standard_normal((n, 3)), np.array([0.3, 1.0, 2.0])
-    measure = metric([watched], np.ones(1), {watched.key: 0.1}, residual, responses, scale)
+    measure = measured_by(watched, 0.1, residual, responses * scale)
     variance = np.diag((watched.noise**2 + watched.slow**2 + 0.1**2) / measure.weight)
     dense = variance + (responses * scale**2) @ responses.T
     whole = measure(residual)
@@ -27,7 +34,7 @@ def test_what_was_not_measured_counts_nothing() -> None:
     rng = np.random.default_rng(4)
     watched, residual = channel(30), rng.standard_normal(30)
     residual[10:20] = np.nan
-    measure = metric([watched], np.ones(1), {}, residual, np.zeros((30, 0)), np.zeros(0))
+    measure = measured_by(watched, 0.0, residual, np.zeros((30, 0)))
     assert np.all(measure(np.nan_to_num(residual, nan=7.0))[10:20] == 0.0)
 
 

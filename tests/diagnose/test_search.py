@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
-from realitygap.diagnose.data.changes import clash
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.changes import Change, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Question, answer
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual, respond
 from realitygap.diagnose.search.evidence import stretches
+from realitygap.diagnose.search.imperfections import OTHER, SHARE, imperfections
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.model import Ground
+from realitygap.robot.drive import Array
 
 FRICTION = 0.6447
 """Coulomb friction of the recorded elbow [N·m]."""
@@ -118,3 +121,41 @@ def test_stretches_part_motions_and_seconds(ground: Ground) -> None:
         assert of[channel.case] == own
         at += n
     assert len(set.union(*of.values())) == sum(map(len, of.values()))
+
+
+def test_a_law_is_off_by_a_share_of_what_the_model_has_of_it(
+    problem: Problem, simulations: Simulations, ground: Ground
+) -> None:
+    """The drive of the elbow as if its gain were off by its share, simulated; a delay, of which the model has none, by
+    a share of a visible one."""
+    at = Fit((), _of(simulations, ground, []))
+    gain, delay = (suspect_of(problem, e, "elbow") for e in ("controller_gain", "command_delay"))
+    blocks = ground.responses(at, [gain, delay])
+    wrong = imperfections(problem, at, blocks, ground.plain(at).metric)
+    less = guess(problem, gain).at({"gain": neutral(problem.plant, gain)["gain"] * (1.0 - SHARE["drive"])})
+    off = np.nan_to_num(_of(simulations, ground, [less]) - at.residual)
+    drive = np.nan_to_num(wrong.responses[:, wrong.laws.index("drive")])
+    assert abs(drive @ off) == pytest.approx(float(off @ off), rel=0.1)
+    later = np.nan_to_num(wrong.responses[:, wrong.laws.index("")])
+    assert later == pytest.approx(OTHER * next(b for b in blocks if b.suspect == delay).columns[:, 0])
+
+
+def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(ground: Ground, problem: Problem) -> None:
+    """Friction that was named is known to a share of itself; the model without it, to a share of its own."""
+    friction = suspect_of(problem, "coulomb_friction", "elbow")
+    named = guess(problem, friction).at({"torque": 0.6})
+    m = sum(len(c.time) for c in ground.channels)
+    slope = np.ones((m, 1))
+    at = Fit((named,), np.zeros(m), ((0, "torque"),), slope, np.full(1, 0.3), np.zeros(1))
+    wrong = imperfections(problem, at, [], ground.plain(at).metric)
+    assert wrong.responses[:, 0] == pytest.approx(SHARE["friction"] * 0.6 / 0.3 * slope[:, 0])
+    own = neutral(problem.plant, friction)["torque"]
+    assert wrong.shares(at)[0] == 1.0
+    assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
+
+
+def _of(simulations: Simulations, ground: Ground, changes: list[Change]) -> Array:
+    """The residual of the training motions."""
+    found = residual(simulations, changes, ground.train)
+    assert found is not None
+    return found

@@ -29,6 +29,10 @@ SLIPPERIER = (0.6, 0.3, 0.15)
 """What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
 TO_BOTH_SIDES = (1.0, -1.0)
 """What the first size is multiplied by where it may have either sign: play and friction that holds answer unevenly."""
+NEARBY = 0.3
+"""The share of a first size that is simulated where the model has more than that of it, as of a mass or a constant:
+some per cent, as far as laws are off without being wrong. What is absent, or acts through contacts that come and go,
+shows only at a visible size."""
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
 LIGHTEST = 0.05
@@ -52,12 +56,14 @@ class Start:
         kind: `linear`: a parameter moves from neutral by the amount; `inverse`: a stiffness, twice as much is half of
             it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave; `load`: point
             masses at several places, whose sum is one mass at their centre.
+        share: of each try that is simulated; the response is taken as many times.
     """
 
     first: Change
     tries: tuple[Change, ...]
     zero: tuple[tuple[str, float], ...]
     kind: Literal["linear", "inverse", "whole", "wave", "load"]
+    share: float = 1.0
 
     @property
     def suspect(self) -> Suspect:
@@ -68,6 +74,13 @@ class Start:
         """The parameters that a try moves away from neutral."""
         zero, values = dict(self.zero), self.tries[number].parameters
         return [p.name for p in sized(self.first) if values[p.name] != zero[p.name]]
+
+    def simulated(self, number: int) -> Change:
+        """What is simulated for a try: `share` of it."""
+        zero, try_ = dict(self.zero), self.tries[number]
+        if self.share == 1.0:
+            return try_
+        return try_.at({n: zero[n] + self.share * (try_.parameters[n] - zero[n]) for n in self.moved(number)})
 
     def at(self, amounts: Sequence[float]) -> Change:
         """The change that amounts of the tries mean, within the bounds of its parameters."""
@@ -168,7 +181,8 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
             p, step = effect.parameter(n), factor * size[n]
             inside = p.low <= zero[n] + step <= p.high
             group.append(first.at(still | {n: zero[n] + (step if inside else -step)}))
-        out.append(Start(first, tuple(group), known, "linear"))
+        near = not problem.plant.model.floating and all(abs(zero[n]) >= size[n] for n in named)
+        out.append(Start(first, tuple(group), known, "linear", NEARBY if near else 1.0))
     return out
 
 

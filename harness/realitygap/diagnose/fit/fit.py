@@ -1,4 +1,9 @@
-"""Fitting changes in simulation: bounded least squares in the metric of the residuals."""
+"""Fitting changes in simulation: bounded least squares in the metric of the residuals, with few derivatives.
+
+Gauss-Newton steps within a box that grows and shrinks with its success (Moré 1983). What the values do to the traces is
+simulated anew only where a step does not do what it promised, and at the end: a derivative costs as many simulations as
+there are values, a step costs one. A quick fit takes what it can from a fitted model near by and stops early.
+"""
 
 from __future__ import annotations
 
@@ -6,30 +11,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import lsq_linear
 
-from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residual, residuals
+from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 
-STEP, CONTACT_STEP = 0.05, 0.15
-"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
-body, where contacts that come and go make small differences tell nothing but that."""
-CONVERGED = 2e-3
-"""A fit ends where a step would change the parameters by less than this share."""
-SLAB = 4.0
-"""Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
-neither negligible nor absurd."""
-LOOSE = 10.0
-"""The same for shapes and stiffnesses, about their first guess."""
-LEAST = 1e-6
-"""A positive quantity is at least this many of its sizes."""
-WORST = 1e6
-"""The residual of a simulation that failed, in standard deviations."""
+STEPS, FEW = 16, 2
+"""Steps of a fit at most, and of a quick one."""
+FIRST = 2.0
+"""How far a first step goes at most, in multiples of the values."""
+AWAY = 0.5
+"""The same of a value that is about zero, in its size."""
+TRUE, FALSE = 0.75, 0.25
+"""A step that gains this share of what it promised may be followed by a longer one, or was too long (Moré 1983)."""
+TINY = 1e-12
+"""A box has an inside."""
+LITTLE = 0.2
+"""A gain in evidence that no judgement hangs on."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class Fit:
         slope: change of the residual per size of each value. Shape (m, p).
         size: of every value, in its unit. Shape (p,).
         prior: how far each value is from where its prior expects it, in standard deviations. Shape (p,).
+        here: whether the slope is of these values, not of others near by.
     """
 
     changes: tuple[Change, ...]
@@ -51,75 +54,12 @@ class Fit:
     slope: Array = field(default_factory=lambda: np.zeros((0, 0)))
     size: Array = field(default_factory=lambda: np.zeros(0))
     prior: Array = field(default_factory=lambda: np.zeros(0))
+    here: bool = True
 
     @property
     def value(self) -> Array:
         """The fitted values. Shape (p,)."""
         return np.array([self.changes[i].parameters[name] for i, name in self.names])
-
-
-class Space:
-    """The fitted values of several changes as one vector, scaled by their sizes."""
-
-    def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
-        self.changes = list(changes)
-        names, scale, low, high, first, expected, width, positive = [], [], [], [], [], [], [], []
-        for i, change in enumerate(self.changes):
-            size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
-            for name in change.free:
-                p, value = change.suspect.kind.parameter(name), change.parameters[name]
-                names.append((i, name))
-                plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
-                scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
-                expected.append(zero[name] if plain else value)
-                width.append(SLAB if plain else LOOSE)
-                positive.append(plain and p.absent is None and p.low >= 0.0 and zero[name] > 0.0)
-                low.append(p.low)
-                high.append(p.high)
-                first.append(min(max(value, p.low), p.high))
-        self.names = tuple(names)
-        self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
-        self.first = np.array(first) / self.scale
-        self.expected, self.width = np.array(expected) / self.scale, np.array(width)
-        self.positive = np.array(positive, dtype=bool)
-        self.step = CONTACT_STEP if problem.plant.model.floating else STEP
-
-    def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper bounds of the scaled values."""
-        return self.low / self.scale, self.high / self.scale
-
-    def prior(self, x: Array) -> Array:
-        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,).
-
-        The logarithm of a quantity that is there and positive counts: a tenth of a mass is as odd as its tenfold.
-        """
-        ratio = np.where(self.positive, np.maximum(x, LEAST) / np.where(self.positive, self.expected, 1.0), 1.0)
-        far = np.where(self.positive, self.expected * np.log(ratio), x - self.expected)
-        return np.asarray(far / self.width)
-
-    def prior_slope(self, x: Array) -> Array:
-        """The derivative of that. Shape (p,)."""
-        return np.asarray(np.where(self.positive, self.expected / np.maximum(x, LEAST), 1.0) / self.width)
-
-    def at(self, x: Array) -> tuple[Change, ...]:
-        """The changes at scaled values."""
-        values: list[dict[str, float]] = [{} for _ in self.changes]
-        for (i, name), v, low, high in zip(self.names, x * self.scale, self.low, self.high, strict=True):
-            values[i][name] = float(min(max(v, low), high))
-        return tuple(c.at(v) for c, v in zip(self.changes, values, strict=True))
-
-    def steps(self, x: Array) -> list[tuple[Array, float]]:
-        """A moved vector for every value, and how far it moved."""
-        out = []
-        high = self.bounds()[1]
-        for k in range(len(x)):
-            step = self.step * max(abs(x[k]), 0.3)
-            if x[k] + step > high[k]:
-                step = -step
-            moved = x.copy()
-            moved[k] += step
-            out.append((moved, step))
-        return out
 
 
 def fit(
@@ -128,7 +68,8 @@ def fit(
     train: Sequence[int],
     metric: Metric,
     coarse: Sequence[float],
-    budget: int = 8,
+    known: Fit | None = None,
+    quick: bool = False,
 ) -> Fit | None:
     """Fit changes jointly to the training motions; None where they cannot be simulated.
 
@@ -138,35 +79,70 @@ def fit(
         train: cases to fit to.
         metric: of the stacked residual.
         coarse: the least faithful share of the step rate, by case, for derivatives.
-        budget: steps of the solver at most.
+        known: a fitted model that shares values with the changes: what these do is taken from it at first.
+        quick: to take `FEW` steps, and no derivative anew of what is known.
     """
     space = Space(simulations.problem, changes)
-    before = residual(simulations, changes, train)
-    if before is None:
+    now = residual(simulations, changes, train)
+    if now is None:
         return None
-    if not len(space.first):
-        return Fit(tuple(changes), before)
-    failed = np.full(len(metric(np.zeros(len(before)))), WORST)
-    slopes: dict[bytes, Array] = {}
+    x, (slopes, here) = space.first, _slopes(simulations, known, space, train, coarse)
+    cost, box = _cost(metric, space, x, now), FIRST
+    for _ in range(FEW if quick else STEPS if len(x) else 0):
+        step, promised = _step(metric, space, x, now, slopes, box)
+        if promised >= 2.0 * LITTLE:
+            there = residual(simulations, space.at(x + step), train)
+            gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
+            box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else 0.4
+            if there is not None and gain > 0.0:
+                x, now, cost, here = x + step, there, cost - gain, False
+            if gain > FALSE * promised or quick:
+                continue
+        elif here or quick:
+            break
+        if not here:
+            slopes, here = slope(simulations, space, x, train, coarse), True
+    if not (here or quick):
+        slopes, here = slope(simulations, space, x, train, coarse), True
+    return Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), here)
 
-    def residuals_at(x: Array) -> Array:
-        r = residual(simulations, space.at(x), train)
-        return np.concatenate([failed if r is None else metric(r), space.prior(x)])
 
-    def jacobian(x: Array) -> Array:
-        slopes[x.tobytes()] = slope(simulations, space, x, train, coarse)
-        return np.vstack([metric(slopes[x.tobytes()]), np.diag(space.prior_slope(x))])
+def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array, box: float) -> tuple[Array, float]:
+    """The best step within a box and the bounds, and what it promises: how much less the cost would be."""
+    white = metric(np.column_stack([slopes, residual]))
+    white = np.vstack([white, np.column_stack([np.diag(space.prior_slope(x)), space.prior(x)])])
+    _, triangle = np.linalg.qr(white)
+    low, high = space.bounds()
+    reach = box * np.maximum(np.abs(x), AWAY)
+    low, high = np.maximum(low - x, -reach), np.minimum(high - x, reach)
+    step = np.clip(lsq_linear(triangle[:-1, :-1], -triangle[:-1, -1], bounds=(low - TINY, high + TINY)).x, low, high)
+    return step, float(np.sum(white[:, -1] ** 2) - np.sum((white[:, -1] + white[:, :-1] @ step) ** 2))
 
-    solution = least_squares(
-        residuals_at, space.first, jac=jacobian, bounds=space.bounds(), max_nfev=budget,
-        xtol=CONVERGED, ftol=1e-6, gtol=1e-10, x_scale=np.maximum(np.abs(space.first), 0.3),
-    )  # fmt: skip
-    x = solution.x
-    after = residual(simulations, space.at(x), train)
-    if after is None:
-        return None
-    last = slopes[x.tobytes()] if x.tobytes() in slopes else slope(simulations, space, x, train, coarse)
-    return Fit(space.at(x), after, space.names, last, space.scale, space.prior(x))
+
+def _cost(metric: Metric, space: Space, x: Array, residual: Array) -> float:
+    """Minus twice the logarithm of the posterior density, beside a constant."""
+    return float(np.sum(metric(residual) ** 2) + np.sum(space.prior(x) ** 2))
+
+
+def _slopes(
+    simulations: Simulations, known: Fit | None, space: Space, train: Sequence[int], coarse: Sequence[float]
+) -> tuple[Array, bool]:
+    """The change of the residual per scaled value at the first guess, (m, p), and whether all of it is of there.
+
+    What is known is taken as it is, what is new is simulated.
+    """
+    have = {} if known is None else {(known.changes[i].suspect, name): k for k, (i, name) in enumerate(known.names)}
+    places = [have.get((space.changes[i].suspect, name)) for i, name in space.names]
+    new = [k for k, place in enumerate(places) if place is None]
+    fresh = slope(simulations, space, space.first, train, coarse, new)
+    slopes = np.zeros((len(fresh), len(places)))
+    slopes[:, new] = fresh
+    if known is None or len(new) == len(places):
+        return slopes, True
+    for k, place in enumerate(places):
+        if place is not None:
+            slopes[:, k] = known.slope[:, place] * space.scale[k] / known.size[place]
+    return slopes, known.here and set(space.changes) == set(known.changes)
 
 
 def slope(

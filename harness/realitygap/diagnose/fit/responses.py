@@ -80,7 +80,7 @@ def respond(
                 if joint not in masks:
                     masks[joint] = own_joint(simulations, channels, joint)
                 column = np.where(masks[joint], change, 0.0)
-            found[turn, number] = column
+            found[turn, number] = column / tried[turn].share
     out = []
     for i, start in enumerate(tried):
         columns = [found.get((i, k)) for k in range(len(start.tries))]
@@ -99,7 +99,8 @@ def _together(simulations: Simulations, tried: Sequence[Start]) -> list[dict[tup
     for i, start in enumerate(tried):
         turn = counts.setdefault(start.suspect, 0)
         counts[start.suspect] += 1
-        for k, change in enumerate(start.tries):
+        for k in range(len(start.tries)):
+            change = start.simulated(k)
             if many and single(start.suspect):
                 shared.setdefault((start.suspect.effect, turn, k), {})[i, k] = change
             else:

@@ -13,8 +13,9 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Imperfections, score
+from realitygap.diagnose.search.evidence import score
 from realitygap.diagnose.search.exchange import LEVEL, Rival, compare
+from realitygap.diagnose.search.imperfections import Imperfections
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Metric:
     Attributes:
         whitening: noise and what lasts.
         weight: trust in every stacked sample, 0 where nothing was measured. Shape (m,).
-        imperfections: whitened responses times their scale. Shape (m, q).
+        imperfections: whitened responses times their scale. Shape (r, q).
         factor: Cholesky factor of 1 + ΦᵀΦ of the imperfections.
         determinant: half the logarithm of the covariance's determinant.
     """
@@ -52,18 +52,14 @@ class Metric:
         return out[:, 0] if one else out
 
 
-def metric(
-    channels: Sequence[Channel], facts: Array, rest: Rest, residual: Array, responses: Array, scale: Array
-) -> Metric:
-    """The metric for what a residual leaves.
+def trusted(channels: Sequence[Channel], facts: Array, rest: Rest, residual: Array) -> tuple[Whitening, Array]:
+    """The whitening for what a residual leaves, and the trust in every stacked sample (m,): outliers count less.
 
     Args:
         channels: of the stacked residual.
         facts: of a sample of each channel.
         rest: what no law explains, by channel.
         residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
-        responses: of every law that may be imperfect. Shape (m, q).
-        scale: how imperfect, as a multiple of the response. Shape (q,).
     """
     whitening = Whitening(tuple(channels), rest, facts)
     finite = np.isfinite(residual).astype(float)
@@ -74,12 +70,22 @@ def metric(
     spread = max(spread, 1e-12)
     weight = finite
     weight[rows] = finite[rows] / (1.0 + (size / (OUTLIER * spread)) ** 2)
-    imperfections, determinant = whitening(responses, weight)
-    imperfections *= scale
-    inner = np.eye(len(scale)) + imperfections.T @ imperfections
-    factor = cho_factor(inner, lower=True) if len(scale) else (np.zeros((0, 0)), True)
-    if len(scale):
-        determinant += float(np.sum(np.log(np.diag(factor[0]))))
+    return whitening, weight
+
+
+def marginalised(whitening: Whitening, weight: Array, imperfections: Array, determinant: float) -> Metric:
+    """The metric in which imperfections count for nothing.
+
+    Args:
+        whitening: noise and what lasts.
+        weight: trust in every stacked sample. Shape (m,).
+        imperfections: whitened responses of laws that are off by one standard deviation. Shape (r, q).
+        determinant: half the logarithm of that of what lasts and of noise.
+    """
+    if not imperfections.shape[1]:
+        return Metric(whitening, weight, imperfections, (np.zeros((0, 0)), True), determinant)
+    factor = cho_factor(np.eye(imperfections.shape[1]) + imperfections.T @ imperfections, lower=True)
+    determinant += float(np.sum(np.log(np.diag(factor[0]))))
     return Metric(whitening, weight, imperfections, factor, determinant)
 
 

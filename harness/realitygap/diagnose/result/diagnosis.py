@@ -149,7 +149,7 @@ class Diagnosis:
                 }
                 for c in self.closest
             ],
-            "laws_imperfect_by": self.found.best.imperfect,
+            "laws_imperfect_by": {law or "other": scale for law, scale in self.found.best.imperfect.items()},
             "experiment": self.experiment(),
             "sensor_faults": self.faults,
             "split": self.problem.split,

@@ -1,54 +1,45 @@
 """The evidence of a model: one number for every move of the search.
 
 The marginal likelihood of the residual, with the fitted values integrated out (Laplace), what no law explains estimated
-for this model, and imperfections of all laws marginalised at the scale that the recordings support best. "Something
-else" is thus a model too, the one that has no change and leaves everything to what no law explains: a name has to beat
-it.
+for this model, and imperfections of each kind of law marginalised at the scale that the recordings support best
+(type-II maximum likelihood, MacKay 1992). "Something else" is thus a model too, the one that has no change and leaves
+everything to what no law explains: a name has to beat it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.fit.fit import SLAB, Fit
-from realitygap.diagnose.likelihood.metric import Metric, metric, rest_of
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.space import SLAB
+from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
 from realitygap.diagnose.likelihood.whitening import Channel
+from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.robot.drive import Array
 
-IMPERFECT = {0.1: -8.0, 0.2: 0.0, 0.4: 0.0}
-"""How imperfect laws are, as a share of the visible first size of every effect on the list, with the logarithm of the
-odds beforehand. 0.2 is 3 % of a torque constant, 0.4 % of the stall torque in friction, 4 % of a mass: real laws are
-known to 5 to 10 % of what they do. Better laws have to be earned by the recordings (3000 : 1)."""
+IMPERFECT = {0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
+"""How imperfect the laws of a kind are, in multiples of what is ordinary (`imperfections`), with the logarithm of the
+odds beforehand. Better laws than a machine's have to be earned by the recordings (20 : 1)."""
+SWEEPS = 2
+"""How often the scale of each kind of law is chosen beside those of the others."""
 PASSES = 2
 """How often what no law explains is estimated anew from what the imperfections leave."""
 
 
 @dataclass(frozen=True)
-class Imperfections:
-    """What all models of a round are compared with.
-
-    Attributes:
-        facts: how many facts a sample of each channel is, where the search stands. Shape (channels,).
-        responses: of the laws that may be imperfect, at the model that the search stands at. Shape (m, q).
-    """
-
-    facts: Array
-    responses: Array
-
-
-@dataclass(frozen=True)
 class Scored:
-    """A fit with its evidence, the metric in which it was found, and how imperfect laws are in it."""
+    """A fit with its evidence, the metric in which it was found, and how imperfect each kind of law is in it."""
 
     fit: Fit
     evidence: float
     metric: Metric
-    imperfect: float
+    imperfect: Mapping[str, float]
 
     @cached_property
     def covariance(self) -> Array:
@@ -67,34 +58,72 @@ class Scored:
 
 
 def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
-    """The evidence of a fit at the best of the scales that laws may be imperfect by."""
-    scored = [_at(channels, fit, imperfections, scale) for scale in IMPERFECT]
-    return max(scored, key=lambda s: s.evidence)
+    """The evidence of a fit at the best of the scales that each kind of law may be imperfect by."""
+    return _at(channels, fit, imperfections, tuple(IMPERFECT))
 
 
 def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The same for laws that are as good as they may be: what is missing is not to pass for imperfections when moves
     are looked for.
     """
-    return _at(channels, fit, imperfections, min(IMPERFECT))
+    return _at(channels, fit, imperfections, (min(IMPERFECT),))
 
 
-def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scale: float) -> Scored:
-    responses = imperfections.responses
-    scales = np.full(responses.shape[1], scale)
-    left = fit.residual
+def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scales: Sequence[float]) -> Scored:
+    responses, left = imperfections.responses * imperfections.shares(fit), fit.residual
+    columns = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1), responses])
     for _ in range(PASSES):
-        measure = metric(channels, imperfections.facts, rest_of(channels, left), fit.residual, responses, scales)
-        taken = measure(fit.residual)[len(measure.whitening.rows) :]
-        left = fit.residual - responses @ (scales * taken)
-    whole = measure(fit.residual)
-    evidence = IMPERFECT[scale] - 0.5 * float(whole @ whole) - measure.determinant
-    if len(fit.names):
-        slope = measure(fit.slope)
-        curvature = slope.T @ slope
-        evidence -= 0.5 * float(fit.prior @ fit.prior)
-        evidence -= 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
-    return Scored(fit, evidence, measure, scale)
+        whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, left), fit.residual)
+        white, determinant = whitening(np.nan_to_num(columns), weight)
+        odds = _Odds(white.T @ white, imperfections.laws)
+        chosen = odds.best(scales)
+        each = np.array([chosen[law] for law in imperfections.laws])
+        left = fit.residual - responses @ odds.taken(each)
+    evidence = odds(chosen) - determinant - 0.5 * float(fit.prior @ fit.prior)
+    taken = white[:, white.shape[1] - len(each) :] * each
+    return Scored(fit, evidence, marginalised(whitening, weight, taken, determinant), chosen)
+
+
+class _Odds:
+    """The logarithm of a model's likelihood as a function of how imperfect laws are.
+
+    Args:
+        gram: inner products of the whitened residual, its p slopes and the q responses. Shape (1 + p + q, 1 + p + q).
+        laws: the kind of law of every response.
+    """
+
+    def __init__(self, gram: Array, laws: Sequence[str]) -> None:
+        self.gram, self.laws, self.model = gram, laws, len(gram) - len(laws)
+
+    def best(self, scales: Sequence[float]) -> dict[str, float]:
+        """The scale of each kind of law that makes the recordings most probable, one kind after the other."""
+        chosen = dict.fromkeys(self.laws, scales[len(scales) // 2])
+        for _ in range(SWEEPS if len(scales) > 1 else 0):
+            for law in chosen:
+                chosen[law] = max(scales, key=lambda scale: self({**chosen, law: scale}))
+        return chosen
+
+    def taken(self, each: Array) -> Array:
+        """How far each law is off, in its responses, where each may be off by so much. Shape (q,)."""
+        factor, right = self._solved(each)
+        return np.asarray(each * cho_solve(factor, right[:, 0])) if len(each) else each
+
+    def __call__(self, chosen: Mapping[str, float]) -> float:
+        each, model = np.array([chosen[law] for law in self.laws]), self.gram[: self.model, : self.model]
+        odds = sum(IMPERFECT[scale] for scale in chosen.values())
+        if len(each):
+            factor, right = self._solved(each)
+            model = model - right.T @ cho_solve(factor, right)
+            odds -= float(np.sum(np.log(np.diag(factor[0]))))
+        curvature = model[1:, 1:]
+        occam = 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
+        return odds - 0.5 * float(model[0, 0]) - occam
+
+    def _solved(self, each: Array) -> tuple[tuple[Array, bool], Array]:
+        """The Cholesky factor of what imperfections add, and their products with residual and slopes."""
+        inner = self.gram[self.model :, self.model :] * np.outer(each, each) + np.eye(len(each))
+        factor = cho_factor(inner, lower=True) if len(each) else (inner, True)
+        return factor, each[:, None] * self.gram[self.model :, : self.model]
 
 
 def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Array) -> Array:

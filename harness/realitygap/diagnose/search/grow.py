@@ -34,12 +34,12 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     for way, needs in _ways(round_):
         quick = round_.adjusted(way)
         if quick is not None:
-            tried.append((quick.evidence - needs, quick.fit.changes, needs))
+            tried.append((quick.evidence - needs, quick.fit, needs))
     best, most = None, 0.0
-    for promise, changes, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
+    for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if best is not None and promise - round_.now.evidence < most:
             break
-        scored = round_.ground.fit(changes)
+        scored = round_.ground.fit(near.changes, near)
         if scored is None:
             continue
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change, clash
-from realitygap.diagnose.fit.fit import SLAB
 from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
-from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.adjust import adjust
 from realitygap.diagnose.fit.fit import Fit, fit
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Imperfections, Scored, score, sharp
+from realitygap.diagnose.search.evidence import Scored, score, sharp
+from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
 
 ELSEWHERE = (0.8, 1.25)
@@ -24,8 +24,6 @@ SETTLE = 4
 """How often a model is fitted at most, each time in the metric of what the one before leaves."""
 BENT = 3
 """Up to so many new values are followed by their own slopes in a quick fit, anew in each pass: they bend most."""
-EVALUATIONS = 4
-"""Steps of the solver in each of these fits at most."""
 
 
 class Ground:
@@ -56,21 +54,11 @@ class Ground:
 
     def take_facts(self, at: Fit) -> None:
         """Count facts as the residual of a fit lasts."""
-        self.wrong = Imperfections(facts(self.channels, at.residual), self.wrong.responses)
+        self.wrong = replace(self.wrong, facts=facts(self.channels, at.residual))
 
     def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
-        """Let laws be wrong by a little: those that follow a straight line at single targets, and the accepted ones."""
-        chosen, seen = [self.wrong.responses[:, :0]], set()
-        for block in blocks:
-            alone = block.suspect.kind.sits_at != "joint" or single(block.suspect)
-            if block.start.kind == "linear" and block.suspect not in seen and alone:
-                chosen.append(block.columns)
-                seen.add(block.suspect)
-        for k, (i, name) in enumerate(at.names):
-            zero = neutral(self.problem.plant, at.changes[i].suspect)
-            if not at.changes[i].suspect.kind.parameter(name).shape and np.isfinite(zero[name]):
-                chosen.append(at.slope[:, k : k + 1])
-        self.wrong = Imperfections(self.wrong.facts, np.hstack(chosen))
+        """Let laws be off by what they are known to, at a fit with what could be added to it."""
+        self.wrong = imperfections(self.problem, at, blocks, self.plain(at).metric)
 
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""
@@ -84,17 +72,24 @@ class Ground:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
         return sharp(self.channels, found, Imperfections(self.wrong.facts, self.wrong.responses[:, :0]))
 
-    def fit(self, changes: Sequence[Change]) -> Scored | None:
+    def fit(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
         not these effects.
 
         Values are fitted as if laws were exact, which tells them best; what laws may be wrong by counts in the
         evidence and in the intervals. Each pass fits in the metric of what the one before left: what is an outlier,
         and what no law explains, is told by the model itself.
+
+        Args:
+            changes: with first guesses.
+            known: a fit near by, whose derivatives may be taken at first.
         """
+        near = known
 
         def once(at: Scored) -> Fit | None:
-            return fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, EVALUATIONS)
+            nonlocal near
+            near = fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, near)
+            return near
 
         best = self._settled(changes, once)
         return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
@@ -105,7 +100,7 @@ class Ground:
 
         def once(at: Scored) -> Fit | None:
             nonlocal near
-            done = adjust(self.simulations, near, at.fit.changes, self.train, at.metric, self.floors.coarse)
+            done = fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, near, quick=True)
             if done is not None and len(done.names) - len(near.names) > BENT:
                 near = done
             return done

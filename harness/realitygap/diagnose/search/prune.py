@@ -9,7 +9,7 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.fit.fit import SLAB
+from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.round import Round
 

@@ -30,6 +30,13 @@ Say = Callable[[str], None]
 class Round:
     """One round of the search, around an accepted model.
 
+    Args:
+        simulations: of the problem.
+        at: the accepted model, with the derivatives that are known of it.
+        everyone: the suspects that are looked at.
+        limit: what a finding has to gain.
+        say: told what is found.
+
     Attributes:
         ground: what models are compared on.
         now: the accepted model, fitted.
@@ -38,24 +45,26 @@ class Round:
         promised: what promises most, best first.
     """
 
-    def __init__(
-        self, simulations: Simulations, changes: Sequence[Change], everyone: Sequence[Suspect], limit: float, say: Say
-    ) -> None:
+    def __init__(self, simulations: Simulations, at: Fit, everyone: Sequence[Suspect], limit: float, say: Say) -> None:
+
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
-        self.ground = ground = Ground(simulations, changes)
-        first = residual(simulations, changes, ground.train)
+        self.ground = ground = Ground(simulations, at.changes)
+        first = residual(simulations, at.changes, ground.train)
         if first is None:
             raise RuntimeError("the model that the search stands at cannot be simulated")
-        ground.take_facts(Fit(tuple(changes), first))
-        start = ground.score(Fit(tuple(changes), first))
-        done = ground.fit(changes) if any(c.free for c in changes) else None
+        ground.take_facts(Fit(at.changes, first))
+        start = ground.score(Fit(at.changes, first))
+        done = ground.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self.now = start if done is None else ground.elsewhere(done)
         ground.take_facts(self.now.fit)
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.now.fit, self.blocks)
         self.now = ground.score(self.now.fit)
         self.look = ground.sharp(self.now.fit)
-        say(f"evidence {self.now.evidence:.1f}, laws imperfect by {self.now.imperfect:g}; {len(self.blocks)} starts")
+        say(
+            f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
+            + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
+        )
         self.linear = linear_at(self.look, self.blocks)
         followed = self._followed(self.linear.promises())
         self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)

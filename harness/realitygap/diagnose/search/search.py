@@ -59,15 +59,18 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         say: told what is being done.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
-    changes, seen, grows = tuple(told), set[Standing](), True
+    base = residual(simulations, told, simulations.problem.of("train"))
+    if base is None:
+        raise RuntimeError("the scenario's own model cannot be simulated")
+    at, seen, grows = Fit(tuple(told), base), set[Standing](), True
     looked_at, last = list(everyone), Exchanged()
     for _ in range(ROUNDS):
-        round_ = Round(simulations, changes, looked_at, limit, say)
+        round_ = Round(simulations, at, looked_at, limit, say)
         here = standing(round_.now)
         grows = grows and here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept) if grows else None
         if following is None and len(looked_at) < len(everyone):
-            changes, looked_at = round_.now.fit.changes, list(everyone)
+            at, looked_at = round_.now.fit, list(everyone)
             continue
         seen.add(here)
         if following is None:
@@ -77,10 +80,8 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
                 following = None if standing(following) in seen else following
         if following is None:
             break
-        changes, looked_at = following.fit.changes, round_.likely(LIKELY)
-        say("; ".join(told_change(c) for c in changes))
-    base = residual(simulations, told, round_.ground.train)
-    assert base is not None
+        at, looked_at = following.fit, round_.likely(LIKELY)
+        say("; ".join(told_change(c) for c in at.changes))
     start = round_.ground.score(Fit(tuple(told), base))
     return Found(start, round_.now, limit, round_.ground.floors, last.gains, last.rivals, round_.promised)
 

@@ -61,6 +61,7 @@ CONTROLLER_GAIN = Effect(
     name="controller_gain",
     changes="torque",
     sits_at="joint",
+    law="drive",
     parameters=(Parameter("gain", "duty/rad or N·m/rad", 1e-4, 1e6, 5.0, logarithmic=True),),
     signals=("position", "effort"),
     own=_own_gain,

@@ -56,6 +56,8 @@ class Effect:
         sits_at: what a target names.
         parameters: in the order of tables.
         signals: what it touches first.
+        law: which of a model's laws it is a fault of, where that law is only nearly right; empty for what is no fault
+            of friction, drive or load.
         own: (plant, index) -> values; the index is of a joint or link, 0 for ground and base.
         apply: (plant, indices, values) -> None, edits the plant in place; values are totals, and a parameter with a
             default that is left out stays.
@@ -90,6 +92,7 @@ class Effect:
     read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
     example: Mapping[str, Any] = field(default_factory=dict)
     repeatable: bool = False
+    law: Literal["friction", "drive", "load", ""] = ""
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

@@ -86,6 +86,7 @@ GAIN_LAW = Effect(
     name="gain_law",
     changes="torque",
     sits_at="joint",
+    law="drive",
     parameters=(Parameter("exponent", "", 0.2, 3.0, 0.8, absent=1.0),),
     signals=("position", "effort"),
     own=reads(exponent="gain_exponent"),

@@ -21,6 +21,7 @@ COULOMB_FRICTION = Effect(
     name="coulomb_friction",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),),
     signals=("position", "velocity"),
     own=reads(torque="coulomb"),
@@ -51,6 +52,7 @@ VISCOUS_FRICTION = Effect(
     name="viscous_friction",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(Parameter("coefficient", "N·m·s/rad", 0.0, 2000.0, 0.05),),
     signals=("position", "velocity"),
     own=reads(coefficient="viscous"),
@@ -82,6 +84,7 @@ STRIBECK_FRICTION = Effect(
     name="stribeck_friction",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(
         Parameter("static", "N·m", 0.0, FRICTION_HIGH, 0.2),
         Parameter("coulomb", "N·m", 0.0, FRICTION_HIGH, 0.1),
@@ -114,6 +117,7 @@ LOAD_DEPENDENT_FRICTION = Effect(
     name="load_dependent_friction",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(
         Parameter("coefficient", "", 0.0, 1.5, 0.15, absent=0.0),
         Parameter("static_coefficient", "", 0.0, 1.5, 0.0, absent=0.0, default=0.0),

@@ -29,6 +29,7 @@ DIRECTION_FRICTION = Effect(
     name="direction_friction",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(
         Parameter("forward", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("backward", "N·m", 0.0, FRICTION_HIGH, 0.2),
@@ -58,6 +59,7 @@ FRICTION_RIPPLE = Effect(
     name="friction_ripple",
     changes="torque",
     sits_at="joint",
+    law="friction",
     parameters=(
         Parameter("share", "", 0.0, 1.0, 0.5, absent=0.0),
         Parameter("periods", "per 2π", 0.5, 2000.0, 3.0, shape=True),

@@ -37,6 +37,7 @@ PAYLOAD = Effect(
     name="payload",
     changes="model",
     sits_at="link",
+    law="load",
     parameters=(
         Parameter("mass", "kg", 0.0, 1000.0, 0.5, absent=0.0),
         *(Parameter(axis, "m", -WHERE, WHERE, 0.0, absent=0.0, default=0.0, shape=True) for axis in "xyz"),

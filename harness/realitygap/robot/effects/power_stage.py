@@ -15,6 +15,7 @@ EFFORT_LIMIT = Effect(
     name="effort_limit",
     changes="torque",
     sits_at="joint",
+    law="drive",
     parameters=(
         Parameter("effort", "N·m", 1e-4, 1e5, 2.0, absent=math.inf, default=math.inf, logarithmic=True),
         Parameter("beyond", "rad", 1e-3, 10.0, 1.0, absent=math.inf, default=math.inf, shape=True),
@@ -46,6 +47,7 @@ MOTOR_BRAKING = Effect(
     name="motor_braking",
     changes="torque",
     sits_at="joint",
+    law="drive",
     parameters=(Parameter("share", "", 0.0, 1.0, 1.0),),
     signals=("position", "velocity"),
     own=reads(share="braking"),

@@ -55,6 +55,7 @@ CABLE_SPRING = Effect(
     name="cable_spring",
     changes="torque",
     sits_at="joint",
+    law="load",
     parameters=(
         Parameter("stiffness", "N·m/rad", 0.0, 1e5, 0.2, absent=0.0),
         Parameter("rest", "rad", -100.0, 100.0, 0.0, absent=0.0, default=0.0, shape=True),

@@ -89,6 +89,7 @@ ROTOR_INERTIA = Effect(
     name="rotor_inertia",
     changes="model",
     sits_at="joint",
+    law="load",
     parameters=(Parameter("armature", "kg·m²", 0.0, 1000.0, 0.01),),
     signals=("position", "velocity"),
     own=reads(armature="armature"),

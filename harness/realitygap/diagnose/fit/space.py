@@ -1,0 +1,87 @@
+"""The values that a fit moves, as one vector: their scales, bounds and priors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.problem import Problem
+from realitygap.robot.drive import Array
+
+STEP, CONTACT_STEP = 0.05, 0.15
+"""Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
+body, where contacts that come and go make small differences tell nothing but that."""
+SLAB = 4.0
+"""Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
+neither negligible nor absurd."""
+LOOSE = 10.0
+"""The same for shapes and stiffnesses, about their first guess."""
+LEAST = 1e-6
+"""A positive quantity is at least this many of its sizes."""
+
+
+class Space:
+    """The fitted values of several changes as one vector, scaled by their sizes."""
+
+    def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
+        self.changes = list(changes)
+        names, scale, low, high, first, expected, width, positive = [], [], [], [], [], [], [], []
+        for i, change in enumerate(self.changes):
+            size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
+            for name in change.free:
+                p, value = change.suspect.kind.parameter(name), change.parameters[name]
+                names.append((i, name))
+                plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
+                scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
+                expected.append(zero[name] if plain else value)
+                width.append(SLAB if plain else LOOSE)
+                positive.append(plain and p.absent is None and p.low >= 0.0 and zero[name] > 0.0)
+                low.append(p.low)
+                high.append(p.high)
+                first.append(min(max(value, p.low), p.high))
+        self.names = tuple(names)
+        self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
+        self.first = np.array(first) / self.scale
+        self.expected, self.width = np.array(expected) / self.scale, np.array(width)
+        self.positive = np.array(positive, dtype=bool)
+        self.step = CONTACT_STEP if problem.plant.model.floating else STEP
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the scaled values."""
+        return self.low / self.scale, self.high / self.scale
+
+    def prior(self, x: Array) -> Array:
+        """How far scaled values are from where their priors expect them, in standard deviations. Shape (p,).
+
+        The logarithm of a quantity that is there and positive counts: a tenth of a mass is as odd as its tenfold.
+        """
+        ratio = np.where(self.positive, np.maximum(x, LEAST) / np.where(self.positive, self.expected, 1.0), 1.0)
+        far = np.where(self.positive, self.expected * np.log(ratio), x - self.expected)
+        return np.asarray(far / self.width)
+
+    def prior_slope(self, x: Array) -> Array:
+        """The derivative of that. Shape (p,)."""
+        return np.asarray(np.where(self.positive, self.expected / np.maximum(x, LEAST), 1.0) / self.width)
+
+    def at(self, x: Array) -> tuple[Change, ...]:
+        """The changes at scaled values."""
+        values: list[dict[str, float]] = [{} for _ in self.changes]
+        for (i, name), v, low, high in zip(self.names, x * self.scale, self.low, self.high, strict=True):
+            values[i][name] = float(min(max(v, low), high))
+        return tuple(c.at(v) for c, v in zip(self.changes, values, strict=True))
+
+    def steps(self, x: Array) -> list[tuple[Array, float]]:
+        """A moved vector for every value, and how far it moved."""
+        out = []
+        high = self.bounds()[1]
+        for k in range(len(x)):
+            step = self.step * max(abs(x[k]), 0.3)
+            if x[k] + step > high[k]:
+                step = -step
+            moved = x.copy()
+            moved[k] += step
+            out.append((moved, step))
+        return out

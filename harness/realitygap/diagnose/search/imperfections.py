@@ -1,0 +1,173 @@
+"""Imperfections: how far the laws of a model may be off without anything being missing.
+
+No law is exact. What a model has is known to a share of what it does; and what the model has not may be there as a
+fault of a law of its kind, as large as that share of what the law does: friction that differs a little by direction
+looks like a small constant effort, a torque constant that droops like a little voltage sag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.case import JOINT_SIGNALS
+from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import Block, single
+from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.diagnose.likelihood.whitening import Channel
+from realitygap.robot.drive import Array
+
+CLOCK = 1e-3
+"""A recorder's clock against the robot's: 0.1 % is an ordinary oscillator of a microcontroller, a quartz is better."""
+STAMPED = 0.5
+"""How well it is known when a motion was sampled, in periods of its recording: stamps are given when data arrive."""
+SHARE = {"friction": 0.08, "drive": 0.04, "load": 0.04}
+"""What ordinary laws are known to, as a share of what they do. Friction differs with direction, angle and temperature
+by 5 to 10 % (Armstrong-Hélouvry 1991; Bittencourt & Gunnarsson 2012), a torque constant droops by 2 to 5 % with current
+and heat (Hollerbach, Hunter & Ballantyne 1992), masses of a drawing are 2 to 5 % off."""
+WORST = max(SHARE.values())
+"""The same of a named effect that is no fault of these."""
+OTHER = 0.1
+"""What else may be there without being missed, as a delay or an offset, in visible first sizes."""
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """A response of an accepted value: its column, what the value is, and what it is in a model without the change."""
+
+    column: int
+    suspect: Suspect
+    name: str
+    value: float
+    neutral: float
+
+
+@dataclass(frozen=True)
+class Imperfections:
+    """What all models of a round are compared with.
+
+    Attributes:
+        facts: how many facts a sample of each channel is, where the search stands. Shape (channels,).
+        responses: what the residual changes by when a law is off by what it is known to. Shape (m, q).
+        laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
+        accepted: which of them are of values that the search has accepted.
+    """
+
+    facts: Array
+    responses: Array
+    laws: tuple[str, ...] = ()
+    accepted: tuple[Accepted, ...] = ()
+
+    def shares(self, fit: Fit) -> Array:
+        """How much of each response counts for a fit: of an accepted value as much as the fit has of it. Shape (q,)."""
+        out = np.ones(len(self.laws))
+        has = {c.suspect: c.parameters for c in fit.changes}
+        for a in self.accepted:
+            out[a.column] = abs(has.get(a.suspect, {}).get(a.name, a.neutral)) / a.value
+        return out
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The response to one value, and how many times that the model does already.
+
+    Attributes:
+        law: of which it is a fault.
+        places: the joints where; a link is its joint's.
+        response: of the residual. Shape (m,).
+        times: what the model has of it, in multiples of the response.
+    """
+
+    law: str
+    places: tuple[int, ...]
+    response: Array
+    times: float
+
+
+def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> Imperfections:
+    """What the residual changes by when each law is off by what it is known to, at a fitted model, and when clocks are.
+
+    Args:
+        problem: whose motions were recorded.
+        at: the fit, whose changes are part of the model.
+        blocks: responses of what could be added: those that follow a straight line at single targets count.
+        metric: in which effects are compared.
+    """
+    own = _accepted(at)
+    known = [k for k, *_ in own] + _of(blocks)
+    size = [float(np.linalg.norm(metric(k.response))) for k in known]
+    does: dict[tuple[str, int], float] = {}
+    for k, s in zip(known, size, strict=True):
+        for place in k.places:
+            does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * s)
+    columns = [(k.law, _scale(k, s, does) * k.response) for k, s in zip(known, size, strict=True)]
+    columns += _late(problem, metric.whitening.channels, at.residual)
+    accepted = []
+    for column, (k, suspect, name, value) in enumerate(own):
+        absent = neutral(problem.plant, suspect)[name]
+        if k.times > 0.0:
+            accepted.append(Accepted(column, suspect, name, abs(value), absent if np.isfinite(absent) else 0.0))
+    responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
+    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), tuple(accepted))
+
+
+def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
+    """How many times its response a value may be off; `does` is what the largest of each kind does at each place."""
+    if known.times > 0.0:
+        return SHARE.get(known.law, WORST) * known.times
+    if not known.law:
+        return OTHER
+    return SHARE[known.law] * max(does[known.law, p] for p in known.places) / size if size > 0.0 else 0.0
+
+
+def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> list[tuple[str, Array]]:
+    """What a clock does that runs fast, and stamps that are late, in each motion. Each (m,)."""
+    ends = np.cumsum([0, *(len(c.time) for c in channels)])
+    parts = [(c, slice(a, b)) for c, (a, b) in zip(channels, pairwise(ends.tolist()), strict=True)]
+    fast, late = np.zeros(len(residual)), {c.case: np.zeros(len(residual)) for c in channels}
+    for channel, part in parts:
+        if channel.signal in JOINT_SIGNALS:
+            time = channel.time
+            measured = problem.columns(channel.signal, problem.cases[channel.case].value(channel.signal))
+            rate = np.nan_to_num(np.gradient(measured[:, channel.column] + residual[part], time))
+            fast[part] = CLOCK * (time - time[0]) * rate
+            late[channel.case][part] = STAMPED * float(np.median(np.diff(time))) * rate
+    return [("clock", column) for column in (fast, *late.values())]
+
+
+def _of(blocks: Sequence[Block]) -> list[_Known]:
+    """What could be added at single targets, and follows a straight line."""
+    out, seen = [], set[Suspect]()
+    for block in blocks:
+        suspect, zero = block.suspect, dict(block.start.zero)
+        alone = suspect.kind.sits_at != "joint" or single(suspect)
+        if block.start.kind != "linear" or suspect in seen or not alone:
+            continue
+        seen.add(suspect)
+        for k, change in enumerate(block.start.tries):
+            law = suspect.kind.law
+            times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
+            out.append(_Known(law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
+    return out
+
+
+def _accepted(at: Fit) -> list[tuple[_Known, Suspect, str, float]]:
+    """What the model has by its changes: with the suspect, the parameter and its value."""
+    out = []
+    for k, ((i, name), value) in enumerate(zip(at.names, at.value, strict=True)):
+        suspect = at.changes[i].suspect
+        if not suspect.kind.parameter(name).shape:
+            known = _Known(suspect.kind.law, _places(suspect), at.slope[:, k], abs(value) / at.size[k])
+            out.append((known, suspect, name, float(value)))
+    return out
+
+
+def _places(suspect: Suspect) -> tuple[int, ...]:
+    """The joints that a suspect belongs to: of a link, the one that moves it; -1 for the base."""
+    return tuple(i - 1 for i in suspect.indices) if suspect.kind.sits_at == "link" else suspect.indices

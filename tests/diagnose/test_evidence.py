@@ -1,0 +1,54 @@
+"""The evidence: its closed form, and how imperfect it finds laws whose faults are known."""
+
+import numpy as np
+import pytest
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.space import SLAB
+from realitygap.diagnose.likelihood.whitening import Channel
+from realitygap.diagnose.search.evidence import IMPERFECT, Scored, score, sharp
+from realitygap.diagnose.search.imperfections import Imperfections
+
+NOISE = 0.5
+
+
+def scored(residual: np.ndarray, slope: np.ndarray, responses: np.ndarray, laws: tuple[str, ...]) -> Scored:
+    """The evidence of a model with fitted values, none of which its prior minds, on one channel of white noise."""
+    n, p = slope.shape
+    channel = Channel(0, "position", 0, 0.01 * np.arange(n, dtype=np.float64), NOISE, np.zeros(n))
+    names = tuple((k, "torque") for k in range(p))
+    fit = Fit((), residual, names, slope, np.ones(p), np.zeros(p))
+    return score([channel], fit, Imperfections(np.ones(1), responses, laws))
+
+
+def test_the_evidence_is_the_marginal_likelihood() -> None:
+    """At the fit: of noise, values with a normal prior and laws that are off, by the matrices themselves."""
+    rng = np.random.default_rng(3)
+    n, laws = 60, ("friction", "friction", "drive")
+    slope, responses = rng.standard_normal((n, 2)), rng.standard_normal((n, 3))
+    residual = 0.3 * rng.standard_normal(n)  # below the noise: there is no rest
+    got = scored(residual, slope, responses, laws)
+    each = np.array([got.imperfect[law] for law in laws])
+    dense = np.diag(NOISE**2 / got.metric.weight) + (responses * each**2) @ responses.T
+    inside = np.eye(2) + SLAB**2 * slope.T @ np.linalg.solve(dense, slope)
+    expected = -0.5 * residual @ np.linalg.solve(dense, residual) - 0.5 * np.linalg.slogdet(dense)[1]
+    expected += -0.5 * np.linalg.slogdet(inside)[1] + sum(IMPERFECT[s] for s in got.imperfect.values())
+    assert got.evidence == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("off", [0.5, 2.0])
+def test_each_kind_of_law_is_as_imperfect_as_the_recordings_say(off: float) -> None:
+    """Friction is off by what is planted, the drive by as much less."""
+    rng = np.random.default_rng(8)
+    n, q = 4000, 40
+    responses = rng.standard_normal((n, 2 * q))
+    true = np.concatenate([off * rng.standard_normal(q), rng.standard_normal(q) / off])
+    laws = ("friction",) * q + ("drive",) * q
+    residual = NOISE * rng.standard_normal(n) + responses @ true
+    assert scored(residual, np.zeros((n, 0)), responses, laws).imperfect == {"friction": off, "drive": 1.0 / off}
+
+
+def test_moves_are_looked_for_where_laws_are_as_good_as_they_may_be() -> None:
+    rng = np.random.default_rng(9)
+    channel = Channel(0, "position", 0, 0.01 * np.arange(50, dtype=np.float64), NOISE, np.zeros(50))
+    wrong = Imperfections(np.ones(1), rng.standard_normal((50, 2)), ("friction", "load"))
+    assert set(sharp([channel], Fit((), rng.standard_normal(50)), wrong).imperfect.values()) == {min(IMPERFECT)}
