@@ -121,14 +121,14 @@ class Observed:
         if value is None:
             return np.full((len(self.clock), n), np.nan)
         width = max(1, round(self.step / self.period))
-        smooth = uniform_filter1d(value, width, axis=0) if width > 1 else value
         out = np.empty((len(self.clock), n))
         for j in range(n):
-            known = np.isfinite(smooth[:, j])
+            smooth = uniform_filter1d(value[:, j], width) if width > 1 else value[:, j]
+            known = np.isfinite(smooth)
             if known.sum() < 2:
                 out[:, j] = np.nan
             else:
-                out[:, j] = np.interp(self.clock, time[known], smooth[known, j], left=np.nan, right=np.nan)
+                out[:, j] = np.interp(self.clock, time[known], smooth[known], left=np.nan, right=np.nan)
         return out
 
 

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap.files.errors import InputError
-from realitygap.recording.readers.messages import NAMES, POSES, JointMessages, Refused
+from realitygap.recording.readers.messages import NAMES, POSES
 from realitygap.recording.readers.ros_control import ARRAYS, collector_of
-from realitygap.recording.readers.rosbag import Bag, opened, short
+from realitygap.recording.readers.rosbag import Bag, opened, short, told
 from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.trace.trace import Array
 
@@ -74,22 +73,22 @@ def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
     if names is None:
         return None
     controller = kind.endswith("JointTrajectoryControllerState")
-    collector: JointMessages | Trajectories | None = None
-    times = []
-    for _, receive, message in bag.messages({topic}):
-        if collector is None:
-            found = tuple(joint for joint in joints if joint in set(getattr(message, names)))
-            collector = collector_of(kind, fields, found, role="state" if controller else "command")
-            if collector is None:
-                return None
-        try:
-            if collector.joints and collector.take(message):
-                times.append(receive * 1e-9)
-        except Refused as error:
-            raise InputError(f"{bag.path}: {topic}: message {len(times) + 1}: {error}") from None
-    if collector is None or not times:
+    first = next(bag.messages({topic}), None)
+    if first is None:
         return None
-    time = np.array(times)
+    there = set(getattr(first[2], names))
+    found = tuple(joint for joint in joints if joint in there)
+    collector = collector_of(kind, fields, found, role="state" if controller else "command")
+    if collector is None or not found:
+        return None
+    taking = bag.taking(collector)
+    with told(bag.path, topic):
+        for _, receive, data, own in bag.raw({topic}):
+            taking.take(receive, data, own)
+        taking.finish()
+    if not taking.received:
+        return None
+    time = np.array(taking.received) * 1e-9
     if isinstance(collector, Trajectories):
         time, position = collector.sampled(time, np.arange(len(time)), None, time[-1])
         return JointStream(topic, short(kind), collector.joints, time, {"position": position}, goal=True)

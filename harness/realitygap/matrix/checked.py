@@ -14,18 +14,19 @@ UNSEEN = ("physics.step_rate", "physics.solver_iterations", "ground")
 """Keys that concern the simulation alone: no mistake of a recording or a robot depends on them."""
 
 
-def checked(matrix: MatrixFile, say: Callable[[str], None] = lambda _: None) -> list[str]:
+def checked(matrix: MatrixFile, say: Callable[[str], None] = lambda _: None, read: Reader | None = None) -> list[str]:
     """Likely mistakes in the scenarios of a matrix under the values of its axes.
 
-    Every value is checked once, beside the first values of the other axes.
+    Every value is checked once, beside the first values of the other axes. `read` reads the recordings.
 
     Raises:
         InputError: for a certain mistake, with the axis and the value that make it; for an engine that is not there.
     """
     matrix.engine_names()
     out: list[str] = []
+    read = read or Reader()
     for file in matrix.scenarios:
-        read, known = Reader(), set[tuple[str, tuple[str, ...]]]()
+        known = set[tuple[str, tuple[str, ...]]]()
         where = f"{file.scenario.name}: " if len(matrix.scenarios) > 1 else ""
         for number, (axis, axes) in enumerate(_alone(matrix)):
             at = f"{axis} {axes[axis]}: " if number else ""

@@ -36,7 +36,7 @@ class Digest:
         big = isinstance(value, np.ndarray) or dataclasses.is_dataclass(value)
         if big and id(value) in self._known:
             return self._known[id(value)][1]
-        found = hashlib.sha256(self._content(value)).digest()
+        found = _of_array(value) if isinstance(value, np.ndarray) else hashlib.sha256(self._content(value)).digest()
         if big:
             self._known[id(value)] = value, found  # holding the value keeps its id from being given away
         return found
@@ -45,9 +45,6 @@ class Digest:
         kind = type(value).__name__.encode()
         if value is None or isinstance(value, bool | int | float | str | bytes | np.generic):
             return kind + repr(value).encode()
-        if isinstance(value, np.ndarray):
-            shape = f"{value.dtype.descr if value.dtype.names else value.dtype.str}{value.shape}"
-            return kind + shape.encode() + np.ascontiguousarray(value).tobytes()
         if isinstance(value, BaseModel):
             return kind + self._bytes(value.model_dump())
         if isinstance(value, Mapping):
@@ -58,6 +55,13 @@ class Digest:
             fields = {f.name: getattr(value, f.name) for f in dataclasses.fields(value) if f.name not in NAMES_ONLY}
             return kind + self._bytes(fields)
         raise TypeError(f"{type(value).__name__} has no content that could be digested")
+
+
+def _of_array(value: np.ndarray[Any, Any]) -> bytes:
+    kind = f"{value.dtype.descr if value.dtype.names else value.dtype.str}{value.shape}"
+    digest = hashlib.sha256(b"ndarray" + kind.encode())
+    digest.update(np.ascontiguousarray(value).reshape(-1).view(np.uint8) if value.size else b"")
+    return digest.digest()
 
 
 @cache

@@ -23,17 +23,31 @@ from realitygap.scenario.schema import Scenario
 from realitygap.simulate.experiment import Experiment, check_excluded, experiments
 
 
-def plan(matrix: MatrixFile) -> list[Task]:
-    """The cells of a matrix, in the order of their tables.
+class Reader:
+    """Reads every recording once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Recording] = {}
+
+    def __call__(self, path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
+        """As `read_recording`."""
+        key = repr((path, request_of(scenario, tuple(joints), file)))
+        if key not in self._known:
+            self._known[key] = read_recording(path, scenario, joints, file=file)
+        return self._known[key]
+
+
+def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
+    """The cells of a matrix, in the order of their tables. `read` reads the recordings.
 
     Raises:
         InputError: for whatever is wrong with the matrix, its scenarios or their files.
     """
     engine_names = matrix.engine_names()
-    digest = Digest()
+    digest, read = Digest(), read or Reader()
     tasks: dict[str, Task] = {}
     for file in matrix.scenarios:
-        variants = list(_variants(matrix, file))
+        variants = list(_variants(matrix, file, read))
         check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
         for axes, revision, found in variants:
             contents = [digest.of(_content(motion, digest)) for motion in found[1]]
@@ -54,10 +68,9 @@ def plan(matrix: MatrixFile) -> list[Task]:
 
 
 def _variants(
-    matrix: MatrixFile, file: ScenarioFile
+    matrix: MatrixFile, file: ScenarioFile, read: Reader
 ) -> Iterator[tuple[dict[str, Any], str, tuple[ScenarioFile, list[RepeatedMotion]]]]:
     """Every combination of axis values, with the scenario and its motions under it."""
-    read = Reader()
     first: tuple[list[Experiment], list[RepeatedMotion]] | None = None
     names = list(matrix.matrix.axes)
     for values in product(*matrix.matrix.axes.values()):
@@ -115,20 +128,6 @@ def regrouped(first: tuple[list[Experiment], list[RepeatedMotion]], found: list[
         return motions(found)
     place = {id(e): i for i, e in enumerate(before)}
     return [replace(m, experiments=tuple(found[place[id(e)]] for e in m.experiments)) for m in grouped]
-
-
-class Reader:
-    """Reads every recording once."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, Recording] = {}
-
-    def __call__(self, path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
-        """As `read_recording`."""
-        key = repr((path, request_of(scenario, tuple(joints), file)))
-        if key not in self._known:
-            self._known[key] = read_recording(path, scenario, joints, file=file)
-        return self._known[key]
 
 
 def _task(

@@ -101,7 +101,8 @@ def _joint_signals(streams: Streams, request: Request, clock: Samples) -> dict[s
                 f"{request.file}: recordings.effort: {source.source} holds no effort; expected `effort: none`, or "
                 "{topic: NAME} of the stream or column that holds it"
             )
-        signals["effort"] = factor * _at(source.time, source.signals["effort"], clock.time)
+        effort = _at(source.time, source.signals["effort"], clock.time)
+        signals["effort"] = effort if (factor == 1.0).all() else factor * effort
     return signals
 
 

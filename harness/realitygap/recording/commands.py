@@ -41,9 +41,7 @@ def in_force(
     Returns:
         Times (k,), commands (k, n) with NaN where none is in force, and sentences on what was decided.
     """
-    named = np.ones(value.shape, dtype=bool) if present is None else present
-    last = np.maximum.accumulate(np.where(named, np.arange(len(time))[:, None], -1), axis=0)
-    held = np.where(last >= 0, np.take_along_axis(value, np.maximum(last, 0), axis=0), np.nan)
+    named = np.broadcast_to(True, value.shape) if present is None else present
     silent: dict[tuple[float, float], list[str]] = {}
     early: list[tuple[int, float]] = []
     for j, joint in enumerate(joints):
@@ -60,7 +58,10 @@ def in_force(
     starts = np.array([start for start, _ in silent] + ([float(state_time[0])] if early else []))
     grid = np.unique(np.concatenate([time, starts]))
     index = np.searchsorted(time, grid, side="right") - 1
-    out = np.where(index[:, None] >= 0, held[np.maximum(index, 0)], np.nan)
+    out = np.empty((len(grid), len(joints)))
+    for j, column in enumerate(out.T):  # a column at a time: recordings are long
+        last = np.maximum.accumulate(np.where(named[:, j], np.arange(len(time)), -1))[np.maximum(index, 0)]
+        column[:] = np.where((index >= 0) & (last >= 0), value[np.maximum(last, 0), j], np.nan)
     for j, start in early:
         out[grid < start, j] = value[np.flatnonzero(named[:, j])[0], j]
     notes = []
@@ -89,4 +90,6 @@ def _pauses(time: Array, period: float, limit: float, state_time: Array) -> list
 def held_at(command_time: Array, command: Array, time: Array) -> Array:
     """The command in force at other times. Shape (t, n); NaN before the first."""
     index = np.searchsorted(command_time, time, side="right") - 1
-    return np.asarray(np.where(index[:, None] >= 0, command[np.maximum(index, 0)], np.nan))
+    out = np.asarray(command, dtype=float)[np.maximum(index, 0)]
+    out[index < 0] = np.nan
+    return out

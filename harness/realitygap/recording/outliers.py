@@ -54,10 +54,12 @@ def without_outliers(trace: Trace) -> tuple[Trace, tuple[Outlier, ...]]:
             continue
         alone = _jumps(value)
         if signal == "velocity":
-            travel = np.abs(value[1:-1]) * ((trace.time[2:] - trace.time[:-2]) / 2)[:, None]
-            moved = np.abs(trace.position[2:] - trace.position[:-2]) + 2 * _resolution(trace.position)
-            alone &= travel > FAR * moved
+            least, lasted = 2 * _resolution(trace.position), (trace.time[2:] - trace.time[:-2]) / 2
+            for column, v, q in zip(alone.T, value.T, trace.position.T, strict=True):
+                column &= np.abs(v[1:-1]) * lasted > FAR * (np.abs(q[2:] - q[:-2]) + least)
         rows, columns = np.nonzero(alone)
+        if not len(rows):
+            continue
         instead = value.copy()
         instead[rows + 1, columns] = (value[rows, columns] + value[rows + 2, columns]) / 2
         mended = replace(mended, **{signal: instead})
@@ -70,10 +72,13 @@ def without_outliers(trace: Trace) -> tuple[Trace, tuple[Outlier, ...]]:
 
 def _jumps(value: Array) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
     """Which inner readings jump away and back by far more than usual. Shape (t, n) gives (t - 2, n)."""
-    steps = np.diff(value, axis=0)
-    usual = np.maximum(np.quantile(np.abs(steps), USUAL, axis=0), _resolution(value))
-    jump = np.minimum(np.abs(steps[:-1]), np.abs(steps[1:]))
-    return np.asarray((steps[:-1] * steps[1:] < 0) & (jump > FAR * usual))
+    least, out = _resolution(value), np.empty((len(value) - 2, value.shape[1]), dtype=bool)
+    for column, alone in zip(value.T, out.T, strict=True):  # a column at a time: recordings are long
+        steps = np.diff(column)
+        sizes = np.abs(steps)
+        far = FAR * max(np.quantile(sizes, USUAL), least)
+        alone[:] = (steps[:-1] * steps[1:] < 0) & (np.minimum(sizes[:-1], sizes[1:]) > far)
+    return out
 
 
 def _resolution(value: Array) -> float:

@@ -10,7 +10,10 @@ def quantum(value: Array) -> Array:
 
     Steps below 1e-5 of the largest value are rounding of a file, not the sensor.
     """
-    steps = np.abs(np.diff(value, axis=0))
-    rounding = 1e-5 * np.nanmax(np.abs(value), axis=0, initial=0.0)
-    smallest = np.where(steps > rounding, steps, np.inf).min(axis=0, initial=np.inf)
-    return np.asarray(np.where(np.isfinite(smallest), smallest, 0.0))
+    return np.array([_smallest(column) for column in value.T])  # a column at a time: recordings are long
+
+
+def _smallest(column: Array) -> float:
+    steps = np.abs(np.diff(column))
+    seen = steps[steps > 1e-5 * np.nanmax(np.abs(column), initial=0.0)]
+    return float(seen.min(initial=np.inf)) if seen.size else 0.0

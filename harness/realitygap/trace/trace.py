@@ -94,12 +94,16 @@ class Trace:
         return self.rows(keep)
 
     def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64]) -> "Trace":
-        """The samples chosen by a mask or an index array."""
+        """The samples chosen by a mask or an index array; with all of them, this trace itself."""
+        if keep.dtype == bool and keep.all():
+            return self
         chosen: dict[str, Any] = {n: None if (v := getattr(self, n)) is None else v[keep] for n in self.SIGNALS}
         return replace(self, time=self.time[keep], **chosen)
 
     def at(self, time: Array) -> "Trace":
         """Every signal but the command interpolated linearly to other times; the command is the last one in force."""
+        if time is self.time:
+            return self
         out: dict[str, Any] = {}
         for name in self.SIGNALS:
             value = getattr(self, name)

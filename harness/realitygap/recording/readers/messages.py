@@ -48,12 +48,13 @@ class JointMessages:
 
     def __init__(self, joints: tuple[str, ...], layout: Layout, *, partial: bool) -> None:
         self.joints = joints
+        self.paths = layout.signals
         self._partial = partial
         self._given = layout.joints
         self._names = None if layout.names is None else attrgetter(layout.names)
         self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
         self._rows: dict[str, list[Array]] = {signal: [] for signal in layout.signals}
-        self._present: list[NDArray[np.bool_]] = []
+        self._present: list[NDArray[np.bool_]] = []  # (k, n) each, as the rows
         self._orders: dict[tuple[str, ...], tuple[NDArray[np.intp], NDArray[np.bool_]]] = {}
         self._other: set[str] = set()
         self._passed = 0
@@ -64,23 +65,33 @@ class JointMessages:
             names, values = self.read(message)
         except AttributeError as error:
             raise Refused(f"{error}; expected the fields that recordings.state names") from None
+        return self.take_many(names, {s: np.asarray(v, dtype=float)[None, :] for s, v in values.items()}, 1)
+
+    def take_many(self, names: tuple[str, ...], values: dict[str, Array], count: int) -> bool:
+        """Keep what messages with the same names say, values (count, m) by signal; False where they name no joint."""
         order, present = self._order(names)
         if not present.any():
             self._other.update(names)
-            self._passed += 1
+            self._passed += count
             return False
         for signal, value in values.items():
-            if len(value) == 0:
-                row = np.full(len(self.joints), np.nan)
-            elif len(value) == len(names):
-                row = np.where(present, np.asarray(value, dtype=float)[order], np.nan)
+            held = value.shape[1]
+            if held == 0:
+                rows = np.broadcast_to(np.nan, (count, len(self.joints)))
+            elif held == len(names):
+                rows = value[:, order] if present.all() else np.where(present, value[:, order], np.nan)
             elif self._given:
-                raise Refused(f"holds {len(value)} values, but {len(names)} joints are named: {', '.join(names)}")
+                raise Refused(f"holds {held} values, but {len(names)} joints are named: {', '.join(names)}")
             else:
-                raise Refused(f"names {len(names)} joints and holds {len(value)} values of {signal}")
-            self._rows[signal].append(row)
-        self._present.append(present)
+                raise Refused(f"names {len(names)} joints and holds {held} values of {signal}")
+            self._rows[signal].append(rows)
+        self._present.append(np.broadcast_to(present, (count, len(self.joints))))
         return True
+
+    @property
+    def plain(self) -> bool:
+        """Whether `read` takes the fields at `paths` and nothing else."""
+        return type(self).read is JointMessages.read
 
     def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         """The names and the values of a message, signal by signal."""
@@ -99,11 +110,17 @@ class JointMessages:
         return self._orders[names]
 
     def arrays(self) -> tuple[dict[str, Array], NDArray[np.bool_] | None]:
-        """The signals that hold numbers, each (m, n), and which joints the messages named (None: all)."""
-        stacked = {signal: np.array(rows) for signal, rows in self._rows.items()}
-        present = np.array(self._present)
-        signals = {signal: value for signal, value in stacked.items() if not np.isnan(value).all()}
-        return signals, None if present.all() else present
+        """The signals that hold numbers, each (m, n), and which joints the messages named (None: all).
+
+        What was gathered is given away, signal by signal: a long recording is there once.
+        """
+        signals = {}
+        for signal, rows in self._rows.items():
+            if any(not np.isnan(part).all() for part in rows):
+                signals[signal] = np.concatenate(rows)
+            rows.clear()
+        named = all(part.all() for part in self._present)
+        return signals, None if named else np.concatenate(self._present)
 
     @property
     def nothing(self) -> str:

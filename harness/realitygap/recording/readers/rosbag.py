@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -14,6 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
 from realitygap.files.unpacked import unpacked
+from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.clock import choose_clock
 from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
@@ -29,15 +30,14 @@ JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Topic:
-    """One topic while it is read: who takes its messages, and when they were stamped and received [ns]."""
+    """One topic while it is read, and what it serves as."""
 
     name: str
     role: str
+    taking: Taking
     collector: Collector
-    stamps: list[int] = field(default_factory=list)
-    received: list[int] = field(default_factory=list)
 
 
 def read(path: Path, request: Request) -> Streams:
@@ -48,27 +48,24 @@ def read(path: Path, request: Request) -> Streams:
             without the joints, or values that make no sense.
     """
     with opened(path) as bag:
-        topics = [
-            _Topic(name, role, _collector(bag, path, role, name, key, request))
-            for role, name, key in _asked(bag, path, request)
-        ]
+        topics = []
+        for role, name, key in _asked(bag, path, request):
+            collector = _collector(bag, path, role, name, key, request)
+            topics.append(_Topic(name, role, bag.taking(collector), collector))
         by_name: dict[str, list[_Topic]] = {}
         for topic in topics:
             by_name.setdefault(topic.name, []).append(topic)
-        for name, receive, message in bag.messages(set(by_name)):
+        for name, receive, data, kind in bag.raw(set(by_name)):
             for topic in by_name[name]:
-                try:
-                    if not topic.collector.take(message):
-                        continue
-                except Refused as error:
-                    count = len(topic.received) + 1
-                    raise InputError(f"{path}: {name}: message {count}: {error}") from None
-                topic.received.append(receive)
-                topic.stamps.append(stamp_of(message))
-    empty = [t for t in topics if not t.received]
+                with told(path, name):
+                    topic.taking.take(receive, data, kind)
+        for topic in topics:
+            with told(path, topic.name):
+                topic.taking.finish()
+    empty = [t for t in topics if not t.taking.received]
     if empty:
         raise InputError(f"{path}: {empty[0].name}: {empty[0].collector.nothing}")
-    clock = choose_clock({t.name: (np.array(t.stamps), np.array(t.received)) for t in topics})
+    clock = choose_clock({t.name: (np.array(t.taking.stamps), np.array(t.taking.received)) for t in topics})
     roles: dict[str, Any] = {}
     notes = [clock.note]
     for topic in topics:
@@ -79,10 +76,10 @@ def read(path: Path, request: Request) -> Streams:
             continue
         signals, present = topic.collector.arrays()
         joints = topic.collector.joints if isinstance(topic.collector, JointMessages) else ()
-        kept = {name: value[keep] for name, value in signals.items()}
-        roles[topic.role] = Samples(
-            f"{path}: {topic.name}", time, kept, joints, None if present is None else present[keep], received
-        )
+        if len(keep) < len(clock.chosen[topic.name]) or (np.diff(keep) < 0).any():
+            signals = {name: value[keep] for name, value in signals.items()}
+            present = None if present is None else present[keep]
+        roles[topic.role] = Samples(f"{path}: {topic.name}", time, signals, joints, present, received)
         notes += [f"{topic.name}: {n}" for n in (note, topic.collector.note) if n]
     return Streams(**roles, notes=tuple(dict.fromkeys(notes)))
 
@@ -203,17 +200,40 @@ class Bag:
 
     def messages(self, topics: set[str]) -> Iterator[tuple[str, int, Any]]:
         """Topic, time of reception [ns] and message, in the order of reception."""
+        for topic, receive, data, kind in self.raw(topics):
+            yield topic, receive, self.deserialize(data, kind)
+
+    def raw(self, topics: set[str]) -> Iterator[tuple[str, int, bytes, str]]:
+        """The same with the bytes of the messages and their type."""
         chosen = [c for c in self._reader.connections if c.topic in topics]
         if not chosen:
             return
         raw = self._reader.messages(connections=chosen)
-        while True:
-            found = _reading(self.path, partial(next, raw, None))
-            if found is None:
-                return
-            connection, receive, data = found
-            kind = connection.msgtype
-            yield connection.topic, receive, _reading(self.path, partial(self._reader.deserialize, data, kind))
+        following = partial(next, raw, None)
+        while (found := _reading(self.path, following)) is not None:
+            yield found[0].topic, found[1], found[2], found[0].msgtype
+
+    def taking(self, collector: Collector) -> Taking:
+        """What gives the messages of a topic to a collector."""
+        return Taking(self, collector, stamp_of)
+
+    def deserialize(self, data: bytes, kind: str) -> Any:
+        """The message in bytes."""
+        return _reading(self.path, partial(self._reader.deserialize, data, kind))
+
+    def serialize(self, message: Any, kind: str) -> bytes:
+        """The bytes of a message, as this bag's would be."""
+        store = self._reader.typestore
+        return bytes(store.serialize_cdr(message, kind) if self._reader.is2 else store.serialize_ros1(message, kind))
+
+
+@contextmanager
+def told(path: Path, topic: str) -> Iterator[None]:
+    """Tell where a message that cannot be used stands."""
+    try:
+        yield
+    except Refused as error:
+        raise InputError(f"{path}: {topic}: {error}") from None
 
 
 @contextmanager

@@ -34,7 +34,7 @@ def read(path: Path, request: Request) -> Streams:
     time, keep, notes = table.times()
 
     def samples(signals: dict[str, Array], joints: tuple[str, ...] = ()) -> Samples | None:
-        kept = {name: value[keep] for name, value in signals.items()}
+        kept = signals if len(keep) == len(table.frame) else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time, kept, joints) if kept else None
 
     joints = request.joints
@@ -58,7 +58,7 @@ def load(path: Path) -> pd.DataFrame:
         try:
             if plain.suffix.lower() == ".parquet":
                 _check_size(path, pq.read_metadata(plain))
-                frame, first = pd.read_parquet(plain), 2
+                frame, first = _of_parquet(plain), 2
             else:
                 dialect = dialect_of(plain)
                 frame, first = pd.read_csv(plain, **dialect.arguments()), dialect.first_line
@@ -67,14 +67,21 @@ def load(path: Path) -> pd.DataFrame:
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
-    frame = frame.rename(columns=lambda name: str(name).strip())
+    frame.columns = [str(name).strip() for name in frame.columns]
     spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
-    frame = frame.drop(columns=spare)  # every line ended with a separator
+    if spare:
+        frame = frame.drop(columns=spare)  # every line ended with a separator
     if frame.empty:
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
     if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
         raise InputError(f"{path}: begins with numbers; expected a line with the names of the columns above them")
     frame.attrs["first_line"] = first
+    return frame
+
+
+def _of_parquet(path: Path) -> pd.DataFrame:
+    """The table of a Parquet file, column after column, each freed where it was: a long recording is there once."""
+    frame: pd.DataFrame = pq.read_table(path).to_pandas(split_blocks=True, self_destruct=True)
     return frame
 
 
