@@ -1,5 +1,6 @@
 """The gap: planted offsets come out as they were put in, per joint and signal, beside their floors."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,7 +46,7 @@ def motion(order: tuple[str, ...] = ("knee", "hip", "slide")) -> Trace:
     )
 
 
-def by_key(found: list[Difference]) -> dict[tuple[str, str], Difference]:
+def by_key(found: Iterable[Difference]) -> dict[tuple[str, str], Difference]:
     return {(d.joint, d.signal): d for d in found}
 
 

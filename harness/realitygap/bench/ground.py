@@ -25,7 +25,7 @@ from scipy.stats import qmc
 from realitygap.bench.summary import Summary
 from realitygap.bench.toss import toss_errors
 from realitygap.files.errors import InputError
-from realitygap.files.lifeline import end_with
+from realitygap.files.lifeline import end_with, ended_with_it
 from realitygap.files.progress import Progress
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
@@ -136,6 +136,7 @@ def _fits(
         ProcessPoolExecutor(
             count, multiprocessing.get_context("fork"), initializer=end_with, initargs=(os.getpid(),)
         ) as pool,
+        ended_with_it(pool),
     ):
         fits = [pool.submit(fit, name, spec, train, held_out) for name in names]
         swapped = [pool.submit(fit, name, spec, held_out, train) for name in names]

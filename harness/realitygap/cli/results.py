@@ -34,16 +34,17 @@ def run(
     progress: Progress,
     *,
     missing: bool = False,
+    whole: bool = False,
 ) -> Said:
     """Run one scenario: the matrix of it alone. A budget that is given replaces the scenario's own for its signal.
 
-    With `missing`, the effort that the model lacks is worked out, too.
+    With `missing`, the effort that the model lacks is worked out, too; with `whole`, traces are kept however large.
     """
     chosen = engine_names(engines)
     file = load_scenario(path)
     limits = stated_budget(file.scenario.budget) | dict(budget)
     lacking: list[str] = []
-    with results(matrix_of(file, chosen), out, ONCE, progress) as (made, folder):
+    with results(matrix_of(file, chosen, whole=whole), out, ONCE, progress) as (made, folder):
         if missing:
             with spared("the missing effort", made.failures):
                 lacking = add_missing(folder, file, chosen, progress)

@@ -17,6 +17,9 @@ def run(
     missing_effort: Annotated[
         bool, typer.Option("--missing-effort", help="also what the model lacks, as efforts, and what they depend on")
     ] = False,
+    whole_traces: Annotated[
+        bool, typer.Option("--whole-traces", help="every step in the traces, also where they are above 500 MB")
+    ] = False,
 ) -> None:
     """Run one scenario in the engines.
 
@@ -32,7 +35,11 @@ def run(
     if junit is not None:
         check_writable(junit.parent, "--junit")
     folder = folder_for(out, scenario.resolve().parent.name)
-    _judged(results.run(scenario, engine or [], folder, budget, junit, Progress(), missing=missing_effort))
+    _judged(
+        results.run(
+            scenario, engine or [], folder, budget, junit, Progress(), missing=missing_effort, whole=whole_traces
+        )
+    )
 
 
 def matrix(

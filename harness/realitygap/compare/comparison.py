@@ -1,6 +1,6 @@
 """Comparing one motion in one engine with what was measured: the rows of the result table."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from itertools import combinations
@@ -10,7 +10,7 @@ import numpy as np
 import realitygap_engines as engines
 from realitygap_engines import Diverged, Failed, Unsupported
 
-from realitygap.compare.gap import JOINT_SIGNALS, Difference, differences, mean_trace
+from realitygap.compare.gap import JOINT_SIGNALS, Difference, box, differences, mean_trace
 from realitygap.compare.table import EXCLUDED, Cell, Row, failed, row
 from realitygap.files.errors import InputError
 from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
@@ -19,6 +19,10 @@ from realitygap.simulate.experiment import Experiment, check_excluded, experimen
 from realitygap.simulate.rollout import Rollout
 from realitygap.trace.trace import Array, Trace
 
+WHOLE = 5e8
+"""Bytes of numbers up to which a simulation is kept on every step: a quarter of an hour of twenty joints at 1 kHz."""
+SPARSE = 50_000
+"""Samples that are kept of a longer one where nothing was measured."""
 OUTCOMES: dict[type[Exception], str] = {Diverged: "diverged", Failed: "failed", Unsupported: "unsupported"}
 """What a simulation may come to in place of a motion."""
 
@@ -51,11 +55,13 @@ class Comparison:
         rows: of the table.
         outcome: ok, unsupported, failed or diverged.
         note: why not.
-        simulated: on every step; of repetitions, their mean on the measured clock.
+        simulated: on every step; of repetitions, their mean on the measured clock. Where that is too large, at the
+            measured stamps and without the command.
         measured: in the window; the mean of repetitions.
         repetitions: every repetition's own simulation by name, on every step; empty where there is one.
         rollout: the first one, for what it cost.
         settings: what the engine really used.
+        boxes: of differences that are not seen in the traces any more: signal -> joint -> as `box` tells.
     """
 
     cell: Cell
@@ -67,6 +73,7 @@ class Comparison:
     repetitions: dict[str, Trace] = field(default_factory=dict)
     rollout: Rollout | None = None
     settings: dict[str, object] = field(default_factory=dict)
+    boxes: dict[str, dict[str, list[float]]] | None = None
 
 
 def motions_of(file: ScenarioFile) -> list[RepeatedMotion]:
@@ -152,7 +159,19 @@ def cell_of(motion: RepeatedMotion, engine: str, revision: str = "") -> Cell:
     )
 
 
-def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revision: str = "") -> Comparison:
+def whole_size(motion: RepeatedMotion) -> float:
+    """Bytes of numbers of a motion's traces, simulated on every step and measured."""
+    out = 0.0
+    for e in motion.experiments:
+        steps = 0.0 if e.followed is not None else e.duration * e.scenario.physics.step_rate
+        rows = steps + (0 if e.recording is None else len(e.recording.trace.time))
+        out += rows * 8 * (4 * len(e.plant.model.joints) + (13 if e.plant.model.floating else 0))
+    return out
+
+
+def compare(
+    motion: RepeatedMotion, engine: str, *, floors: bool = True, revision: str = "", whole: bool = False
+) -> Comparison:
     """Simulate a motion and its numerical floor; a failure becomes rows that say what happened.
 
     Args:
@@ -160,13 +179,15 @@ def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revisio
         engine: in which engine.
         floors: whether to simulate again with half the step for the numerical floor.
         revision: the robot's revision in tables (default: the name of its URDF).
+        whole: whether every step is kept, however many they are.
     """
+    whole = whole or whole_size(motion) <= WHOLE
     cell = cell_of(motion, engine, revision)
     excluded = scenario_excluded(motion)
     try:
-        rollouts = _simulated(motion, engine, 1.0)
+        rollouts = _simulated(motion, engine, 1.0, whole=whole)
         mean = _mean(motion, rollouts)
-        fine = _mean(motion, _simulated(motion, engine, 2.0)) if floors and motion.measured is not None else None
+        numerical = _numerical_floors(motion, engine, mean) if floors and motion.measured is not None else {}
     except tuple(OUTCOMES) as error:
         return failure(cell, motion, OUTCOMES[type(error)], str(error))
     names = [e.name for e in motion.experiments]
@@ -176,15 +197,23 @@ def compare(motion: RepeatedMotion, engine: str, *, floors: bool = True, revisio
     if motion.measured is None:
         return done
     model = motion.experiments[0].plant.model
-    numerical = {}
-    if fine is not None:
-        on_stamps = replace(fine.at(motion.measured.time), command=motion.measured.command)
-        numerical = {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+    done.boxes = None if whole else {}
     for d in _judged(motion, differences(model, mean, motion.measured)):
         note = EXCLUDED if any(fnmatchcase(d.joint, p) for p in excluded) else ""
         if d.values.size:
             done.rows.append(row(cell, d, _noise(motion, d), numerical.get((d.joint, d.signal), float("nan")), note))
+        if d.values.size and done.boxes is not None:
+            done.boxes.setdefault(d.signal, {})[d.joint] = box(d.values)
     return done
+
+
+def _numerical_floors(motion: RepeatedMotion, engine: str, mean: Trace) -> dict[tuple[str, str], float]:
+    """How far the mean motion moves with half the step, by joint and signal, in the units of the table."""
+    assert motion.measured is not None
+    fine = _mean(motion, _simulated(motion, engine, 2.0, whole=False))
+    on_stamps = replace(fine, command=motion.measured.command)
+    model = motion.experiments[0].plant.model
+    return {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
 
 
 def failure(cell: Cell, motion: RepeatedMotion, outcome: str, note: str) -> Comparison:
@@ -199,9 +228,17 @@ def scenario_excluded(motion: RepeatedMotion) -> list[str]:
     return recordings.exclude if recordings else []
 
 
-def _simulated(motion: RepeatedMotion, engine: str, finer: float) -> list[Rollout]:
-    """Every repetition simulated, with `finer` times the scenario's step rate."""
-    return [simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer) for e in motion.experiments]
+def _simulated(motion: RepeatedMotion, engine: str, finer: float, *, whole: bool) -> list[Rollout]:
+    """Every repetition simulated, with `finer` times the scenario's step rate; not whole: at the measured stamps."""
+    out = []
+    for e, shift in zip(motion.experiments, motion.shifts, strict=True):
+        at = None
+        if not whole and motion.measured is not None:
+            at = motion.measured.time if len(motion.experiments) == 1 else motion.measured.time + shift
+        elif not whole:
+            at = e.begin + np.linspace(0.0, e.duration, SPARSE)
+        out.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer, at=at))
+    return out
 
 
 def _mean(motion: RepeatedMotion, rollouts: Sequence[Rollout]) -> Trace:
@@ -217,10 +254,10 @@ def _noise(motion: RepeatedMotion, difference: Difference) -> float:
     return motion.noise.get((difference.joint, difference.signal), float("nan")) * difference.scale
 
 
-def _expected(motion: RepeatedMotion) -> list[Difference]:
+def _expected(motion: RepeatedMotion) -> Iterator[Difference]:
     """The differences that a cell would have had: those of the measurement with itself."""
     if motion.measured is None:
-        return []
+        return iter(())
     model = motion.experiments[0].plant.model
     measured = motion.measured
     names = model.joint_names
@@ -229,7 +266,7 @@ def _expected(motion: RepeatedMotion) -> list[Difference]:
     return _judged(motion, differences(model, replace(measured, joints=tuple(names), **twin), measured))
 
 
-def _judged(motion: RepeatedMotion, found: list[Difference]) -> list[Difference]:
+def _judged(motion: RepeatedMotion, found: Iterable[Difference]) -> Iterator[Difference]:
     """What a motion is judged by: of one that is followed the effort, as its positions and velocities are given."""
     followed = motion.experiments[0].followed is not None
-    return [d for d in found if d.signal == "effort"] if followed else found
+    return (d for d in found if d.signal == "effort" or not followed)

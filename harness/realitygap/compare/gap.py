@@ -1,6 +1,6 @@
 """How far simulation and measurement are apart, per joint and signal, beside the floors below which nothing counts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -75,14 +75,13 @@ def moving_joints(model: Jointed, measured: Trace) -> list[bool]:
     return out
 
 
-def differences(model: Jointed, simulated: Trace, measured: Trace) -> list[Difference]:
-    """Simulated minus measured, absolute, at the measured time stamps, for every signal that both have.
+def differences(model: Jointed, simulated: Trace, measured: Trace) -> Iterator[Difference]:
+    """Simulated minus measured, absolute, at the measured time stamps, for every signal that both have, one by one.
 
     Samples that were not measured (NaN) are left out.
     """
     sim = simulated.at(measured.time)
     moves = moving_joints(model, measured)
-    out = []
     for signal in JOINT_SIGNALS:
         ours, theirs = getattr(sim, signal), getattr(measured, signal)
         if ours is None or theirs is None:
@@ -91,8 +90,17 @@ def differences(model: Jointed, simulated: Trace, measured: Trace) -> list[Diffe
             unit, scale = unit_of(signal, joint.prismatic)
             delta = np.abs(ours[:, i] - theirs[:, measured.index(joint.name)])
             group = "moving" if moves[i] else "unmoving"
-            out.append(Difference(joint.name, signal, unit, group, scale, delta[np.isfinite(delta)] * scale))
-    return out + _base(sim, measured)
+            yield Difference(joint.name, signal, unit, group, scale, delta[np.isfinite(delta)] * scale)
+    yield from _base(sim, measured)
+
+
+def box(values: Array) -> list[float]:
+    """Of a box plot: lower whisker, quartiles, upper whisker (Tukey) and maximum, with few digits. Shape (t,)."""
+    low, median, high = np.percentile(values, [25, 50, 75])
+    reach = 1.5 * (high - low)
+    inside = values[(values >= low - reach) & (values <= high + reach)]
+    numbers = [inside.min(), low, median, high, inside.max(), values.max()]
+    return [float(f"{v:.4g}") for v in numbers]
 
 
 def _base(sim: Trace, measured: Trace) -> list[Difference]:

@@ -1,8 +1,12 @@
-"""A process that ends when the one that started it is gone, however that one ended."""
+"""Processes that end when the work of the one that started them is over, however it ended."""
 
+import multiprocessing
 import os
 import threading
 import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 
 LOOK = 0.5
 """s between looks."""
@@ -17,3 +21,18 @@ def end_with(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def ended_with_it(pool: ProcessPoolExecutor) -> Iterator[None]:
+    """Where the work inside fails or is interrupted, the processes of its pool end at once: a pool waits for all that
+    was handed to it otherwise.
+    """
+    others = set(multiprocessing.active_children())
+    try:
+        yield
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        raise

@@ -8,6 +8,7 @@ import pandas as pd
 
 from realitygap.compare.budget import not_judged, over_budget
 from realitygap.compare.comparison import failure
+from realitygap.compare.size import told
 from realitygap.compare.table import slug, table, to_csv
 from realitygap.files.whole import write_whole
 from realitygap.matrix.manifest import write_manifest
@@ -86,6 +87,7 @@ def collect(
         {slug(o.cell): f"{o.outcome}: {o.note}" for _, o in cells if o.outcome != "ok"},
         [f for f in files if f.endswith(".mcap")],
         warnings,
+        told([t.motion for t, o in cells if t.traces is True and o.outcome == "ok"], whole=False),
     )
     return Collected(matrix.matrix.name, gaps, cells)
 

@@ -60,7 +60,8 @@ class Digest:
 def _of_array(value: np.ndarray[Any, Any]) -> bytes:
     kind = f"{value.dtype.descr if value.dtype.names else value.dtype.str}{value.shape}"
     digest = hashlib.sha256(b"ndarray" + kind.encode())
-    digest.update(np.ascontiguousarray(value).reshape(-1).view(np.uint8) if value.size else b"")
+    if value.size:
+        digest.update(np.ascontiguousarray(value).reshape(-1).view(np.uint8).data)
     return digest.digest()
 
 

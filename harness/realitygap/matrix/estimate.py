@@ -3,7 +3,10 @@
 from collections.abc import Iterable, Sequence
 from statistics import median
 
+from realitygap.compare import size
+from realitygap.compare.comparison import WHOLE, whole_size
 from realitygap.matrix.task import Outcome, Task
+from realitygap.simulate.experiment import PART
 
 STEP = {
     "dart": (4.0, 3.2),
@@ -21,6 +24,8 @@ START = 8.0
 """s until the worker processes are ready and know their engines."""
 BYTES = 200
 """of memory per step and joint, while a motion is simulated."""
+SAMPLE = 88
+"""of memory per sample and joint: measured, commanded, and simulated twice."""
 LONG = 60.0
 """s: what takes longer is told before it starts."""
 REPORT = 10.0
@@ -35,16 +40,26 @@ def steps(task: Task) -> float:
 
 
 def memory(task: Task) -> float:
-    """Bytes that the longest simulation of a cell takes; with floors, that is the one with half the step."""
-    e = max(task.motion.experiments, key=lambda e: e.duration)
-    finer = 2 if task.floors and task.motion.measured is not None else 1
-    return finer * e.duration * e.scenario.physics.step_rate * len(e.plant.model.joints) * BYTES
+    """Bytes that a cell takes: its recordings, and what is held of the simulation and, beside, of the measured stamps.
+
+    What is not kept whole is held for `PART` steps.
+    """
+    whole = task.traces == "whole" or whole_size(task.motion) <= WHOLE
+    out = 0.0
+    for e in task.motion.experiments:
+        steps, joints = e.duration * e.scenario.physics.step_rate, len(e.plant.model.joints)
+        rows = 0 if e.recording is None else len(e.recording.trace.time)
+        out += joints * ((steps if whole else min(steps, PART)) * BYTES + rows * SAMPLE)
+    return out
 
 
 def costs(seconds: float, todo: Sequence[Task], jobs: int, there: float) -> list[str]:
     """Sentences on what is long or large, before it starts; `there` is the memory of the machine [bytes]."""
     needed = sum(sorted(map(memory, todo))[-jobs:])
     lines = [f"this takes about {seconds / 60:.0f} minutes"] if seconds > LONG else []
+    for whole in (False, True):
+        told = size.told([t.motion for t in todo if t.traces and (t.traces == "whole") == whole], whole=whole)
+        lines += [told] if told else []
     if needed > there / 2:
         lines.append(
             f"this takes about {needed / 1e9:.1f} GB of memory, of {there / 1e9:.1f} GB; a shorter `part` of the "

@@ -11,12 +11,19 @@ Done = Callable[[Task, str | None], None]
 """Told of every cell that is done, and what happened where it is not."""
 
 
-def run_local(tasks: Sequence[Task], jobs: int, store: str, limit: float, done: Done) -> None:
+def run_local(
+    tasks: Sequence[Task],
+    jobs: int,
+    store: str,
+    limit: float,
+    done: Done,
+    pickled: Callable[[Task], bytes] = pickle.dumps,
+) -> None:
     """Compute cells with `jobs` processes. Interrupted, it ends them at once; the cells that are done are kept."""
     workers = Workers()
 
     def work(task: Task) -> str | None:
-        return attend(task, pickle.dumps(task), store, limit, workers)
+        return attend(task, pickled(task), store, limit, workers)
 
     pool = ThreadPoolExecutor(jobs)
     try:

@@ -20,6 +20,10 @@ from realitygap.scenario.file import ScenarioFile
 PACKAGES = ("realitygap", "numpy", "scipy", "numba", "pydantic", "rosbags", "yourdfpy")
 
 
+PART = 1 << 20
+"""Bytes of a file that are read at a time: recordings are long."""
+
+
 def write_manifest(
     out: Path,
     name: str,
@@ -28,6 +32,7 @@ def write_manifest(
     failures: Mapping[str, str],
     traces: Iterable[str],
     warnings: Sequence[str] = (),
+    thinned: str | None = None,
 ) -> None:
     """Write versions, what each adapter really set, hashes of the inputs, the command line and notes.
 
@@ -39,9 +44,12 @@ def write_manifest(
         failures: what became of the cells that did not, by their slug.
         traces: names of the MCAP files below the folder; the Parquet files lie beside them.
         warnings: sentences on likely mistakes in the scenarios.
+        thinned: a sentence on traces that are not whole.
     """
     sources: set[Path] = set()
     notes: dict[str, list[str]] = {"likely mistakes": list(warnings)} if warnings else {}
+    if thinned:
+        notes["traces"] = [thinned]
     virtual = False
     for file, motion in motions:
         recordings = file.scenario.recordings
@@ -103,7 +111,9 @@ def digest(path: Path) -> str:
     for file in sorted(path.rglob("*")) if path.is_dir() else [path]:
         if file.is_file():
             out.update(file.name.encode())
-            out.update(file.read_bytes())
+            with file.open("rb") as opened:
+                while part := opened.read(PART):
+                    out.update(part)
     return out.hexdigest()
 
 

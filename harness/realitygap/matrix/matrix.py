@@ -9,13 +9,15 @@ from tempfile import TemporaryDirectory
 
 from realitygap.files.progress import Progress
 from realitygap.files.result_folder import written_whole
+from realitygap.files.whole import made
+from realitygap.matrix.aside import Aside, laid_aside
 from realitygap.matrix.checked import checked
 from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
 from realitygap.matrix.estimate import Estimate, costs
 from realitygap.matrix.local import run_local
 from realitygap.matrix.matrix_file import MatrixFile
-from realitygap.matrix.plan import plan
+from realitygap.matrix.plan import Reader, plan
 from realitygap.matrix.store import Store, open_store
 from realitygap.matrix.task import Outcome, Task, read_outcome
 
@@ -60,27 +62,36 @@ def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progres
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
     """
-    warnings = checked(matrix, progress.say)
-    tasks = plan(matrix)
+    warnings, tasks = _planned(matrix, progress)
     _say_notes(tasks, progress)
     with ExitStack() as stack:
+        stack.enter_context(made(out))
+        aside = stack.enter_context(laid_aside(tasks, out))
+        tasks = aside.tasks
         if settings.keep:
             place = settings.place(out)
-            undone = work(tasks, place, settings, matrix.matrix.time_limit, progress)
+            undone = work(aside, place, settings, matrix.matrix.time_limit, progress)
             folder = stack.enter_context(written_whole(out))
         else:
             folder = stack.enter_context(written_whole(out))
             place = stack.enter_context(TemporaryDirectory(prefix="cells-", dir=folder))
-            undone = work(tasks, place, settings, matrix.matrix.time_limit, progress)
+            undone = work(aside, place, settings, matrix.matrix.time_limit, progress)
         yield collect(matrix, tasks, undone, open_store(place), folder, warnings), folder
 
 
-def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
+def _planned(matrix: MatrixFile, progress: Progress) -> tuple[list[str], list[Task]]:
+    """Sentences on likely mistakes, and the cells; recordings are read once, and held by the cells alone."""
+    read = Reader()
+    return checked(matrix, progress.say, read), plan(matrix, read)
+
+
+def work(aside: Aside, place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
     """Compute the cells whose files are not in the store at `place`, each within `limit` [s].
 
     Returns:
         What happened, by key, to the cells that could not be computed.
     """
+    tasks = aside.tasks
     store = open_store(place)
     there = finished(tasks, store, retry_crashed=settings.retry_crashed)
     todo = [t for t in tasks if t.key not in there]
@@ -100,7 +111,7 @@ def work(tasks: Sequence[Task], place: str, settings: Settings, limit: float, pr
         if todo and settings.scheduler:
             run_cluster(todo, settings.scheduler, place, limit, done)
         elif todo:
-            run_local(todo, jobs, place, limit, done)
+            run_local(todo, jobs, place, limit, done, aside.pickled)
     return undone
 
 

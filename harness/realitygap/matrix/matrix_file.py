@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
@@ -49,7 +49,10 @@ class Matrix(Section):
         default=[], description="combinations that are not run: axis, engine, scenario or recording to value or pattern"
     )
     floors: bool = Field(default=True, description="simulate again with half the step for the numerical floor")
-    traces: bool = Field(default=True, description="write the traces of every cell (Parquet and MCAP)")
+    traces: bool | Literal["whole"] = Field(
+        default=True,
+        description="write the traces of every cell (Parquet and MCAP); those above 500 MB are thinned but for `whole`",
+    )
     time_limit: Positive = Field(default=300.0, le=LONGEST, description="seconds after which a cell counts as hung")
 
 
@@ -94,9 +97,16 @@ def load_matrix(path: Path) -> MatrixFile:
     return MatrixFile(path, matrix, tuple(load_scenario(p) for p in paths))
 
 
-def matrix_of(file: ScenarioFile, engines: Sequence[str] = ()) -> MatrixFile:
-    """The matrix of one scenario as it is, in the engines that are named or in all that are installed."""
+def matrix_of(file: ScenarioFile, engines: Sequence[str] = (), *, whole: bool = False) -> MatrixFile:
+    """The matrix of one scenario as it is, in the engines that are named or in all that are installed.
+
+    `whole` keeps traces whole, however large they are.
+    """
     matrix = Matrix(
-        name=file.scenario.name, scenarios=[file.path.name], engines=list(engines) or None, time_limit=LONGEST
+        name=file.scenario.name,
+        scenarios=[file.path.name],
+        engines=list(engines) or None,
+        time_limit=LONGEST,
+        traces="whole" if whole else True,
     )
     return MatrixFile(file.path, matrix, (file,))

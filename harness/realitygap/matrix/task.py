@@ -6,7 +6,7 @@ import tempfile
 import zipfile
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from realitygap.compare.comparison import Comparison, RepeatedMotion, cell_of, compare, failure
 from realitygap.compare.table import Cell, Row
@@ -14,6 +14,8 @@ from realitygap.compare.traces import write_traces
 from realitygap.files.unfinished import ELSEWHERE, part_folder
 from realitygap.scenario.file import ScenarioFile
 
+Traces = bool | Literal["whole"]
+"""Whether the traces of a cell are written, and whether whole, however large they are."""
 RECORD = "cell.json"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
@@ -39,7 +41,7 @@ class Task:
     revision: str
     axes: dict[str, Any]
     floors: bool
-    traces: bool
+    traces: Traces
 
     @property
     def cell(self) -> Cell:
@@ -68,7 +70,8 @@ class Outcome:
 
 def compute(task: Task) -> bytes:
     """Simulate and compare one cell. The result is a zip file with the record and the traces."""
-    done = compare(task.motion, task.engine, floors=task.floors, revision=task.revision)
+    whole = task.traces == "whole"
+    done = compare(task.motion, task.engine, floors=task.floors, revision=task.revision, whole=whole)
     return packed(task, done)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from realitygap.compare.gap import JOINT_SIGNALS, Jointed, differences, unit_of
+from realitygap.compare.gap import JOINT_SIGNALS, Jointed, box, differences, unit_of
 from realitygap.compare.table import slug
 from realitygap.compare.traces import CellTraces
 from realitygap.files.whole import write_whole
@@ -113,14 +113,9 @@ def _packed_series(trace: Trace, model: Jointed) -> dict[str, dict[str, dict[str
 def boxes(traces: CellTraces) -> dict[str, dict[str, list[float]]]:
     """Per signal and joint: lower whisker, quartiles, upper whisker (Tukey) and maximum of the absolute difference."""
     out: dict[str, dict[str, list[float]]] = {}
-    if traces.measured is None:
-        return out
+    if traces.boxes is not None or traces.measured is None:
+        return traces.boxes or out
     for d in differences(traces, traces.simulated, traces.measured):
-        if not d.values.size:
-            continue
-        low, median, high = np.percentile(d.values, [25, 50, 75])
-        reach = 1.5 * (high - low)
-        inside = d.values[(d.values >= low - reach) & (d.values <= high + reach)]
-        numbers = [inside.min(), low, median, high, inside.max(), d.values.max()]
-        out.setdefault(d.signal, {})[d.joint] = [float(f"{v:.4g}") for v in numbers]
+        if d.values.size:
+            out.setdefault(d.signal, {})[d.joint] = box(d.values)
     return out

@@ -23,20 +23,34 @@ class Commands:
     held: bool = True
 
 
-def on_steps(commands: Commands, steps: int, h: float, delay: Array) -> Array:
-    """The mean command over every step of length h, after each joint's delay [s]. Shape (steps, n).
+def on_steps(commands: Commands, steps: int, h: float, delay: Array, first: int = 0) -> Array:
+    """The mean command over every step of length h from a first one on, after each joint's delay [s]. Shape (steps, n).
 
     The mean over the step, rather than the value at its start, makes the result a continuous function of the delay and
     of the stamps, whatever the step. A step's effort changes the velocity from half a step before its time to half a
     step after it, so the mean is taken there. Before the first command the first one holds. A servo
     is off in the steps whose middle has no command.
     """
-    edges = (np.arange(steps + 1) - 0.5) * h
+    edges = edges_of(steps, h, first)
+    if first:  # of a long motion, what came before has no bearing
+        commands = _about(commands, edges[0] - float(delay.max(initial=0.0)), edges[-1] - float(delay.min(initial=0.0)))
     out = np.empty((steps, commands.value.shape[1]))
     for late in np.unique(delay):
         columns = np.flatnonzero(delay == late)
         out[:, columns] = _means(commands, columns, edges - late, h)
     return out
+
+
+def edges_of(steps: int, h: float, first: int = 0) -> Array:
+    """Where steps begin and end [s], in the sense of `on_steps`. Shape (steps + 1,)."""
+    return np.asarray((np.arange(first, first + steps + 1) - 0.5) * h)
+
+
+def _about(commands: Commands, begin: float, end: float) -> Commands:
+    """The commands that matter between two times."""
+    first, last = np.searchsorted(commands.time, [begin, end], side="right")
+    near = slice(max(int(first) - 1, 0), int(last) + 1)
+    return Commands(commands.time[near], commands.value[near], commands.held)
 
 
 def _means(commands: Commands, columns: NDArray[np.intp], edges: Array, h: float) -> Array:

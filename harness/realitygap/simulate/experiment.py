@@ -19,21 +19,22 @@ from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
 from realitygap.scenario.schema import EffectSpec, EffortStream, Scenario
-from realitygap.scenario.servos import DcServo, RecordedSupply
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
+from realitygap.simulate.feasible import check_steps, check_supply
 from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
 from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
-from realitygap.simulate.rollout import Rollout, rollout
+from realitygap.simulate.rollout import Part, Rollout, rolled, steps_of
 from realitygap.simulate.start import start_state
+from realitygap.trace.sampled import sampled
 from realitygap.trace.trace import Trace
 
 Read = Callable[..., Recording]
 """A reader with the arguments of `read_recording`."""
-LARGEST = 5e7
-"""Steps times joints that are simulated at most: about 10 GB of traces."""
+PART = 1 << 16
+"""Steps that are held at a time where not all of them are asked for."""
 SETTLE = 1.0
 """How long an animation goes on after its last keyframe [s]."""
 
@@ -183,13 +184,13 @@ def _prepare(
     recording, notes = None, list[str]()
     if case is not None:
         recording = read(case.path, scenario, plant.model.joint_names, file=file.path)
-        _check_supply(file, scenario, recording)
+        check_supply(file, scenario, recording)
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
     commands, begin, duration = _commands(file, scenario, plant, recording)
     followed = _followed(file, scenario, recording, [*scenario.effects, *effects])
     if followed is None:
-        _check_steps(file, scenario, name, duration, len(plant.model.joints))
+        check_steps(file, scenario, name, duration, len(plant.model.joints))
     else:
         notes.append(followed.told(plant.model.joint_names))
     experiment = Experiment(
@@ -215,23 +216,6 @@ def _prepare(
     except InputError as error:  # said now rather than after other motions were simulated
         raise InputError(f"{file.path}: {error}") from None
     return experiment
-
-
-def _check_steps(file: ScenarioFile, scenario: Scenario, name: str, duration: float, joints: int) -> None:
-    rate, most = scenario.physics.step_rate, LARGEST / max(joints, 1)
-    if duration * rate > most:
-        raise InputError(
-            f"{file.path}: physics.step_rate: found {rate:g}, which makes {duration * rate:.3g} steps of {name} "
-            f"({duration:.3g} s); expected at most {most:.3g} steps with {joints} joints"
-        )
-
-
-def _check_supply(file: ScenarioFile, scenario: Scenario, recording: Recording) -> None:
-    asked = [
-        s.supply.recorded for s in scenario.servos if isinstance(s, DcServo) and isinstance(s.supply, RecordedSupply)
-    ]
-    if asked and not len(recording.supply):
-        raise InputError(f"{file.path}: servos: supply {asked[0]} was not found in {recording.path}")
 
 
 def _commands(
@@ -312,8 +296,13 @@ def _first(trace: Trace | None, signal: str) -> Array | None:
     return None if value is None or not np.isfinite(value[0]).all() else value[0]
 
 
-def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = None) -> Rollout:
+def simulate(
+    experiment: Experiment, engine: str, *, step_rate: float | None = None, at: Array | None = None
+) -> Rollout:
     """Simulate one motion in one engine; the trace is on the recording's clock.
+
+    The trace has every step; or, with times [s] `at`, shape (t,), what it says then but for the commands, and no more
+    than `PART` steps are held at once.
 
     A motion that is followed is not integrated over time: its trace holds the smoothed readings and the effort that
     they take, at the measured stamps. In place of smaller steps, a higher `step_rate` widens the smoother's band.
@@ -326,20 +315,31 @@ def simulate(experiment: Experiment, engine: str, *, step_rate: float | None = N
     if experiment.followed is not None:
         finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
         with as_its_outcome(engine):
-            return follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
+            done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
+        return done if at is None else replace(done, trace=done.trace.at(at))
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)
     integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
+    steps = steps_of(experiment.duration + physics.timestep, physics.timestep)
     with as_its_outcome(engine), engines.load(engine).open(plant.machine(), physics) as simulation:
-        result = rollout(
+        parts = rolled(
             simulation,
             plant,
             experiment.commands,
             experiment.start(),
-            experiment.duration + physics.timestep,
+            steps,
+            steps if at is None else PART,
             supply=supply,
             joint_effort=of_joint,
             integral=integral,
         )
-    result.trace = replace(result.trace, time=result.trace.time + experiment.begin)
-    return result
+        walls: list[float] = []
+        found = (_on_recording(part, experiment, walls) for part in parts)
+        trace = next(found) if at is None else sampled(found, at)
+        return Rollout(trace, steps, sum(walls), simulation.settings)
+
+
+def _on_recording(part: Part, experiment: Experiment, walls: list[float]) -> Trace:
+    """A part of a simulation on the recording's clock; `walls` takes how long it took."""
+    walls.append(part.wall)
+    return replace(part.trace, time=part.trace.time + experiment.begin)

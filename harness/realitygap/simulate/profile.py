@@ -5,37 +5,57 @@ goes: as fast as both bounds allow, to come to rest at the goal. That is worked 
 result does not depend on the step and is a continuous function of the bounds and of the delay.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.drive import Array
-from realitygap.simulate.commands import Commands, on_steps
+from realitygap.simulate.commands import Commands, edges_of, on_steps
 
 PERIOD = 1e-3
 """A trajectory that is linear between its samples is a new goal each period of a servo's own loop [s]."""
 
 
-def told(commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> Array:
-    """The mean command of each servo over every step, after its profile and its delay. Shape (steps, n).
+class Told:
+    """What servos are told over the steps of a motion, after their profiles and delays.
 
     Args:
         commands: what is sent.
         drive: with `profile_speed` [rad/s] and `profile_acceleration` [rad/s²]; infinite: no bound. Shape (n,).
-        steps: how many.
+        steps: how many there are in all.
         h: the length of a step [s].
         delay: of each joint [s]. Shape (n,).
     """
-    out = on_steps(commands, steps, h, delay)
-    edges = (np.arange(steps + 1) - 0.5) * h
+
+    def __init__(self, commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> None:
+        self._commands, self._h, self._delay = commands, h, delay
+        self._profiled = dict(_profiled(commands, drive, edges_of(steps, h), h, delay))
+
+    def over(self, first: int, steps: int) -> Array:
+        """The mean command of each servo over each of some steps from a first one on. Shape (steps, n)."""
+        out = on_steps(self._commands, steps, self._h, self._delay, first)
+        for j, mean in self._profiled.items():
+            out[:, j] = np.where(np.isnan(out[:, j]), np.nan, mean[first : first + steps])
+        return out
+
+
+def told(commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> Array:
+    """What servos are told over all steps. Shape (steps, n)."""
+    return Told(commands, drive, steps, h, delay).over(0, steps)
+
+
+def _profiled(
+    commands: Commands, drive: NDArray[np.void], edges: Array, h: float, delay: Array
+) -> Iterator[tuple[int, Array]]:
+    """Joints with a bound, and the mean of their profile over every step between edges (steps + 1,)."""
     for j in np.flatnonzero(np.isfinite(drive["profile_speed"]) | np.isfinite(drive["profile_acceleration"])):
         time, goal = _goals(commands, int(j))
         if not len(time):
             continue
         profile = phases(time, goal, float(drive["profile_speed"][j]), float(drive["profile_acceleration"][j]))
-        mean = np.diff(_integral(profile, edges - delay[j])) / h
-        out[:, j] = np.where(np.isnan(out[:, j]), np.nan, mean)
-    return out
+        yield int(j), np.diff(_integral(profile, edges - delay[j])) / h
 
 
 def _goals(commands: Commands, j: int) -> tuple[Array, Array]:

@@ -1,12 +1,11 @@
 """The time loop: servos and effects drive one simulation through one motion."""
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, repeat
 
 import numpy as np
-from numpy.typing import NDArray
 from realitygap_engines import Diverged, Simulation, State
 
 from realitygap.robot.drive import LOG, STATE, Array
@@ -15,7 +14,7 @@ from realitygap.robot.effort_map import packed
 from realitygap.robot.law.effort_map import add_mapped
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
-from realitygap.simulate.profile import told
+from realitygap.simulate.profile import Told
 from realitygap.trace.trace import Trace
 
 TOO_FAST = 1e5
@@ -34,6 +33,14 @@ class Rollout:
     settings: dict[str, object] = field(default_factory=dict)
 
 
+@dataclass
+class Part:
+    """A stretch of a simulated motion on every step, and how long the steps took that ended in it: `wall` [s]."""
+
+    trace: Trace
+    wall: float
+
+
 def rollout(
     simulation: Simulation,
     plant: Plant,
@@ -45,14 +52,40 @@ def rollout(
     joint_effort: bool = False,
     integral: Array | None = None,
 ) -> Rollout:
-    """Simulate from `start` for `duration` [s].
+    """Simulate from `start` for `duration` [s]; as `rolled`, in one part."""
+    steps = steps_of(duration, simulation.physics.timestep)
+    (part,) = rolled(
+        simulation, plant, commands, start, steps, steps, supply=supply, joint_effort=joint_effort, integral=integral
+    )
+    return Rollout(part.trace, steps, part.wall, simulation.settings)
+
+
+def steps_of(duration: float, h: float) -> int:
+    """How many steps of length h [s] a duration takes."""
+    return max(round(duration / h), 1)
+
+
+def rolled(
+    simulation: Simulation,
+    plant: Plant,
+    commands: Commands,
+    start: State,
+    steps: int,
+    most: int,
+    *,
+    supply: tuple[Array, Array] | None = None,
+    joint_effort: bool = False,
+    integral: Array | None = None,
+) -> Iterator[Part]:
+    """Simulate from `start` for some steps, stretch after stretch, so that a long motion is never held as a whole.
 
     Args:
         simulation: opened with `plant.machine()`.
         plant: drives, sensors and delays.
         commands: what the servos are told, on the simulation's clock.
         start: the state at time 0.
-        duration: how long [s].
+        steps: how many.
+        most: how many are held at a time.
         supply: times [s] and recorded voltages [V], for servos whose supply was recorded.
         joint_effort: whether the trace's effort is the torque on the joint (after friction) or of the motor.
         integral: what PID servos have gathered at time 0 [N·m or N], shape (n,); None is nothing.
@@ -62,12 +95,8 @@ def rollout(
     """
     h = simulation.physics.timestep
     n = len(plant.model.joints)
-    steps = max(round(duration / h), 1)
-    q, w = np.empty((steps + 1, n)), np.empty((steps + 1, n))
-    base = np.zeros((steps + 1, 13))
-    log, dry = np.zeros((steps + 1, n), LOG), np.zeros((steps + 1, n))
-    command = told(commands, plant.drive, steps, h, plant.delay)
-    volts = np.zeros(steps) if supply is None else np.interp(np.arange(steps) * h, *supply)
+    most = max(most, 2)  # of every stretch the last state is told with the next one
+    told = Told(commands, plant.drive, steps, h, plant.delay)
     effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
     wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
@@ -75,103 +104,145 @@ def rollout(
     inertia = plant.inertia()
     mapped, (maps, numbers) = bool(plant.maps), packed(plant.maps)
 
+    held = Held(0, n, min(most, steps) + 2)
+    q, w, base, log, dry = held.q, held.w, held.base, held.log, held.dry
     simulation.reset(start)
     simulation.read(q[0], w[0], base[0])
     state["velocity"] = w[0]
     state["integral"] = 0.0 if integral is None else integral
-    began = clock.perf_counter()
-    # what a step ends with the next one begins with: every row is taken out of its array once
-    upcoming = chain(command[1:], command[-1:])
-    bases = base[1:] if plant.model.floating else repeat(base[0])
-    drags = dry[1:] if wants_dry else repeat(dry[0])
-    rows = zip(upcoming, volts.tolist(), log, q[1:], w[1:], bases, drags, strict=False)
-    c, qk, wk, dk = command[0], q[0], w[0], dry[0]
     step, read, dry_friction, efforts = simulation.step, simulation.read, simulation.dry_friction, plant.efforts
     beside, look = mapped or bool(efforts), 0
-    try:
-        for k, (c1, v, lk, q1, w1, b1, d1) in enumerate(rows):
-            t = k * h
-            drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
-            if beside:
-                if mapped:
-                    add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
-                for law in efforts:
-                    effort += law(t, qk, wk)
-            step(effort, damping, friction)
-            read(q1, w1, b1)
-            if wants_dry:
-                d1[:] = dry_friction()
-            if k == look:
-                look += CHECK_EVERY
-                if not _sane(w1, b1):
-                    break
-                if k == 0:
-                    began = clock.perf_counter()  # anew, because the first step may compile
-            c, qk, wk, dk = c1, q1, w1, d1
-    except Diverged as error:
-        raise Diverged(error.time, error.joint, error.what) from None
-    wall = clock.perf_counter() - began
-    _raise_if_diverged(plant.model.joint_names, q, w, base, h, min(k + 1, steps))
-    arrive(drive, state, q[steps], w[steps], dry[steps], h, log[steps])
-    trace = _trace(plant, h, w, base, log, dry if joint_effort else None, command)
-    return Rollout(trace, steps, wall, simulation.settings)
+    done, at = 0, 0  # steps so far, and the row of the newest state
+    lagged: Array | None = None
+    while done < steps:
+        todo = min(most, steps - done)
+        command = told.over(held.first, min(at + todo + 1, steps - held.first))
+        times = np.arange(done, done + todo) * h
+        volts = np.zeros(todo) if supply is None else np.interp(times, *supply)
+        # what a step ends with the next one begins with: every row is taken out of its array once
+        upcoming = chain(command[at + 1 :], command[-1:])
+        bases = base[at + 1 :] if plant.model.floating else repeat(base[0])
+        drags = dry[at + 1 :] if wants_dry else repeat(dry[0])
+        rows = zip(upcoming, volts.tolist(), log[at:], q[at + 1 :], w[at + 1 :], bases, drags, strict=False)
+        c, qk, wk, dk = command[at], q[at], w[at], dry[at]
+        began = clock.perf_counter()
+        try:
+            for k, (c1, v, lk, q1, w1, b1, d1) in enumerate(rows, done):
+                t = k * h
+                drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
+                if beside:
+                    if mapped:
+                        add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
+                    for law in efforts:
+                        effort += law(t, qk, wk)
+                step(effort, damping, friction)
+                read(q1, w1, b1)
+                if wants_dry:
+                    d1[:] = dry_friction()
+                if k == look:
+                    look += CHECK_EVERY
+                    if not _sane(w1, b1):
+                        break
+                    if k == 0:
+                        began = clock.perf_counter()  # anew, because the first step may compile
+                c, qk, wk, dk = c1, q1, w1, d1
+        except Diverged as error:
+            raise Diverged(error.time, error.joint, error.what) from None
+        wall = clock.perf_counter() - began
+        held.check(plant.model.joint_names, h, at + k + 1 - done)
+        done, at = done + todo, at + todo
+        # what a row tells takes the next row's log, so that the last two rows are told with the next stretch
+        if done == steps:
+            arrive(drive, state, q[at], w[at], dry[at], h, log[at])
+        trace, lagged = _trace(plant, h, held, at if done == steps else at - 1, command, lagged, joint_effort)
+        yield Part(trace, wall)
+        if done < steps:
+            held.keep(at - 1)
+            at = 1
 
 
 def _sane(w: Array, base: Array) -> bool:
     return bool(np.abs(w).max(initial=0.0) < TOO_FAST and np.abs(base).max() < TOO_FAST)
 
 
-def _raise_if_diverged(joints: Sequence[str], q: Array, w: Array, base: Array, h: float, done: int) -> None:
-    bad = ~((np.abs(w[: done + 1]) < TOO_FAST) & np.isfinite(q[: done + 1]))
-    bad_base = ~(np.abs(base[: done + 1]) < TOO_FAST).all(axis=1)
-    first = np.flatnonzero(bad.any(axis=1) | bad_base)
-    if first.size:
-        k = int(first[0])
-        joint = joints[int(np.argmax(bad[k]))] if bad[k].any() else "base"
-        raise Diverged(k * h, joint, "the state is not finite or faster than a robot can be")
+class Held:
+    """What is held of a simulated motion: some rows from step `first` on, one per state. Shapes (rows, ...)."""
+
+    def __init__(self, first: int, n: int, rows: int) -> None:
+        self.first = first
+        self.q, self.w = np.empty((rows, n)), np.empty((rows, n))
+        self.base = np.zeros((rows, 13))
+        self.log, self.dry = np.zeros((rows, n), LOG), np.zeros((rows, n))
+
+    def keep(self, row: int) -> None:
+        """Let go of all before a row, which becomes the first, and of all but the one after it."""
+        for values in (self.q, self.w, self.base, self.log, self.dry):
+            values[:2] = values[row : row + 2].copy()
+        self.first += row
+
+    def check(self, joints: Sequence[str], h: float, last: int) -> None:
+        """Make sure that no state up to a row is a blow-up.
+
+        Raises:
+            Diverged: at the first one that is.
+        """
+        w = self.w[: last + 1]
+        bad = ~((np.abs(w) < TOO_FAST) & np.isfinite(self.q[: last + 1]))
+        bad_base = ~(np.abs(self.base[: last + 1]) < TOO_FAST).all(axis=1)
+        first = np.flatnonzero(bad.any(axis=1) | bad_base)
+        if first.size:
+            k = int(first[0])
+            joint = joints[int(np.argmax(bad[k]))] if bad[k].any() else "base"
+            raise Diverged((self.first + k) * h, joint, "the state is not finite or faster than a robot can be")
 
 
 def _trace(
-    plant: Plant, h: float, w: Array, base: Array, log: NDArray[np.void], dry: Array | None, command: Array
-) -> Trace:
-    """Signals at the times of the positions: velocities sit half a step before, so neighbours are averaged."""
-    drive, steps = plant.drive, command.shape[0]
+    plant: Plant, h: float, held: Held, rows: int, command: Array, lagged: Array | None, of_joint: bool
+) -> tuple[Trace, Array | None]:
+    """The signals of the first rows, and the last velocity that the sensor told.
+
+    They are at the times of the positions: velocities sit half a step before, so neighbours are averaged.
+    """
+    drive, log, w = plant.drive, held.log[: rows + 1], held.w[: rows + 1]
     rotor = 0.5 * (log["rotor"][:-1] + log["rotor"][1:])
     middle = np.where(drive["stiffness"] > 0, rotor, 0.5 * (w[:-1] + w[1:]))  # of the encoder
     effort = log["motor"][:-1] - log["emf"][:-1] * rotor
-    if dry is not None:
+    if of_joint:
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
         turned = drive["friction_periods"] * log["encoder"][:-1] + drive["friction_phase"]
         lean = drive["lean"] * (1 + drive["friction_ripple"] * np.sin(turned))
-        effort = np.where(separate, log["transmitted"][1:], effort + dry[1:] + lean - drive["viscous"] * middle)
-    velocity = sensed(middle, plant.velocity_lag, h) * plant.velocity_scale
+        friction = held.dry[1 : rows + 1] + lean - drive["viscous"] * middle
+        effort = np.where(separate, log["transmitted"][1:], effort + friction)
+    told = sensed(middle, plant.velocity_lag, h, lagged)
     floating = plant.model.floating
-    b = base[:steps]
-    return Trace(
-        time=np.arange(steps, dtype=np.float64) * h,
+    b = held.base[:rows].copy() if floating else held.base[:0]
+    trace = Trace(
+        time=np.arange(held.first, held.first + rows, dtype=np.float64) * h,
         joints=tuple(plant.model.joint_names),
-        position=log["encoder"][:steps] - drive["offset"],
-        velocity=velocity,
+        position=log["encoder"][:rows] - drive["offset"],
+        velocity=told * plant.velocity_scale,
         effort=effort,
-        command=command,
+        command=command[:rows],
         base_position=b[:, :3] if floating else None,
         base_quaternion=b[:, 3:7] if floating else None,
         base_linear=b[:, 7:10] if floating else None,
         base_angular=b[:, 10:13] if floating else None,
     )
+    return trace, told[-1] if rows else lagged
 
 
-def sensed(velocity: Array, lag: Array, h: float | Array) -> Array:
+def sensed(velocity: Array, lag: Array, h: float | Array, before: Array | None = None) -> Array:
     """The velocity after each joint's first-order low-pass of time `lag` [s], exact for a velocity held over a step.
 
-    `h` is the time since the sample before [s], one for all or Shape (t,).
+    `h` is the time since the sample before [s], one for all or Shape (t,); `before` what the low-pass told there, shape
+    (n,), None where there was none.
     """
     if not lag.any():
         return velocity
     out, steps = velocity.copy(), np.broadcast_to(h, len(velocity))
     for j in np.flatnonzero(lag > 0):
         keep = np.exp(-steps / lag[j])
-        state = velocity[0, j]
+        state = velocity[0, j] if before is None else before[j]
         for k in range(len(velocity)):
             state = keep[k] * state + (1 - keep[k]) * velocity[k, j]
             out[k, j] = state
