@@ -4,12 +4,10 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import pandas as pd
-
 from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
 from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
-from realitygap.recording.readers.table import FORMS, column_of, load
+from realitygap.recording.readers.table import FORMS, Frame, column_of, load
 from realitygap.scenario.schema import Columns, Units
 
 TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
@@ -69,7 +67,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
     return Sections(_motion(columns, meaning), lines, runs_of(paths, out), meaning=meaning, told=told)
 
 
-def _time(path: Path, frame: pd.DataFrame) -> str:
+def _time(path: Path, frame: Frame) -> str:
     """The column of time: by its name, or the only one that always rises."""
     labels = list(frame.columns)
     for option in TIME:

@@ -7,20 +7,20 @@ from typing import overload
 
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
+from realitygap.recording.readers.parquet_columns import ParquetColumns
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import Columns
 from realitygap.trace.trace import Array
 
-LARGEST = 2e8
-"""Values of a table: three hours of twenty joints with four signals at 200 Hz, and 1.6 GB."""
+Frame = pd.DataFrame | ParquetColumns
+"""A table by its columns."""
 
 
 def read(path: Path, request: Request) -> Streams:
@@ -48,7 +48,7 @@ def read(path: Path, request: Request) -> Streams:
     )
 
 
-def load(path: Path) -> pd.DataFrame:
+def load(path: Path) -> Frame:
     """The table in a file.
 
     Raises:
@@ -57,47 +57,35 @@ def load(path: Path) -> pd.DataFrame:
     with unpacked(path) as plain:
         try:
             if plain.suffix.lower() == ".parquet":
-                _check_size(path, pq.read_metadata(plain))
-                frame, first = _of_parquet(plain), 2
+                frame: Frame = ParquetColumns(path, plain)
             else:
-                dialect = dialect_of(plain)
-                frame, first = pd.read_csv(plain, **dialect.arguments()), dialect.first_line
+                frame = _of_text(plain)
         except InputError:
             raise
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
-    frame.columns = [str(name).strip() for name in frame.columns]
-    spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
-    if spare:
-        frame = frame.drop(columns=spare)  # every line ended with a separator
-    if frame.empty:
+    if not len(frame) or not len(frame.columns):
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
     if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
         raise InputError(f"{path}: begins with numbers; expected a line with the names of the columns above them")
-    frame.attrs["first_line"] = first
     return frame
 
 
-def _of_parquet(path: Path) -> pd.DataFrame:
-    """The table of a Parquet file, column after column, each freed where it was: a long recording is there once."""
-    frame: pd.DataFrame = pq.read_table(path).to_pandas(split_blocks=True, self_destruct=True)
+def _of_text(path: Path) -> pd.DataFrame:
+    dialect = dialect_of(path)
+    frame: pd.DataFrame = pd.read_csv(path, **dialect.arguments())
+    frame.columns = [str(name).strip() for name in frame.columns]
+    spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
+    frame = frame.drop(columns=spare)  # every line ended with a separator
+    frame.attrs["first_line"] = dialect.first_line
     return frame
-
-
-def _check_size(path: Path, about: "pq.FileMetaData") -> None:
-    """A few bytes of Parquet can say that they are millions of rows."""
-    if about.num_rows * about.num_columns > LARGEST:
-        raise InputError(
-            f"{path}: holds {about.num_rows} rows of {about.num_columns} columns, expected at most {LARGEST:.2g} "
-            "values: cut the recording, or leave columns out"
-        )
 
 
 class Table:
     """A table, and which of its columns are what."""
 
-    def __init__(self, path: Path, frame: pd.DataFrame, request: Request) -> None:
+    def __init__(self, path: Path, frame: Frame, request: Request) -> None:
         self.path = path
         self.frame = frame
         self.request = request
