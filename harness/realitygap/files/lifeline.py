@@ -32,7 +32,10 @@ def ended_with_it(pool: ProcessPoolExecutor) -> Iterator[None]:
     try:
         yield
     except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in set(multiprocessing.active_children()) - others:
+        own = set(multiprocessing.active_children()) - others
+        for process in own:
             process.kill()
+        pool.shutdown(wait=True, cancel_futures=True)
+        for process in own:
+            process.join()
         raise
