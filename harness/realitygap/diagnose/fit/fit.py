@@ -83,15 +83,17 @@ def fit(
         quick: to take `FEW` steps, and no derivative anew of what is known.
     """
     space = Space(simulations.problem, changes)
-    now = residual(simulations, changes, train)
-    if now is None:
+    full = None if quick and known is not None else residual(simulations, changes, train)
+    near = known if full is None else Fit(tuple(changes), full)
+    now = None if near is None else residual_near(simulations, near, changes, train, coarse)
+    if near is None or now is None:
         return None
     x, (slopes, here) = space.first, _slopes(simulations, known, space, train, coarse)
     cost, box = _cost(metric, space, x, now), FIRST
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, promised = _step(metric, space, x, now, slopes, box)
         if promised >= 2.0 * LITTLE:
-            there = residual(simulations, space.at(x + step), train)
+            there = residual_near(simulations, near, space.at(x + step), train, coarse)
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
             box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else 0.4
             if there is not None and gain > 0.0:
@@ -102,9 +104,18 @@ def fit(
             break
         if not here:
             slopes, here = slope(simulations, space, x, train, coarse), True
-    if not (here or quick):
-        slopes, here = slope(simulations, space, x, train, coarse), True
-    return Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), here)
+    if not quick:
+        slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
+        now = residual(simulations, space.at(x), train)
+    return None if now is None else Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), here)
+
+
+def residual_near(
+    simulations: Simulations, near: Fit, changes: Sequence[Change], train: Sequence[int], coarse: Sequence[float]
+) -> Array | None:
+    """The stacked residual of changes: that of a fit near by, and the difference that coarse steps tell. Shape (m,)."""
+    there, here = residuals(simulations, [changes, near.changes], train, coarse)
+    return None if there is None or here is None else near.residual + there - here
 
 
 def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array, box: float) -> tuple[Array, float]:

@@ -119,7 +119,9 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             round_.say(f"  without {change.suspect}: {-gain:+.1f}")
             out.offer(alone)
             continue
-        rivals = _rivals(round_, change, alone, before.rivals.get(change.suspect, []))
+        rivals = before.rivals.get(change.suspect, [])
+        if not rivals or any(r.behind < FAR * round_.limit for r in rivals):
+            rivals = _rivals(round_, change, alone, rivals)
         out.rivals[change.suspect] = rivals
         for rival in rivals:
             equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, change.suspect)

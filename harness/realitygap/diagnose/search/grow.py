@@ -48,7 +48,8 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         gain = scored.evidence - round_.now.evidence
         here = {a.suspect for a in round_.now.fit.changes}
         new = [c for c in scored.fit.changes if c.suspect not in here]
-        round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
+        if scored.fit.changes:
+            round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
         if gain - needs > most:
             best, most = scored, gain - needs
     return best

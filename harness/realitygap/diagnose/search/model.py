@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Fit, fit
+from realitygap.diagnose.fit.fit import Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
@@ -91,7 +91,7 @@ class Ground:
             near = fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, near)
             return near
 
-        best = self._settled(changes, once)
+        best = self._settled(changes, residual(self.simulations, changes, self.train), once)
         return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
 
     def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
@@ -105,12 +105,14 @@ class Ground:
                 near = done
             return done
 
-        best = self._settled(changes, once)
+        first = residual_near(self.simulations, known, changes, self.train, self.floors.coarse)
+        best = self._settled(changes, first, once)
         return None if best is None else self.score(best.fit)
 
-    def _settled(self, changes: Sequence[Change], once: Callable[[Scored], Fit | None]) -> Scored | None:
+    def _settled(
+        self, changes: Sequence[Change], first: Array | None, once: Callable[[Scored], Fit | None]
+    ) -> Scored | None:
         """The best of passes of a fit, each in the metric of what the one before left; None where none can be made."""
-        first = residual(self.simulations, changes, self.train)
         if first is None:
             return None
         best, start = None, self.plain(Fit(tuple(changes), first))
