@@ -44,6 +44,7 @@ class Plant:
         efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
         maps: efforts that depend on measured variables.
         payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
+        reached: how fast each joint went where its motion was recorded [rad/s or m/s]; None where none was. Shape (n,).
     """
 
     model: Model
@@ -56,6 +57,7 @@ class Plant:
     efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
     maps: list[EffortMap] = field(default_factory=list)
     payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
+    reached: Array | None = None
 
     def copy(self) -> Plant:
         """A plant that can be edited without changing this one."""

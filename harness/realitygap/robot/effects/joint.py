@@ -7,6 +7,8 @@ from realitygap_engines import GRAVITY
 from realitygap.robot.drive import CASCADE, DC, NONE, PID, POSITION
 from realitygap.robot.plant import Plant
 
+SLOWEST = 1e-3
+"""A joint that went slower than this share of its limit stood still, and its speed is the encoder's noise."""
 SUPPLY = 12.0
 """Where the supply was recorded, and is not known beforehand [V]."""
 
@@ -73,9 +75,14 @@ def effort_scale(plant: Plant, index: int) -> float:
 
 
 def speed_scale(plant: Plant, index: int) -> float:
-    """The speed that the servo can reach [rad/s or m/s]; 5 where nothing limits it."""
+    """How fast the joint went in the recordings, or else the speed that it can reach [rad/s or m/s]; 5 where nothing
+    limits it.
+    """
     d = plant.drive[index]
+    limit = float(d["velocity_limit"]) if math.isfinite(d["velocity_limit"]) else 5.0
     if d["kind"] == DC:
         supply = SUPPLY if d["recorded_supply"] else float(d["supply"])
-        return float(d["duty_limit"] / d["torque_constant"]) * supply
-    return float(d["velocity_limit"]) if math.isfinite(d["velocity_limit"]) else 5.0
+        limit = float(d["duty_limit"] / d["torque_constant"]) * supply
+    if plant.reached is None:
+        return limit
+    return min(max(float(plant.reached[index]), SLOWEST * limit), limit)
