@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,7 +32,7 @@ def data_set(
     tasks: Sequence[str] = TASKS,
     scale: float = 180 / np.pi,
     offset: float = 0.0,
-    names: str = "{}.pos",
+    names: str | None = "{}.pos",
     velocity: bool = True,
 ) -> Path:
     """A data set whose values are scale·angle + offset."""
@@ -45,7 +46,7 @@ def data_set(
         frames.append(pd.DataFrame({**columns, "timestamp": times, "frame_index": count, "episode_index": k}))
         episodes.append({"episode_index": k, "tasks": [task], "length": COUNT})
     labels = None if names is None else [names.format(j) for j in JOINTS]
-    features = {f: {"dtype": "float32", "shape": [2], "names": labels} for f in signals}
+    features: dict[str, dict[str, Any]] = {f: {"dtype": "float32", "shape": [2], "names": labels} for f in signals}
     features["observation.images.top"] = {"dtype": "video", "shape": [3, 4, 3], "names": None}
     info = {"codebase_version": version, "fps": 50, "chunks_size": 1000, "features": features, "robot_type": "arm"}
     write(path / "meta" / "info.json", json.dumps(info | {"data_path": LAYOUTS[version]}))

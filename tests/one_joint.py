@@ -13,9 +13,9 @@ from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.rollout import rollout
 from realitygap.simulate.start import start_state
-from realitygap.trace.trace import Trace
 from realitygap_engines import Physics
 from realitygap_engines.model.robot import Array, Joint, Link, Model
+from signals import Signals
 
 H = 1e-3
 MASS, LENGTH, INERTIA, ARMATURE = 0.5, 0.15, 1e-3, 0.0266
@@ -78,7 +78,7 @@ def run(
     velocity: float = 0.0,
     position: float = 0.0,
     joint_effort: bool = False,
-) -> Trace:
+) -> Signals:
     """The plant under commands at 1 kHz, linear in between, or under one command."""
     n = len(plant.model.joints)
     value = np.asarray(command, dtype=float)
@@ -87,7 +87,7 @@ def run(
     start = start_state(plant, np.full(n, position))
     start.velocity = np.full(n, velocity)
     with engines.load(engine).open(plant.machine(), Physics(h, ground=plant.ground)) as simulation:
-        return rollout(simulation, plant, commands, start, duration, joint_effort=joint_effort).trace
+        return Signals(rollout(simulation, plant, commands, start, duration, joint_effort=joint_effort).trace)
 
 
 def one_step(plant: Plant, command: Array, velocity: Array, t: float = 0.0) -> tuple[Array, Array]:

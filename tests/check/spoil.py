@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from signals import there
 from teams import Team
 
 DEGREES = 180 / np.pi
@@ -111,7 +112,8 @@ def velocity_zero(team: Team, j: int) -> None:
 
 def effort_magnitude(team: Team, j: int) -> None:
     for table in team.tables.values():
-        table.effort[:, j] = np.abs(table.effort[:, j])
+        effort = there(table.effort)
+        effort[:, j] = np.abs(effort[:, j])
 
 
 def without_servo(team: Team, j: int) -> None:

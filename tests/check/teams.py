@@ -25,6 +25,7 @@ from scipy.ndimage import uniform_filter1d
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "planted"))  # plain modules, not a package
 from motions import MOTIONS
+from signals import Signals, there
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
 QUANTUM = 2 * np.pi / 4096
@@ -56,7 +57,7 @@ class Team:
     def copy(self) -> "Team":
         """One that can be spoilt."""
         tables = {
-            name: replace(t, **{k: None if v is None else v.copy() for k, v in vars(t).items()})
+            name: replace(t, **{k: v.copy() for k, v in vars(t).items() if v is not None})
             for name, t in self.tables.items()
         }
         return Team(list(self.joints), dict(self.files), yaml.safe_load(yaml.safe_dump(self.scenario)), tables)
@@ -119,7 +120,7 @@ def demo() -> Team:
     files = {p.name: p.read_text() for p in DEMO.parent.glob("*.urdf")}
     tables = {}
     for o in observe(file):
-        t = o.recording.trace
+        t = Signals(o.recording.trace)
         tables[o.name] = Table(t.time, t.command, t.position, t.velocity, t.effort)
     del scenario["recordings"]["state"]
     return Team(list(o.joints), files, scenario, tables)
@@ -241,7 +242,7 @@ def _checked(folder: Path, scenario: dict[str, Any]) -> tuple[Any, dict[str, Any
     return validate(folder / "scenario.yaml", Scenario, scenario), scenario
 
 
-def _motion(plant: Plant, course: str, rng: np.random.Generator, off: bool) -> tuple[Trace, np.ndarray]:
+def _motion(plant: Plant, course: str, rng: np.random.Generator, off: bool) -> tuple[Signals, np.ndarray]:
     n = len(plant.model.joints)
     time = np.arange(round(LENGTH * RATE)) / RATE
     reach = 0.1 if plant.model.joints[0].prismatic else 1.0 if n < 3 else 0.6
@@ -253,11 +254,11 @@ def _motion(plant: Plant, course: str, rng: np.random.Generator, off: bool) -> t
     integral = start_integral(plant, Trace(time[:1], tuple(plant.model.joint_names), value[:1]), commands, 0.0)
     with engines.load("mujoco").open(plant.machine(), Physics(1e-3, ground=plant.ground)) as simulation:
         trace = rollout(simulation, plant, commands, start, LENGTH, integral=integral).trace
-    mean = uniform_filter1d(trace.effort, round(1000 / RATE), axis=0)  # a current is measured over a period
-    return replace(trace, effort=mean).at(time), value
+    mean = uniform_filter1d(there(trace.effort), round(1000 / RATE), axis=0)  # a current is measured over a period
+    return Signals(replace(trace, effort=mean).at(time)), value
 
 
-def _sampled(trace: Trace, command: np.ndarray, rng: np.random.Generator, n: int) -> Table:
+def _sampled(trace: Signals, command: np.ndarray, rng: np.random.Generator, n: int) -> Table:
     shape = (len(trace.time), n)
     slide = np.abs(trace.position).max() < 0.4
     quantum = 2e-5 if slide else QUANTUM

@@ -20,6 +20,7 @@ from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
 from realitygap.scenario.servos import DcServo, PidServo
 from realitygap_engines.errors import ModelError
+from signals import Signals, there
 
 STATE = "sensor_msgs/msg/JointState"
 EPOCH = 1.7e9
@@ -86,9 +87,9 @@ def test_what_is_written_loads_and_reads(form: str, tmp_path: Path, write_bag: C
     schema = json.loads((path.parent / "scenario.schema.json").read_text(encoding="utf-8"))
     assert Draft202012Validator(schema).is_valid(load_yaml(path)), "an editor would mark it"
     scenario, recordings = read_all(path, ["shoulder", "elbow"])
-    assert scenario.recordings.state == "/joint_states"
-    assert scenario.motion.recorded == "/joint_commands"
-    assert [run.use for run in scenario.recordings.runs] == [None] * 3  # repetitions of one motion stay together
+    assert there(scenario.recordings).state == "/joint_states"
+    assert there(scenario.motion).recorded == "/joint_commands"
+    assert [run.use for run in there(scenario.recordings).runs] == [None] * 3  # repetitions of one motion stay together
     assert scenario.robot.base == "fixed"
     assert scenario.ground_name == "none"
     (servo,) = scenario.servos
@@ -108,7 +109,7 @@ def test_where_names_say_nothing_the_command_comes_first(
     bag = write_bag(tmp_path / "run", "mcap", messages(state, command, velocity=velocity))
     path = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").path
     scenario, _ = read_all(path, ["shoulder", "elbow"])
-    assert (scenario.recordings.state, scenario.motion.recorded) == (state, command)
+    assert (there(scenario.recordings).state, there(scenario.motion).recorded) == (state, command)
     assert "comes 50 ms before" in path.read_text()
 
 
@@ -123,14 +124,14 @@ def test_a_command_that_is_a_duty_gets_a_motor(tmp_path: Path, write_bag: Callab
         arm(tmp_path / "arm.urdf", ("elbow",)), [write_bag(tmp_path / "run", "db3", out)], tmp_path / "out"
     ).path
     scenario, (recording,) = read_all(path, ["elbow"])
-    assert (scenario.motion.recorded, scenario.motion.meaning) == ("/duty_commands", "duty")
+    assert (there(scenario.motion).recorded, there(scenario.motion).meaning) == ("/duty_commands", "duty")
     servo = scenario.servos[0]
     assert isinstance(servo, DcServo)
     assert isinstance(servo.supply, float)
     # stalls at the URDF's effort limit, runs free at its velocity limit
     assert servo.torque_constant * servo.supply / servo.resistance == pytest.approx(3.0, rel=0.01)
     assert servo.supply / servo.torque_constant == pytest.approx(6.0, rel=0.01)
-    np.testing.assert_allclose(recording.trace.effort, 0.7)
+    np.testing.assert_allclose(Signals(recording.trace).effort, 0.7)
 
 
 def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
@@ -145,8 +146,8 @@ def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path: Path, write
     with_sensors = init(urdf, [write_bag(tmp_path / "one", "mcap", out)], tmp_path / "a").path
     scenario, (recording,) = read_all(with_sensors, ["shoulder", "elbow"])
     assert scenario.robot.base == "floating"
-    assert (scenario.recordings.imu, scenario.recordings.pose) == ("/imu/data", "/mocap")
-    np.testing.assert_allclose(recording.trace.supply, 12.0)
+    assert (there(scenario.recordings).imu, there(scenario.recordings).pose) == ("/imu/data", "/mocap")
+    np.testing.assert_allclose(Signals(recording.trace).supply, 12.0)
     without = init(urdf, [write_bag(tmp_path / "two", "mcap", messages())], tmp_path / "b").path
     assert load_scenario(without).scenario.robot.base == "floating"
 
@@ -166,8 +167,8 @@ def test_tables_with_other_column_names(tmp_path: Path) -> None:
     frame.to_csv(tmp_path / "run.csv", index=False)
     path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out").path
     _, (recording,) = read_all(path, ["shoulder", "elbow"])
-    np.testing.assert_allclose(recording.trace.command[:, 1], goal(time))
-    np.testing.assert_allclose(recording.trace.effort, 1.0)
+    np.testing.assert_allclose(Signals(recording.trace).command[:, 1], goal(time))
+    np.testing.assert_allclose(Signals(recording.trace).effort, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -192,10 +193,12 @@ def test_columns_as_people_name_them(time: str, position: str, command: str, eff
     frame.to_csv(tmp_path / "run.csv", index=False)
     draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
     scenario, (recording,) = read_all(draft.path, joints)
-    np.testing.assert_allclose(recording.trace.position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)]))
-    np.testing.assert_allclose(recording.trace.command, np.column_stack([goal(clock) + k for k in (0, 1)]))
-    np.testing.assert_allclose(recording.trace.effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
-    assert scenario.motion.meaning == "position"
+    np.testing.assert_allclose(
+        Signals(recording.trace).position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)])
+    )
+    np.testing.assert_allclose(Signals(recording.trace).command, np.column_stack([goal(clock) + k for k in (0, 1)]))
+    np.testing.assert_allclose(Signals(recording.trace).effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
+    assert there(scenario.motion).meaning == "position"
     assert draft.told[0] == "not used: temperature_0, temperature_1"
 
 
@@ -221,8 +224,8 @@ def test_units_that_columns_name_are_taken(
     scenario, (recording,) = read_all(draft.path, joints)
     assert scenario.follows
     np.testing.assert_allclose(recording.trace.time, clock, atol=1e-12)
-    np.testing.assert_allclose(recording.trace.position[:, 1], goal(clock))
-    np.testing.assert_allclose(recording.trace.velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 1], goal(clock))
+    np.testing.assert_allclose(Signals(recording.trace).velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
 
 
 def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path: Path) -> None:
@@ -233,7 +236,7 @@ def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path: Path
     frame.to_csv(tmp_path / "run.csv", index=False)
     draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
     scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
-    assert scenario.motion.meaning == "effort"
+    assert there(scenario.motion).meaning == "effort"
     np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
 
 
@@ -255,20 +258,20 @@ def test_every_episode_of_a_data_set_is_a_run(version: str, tmp_path: Path) -> N
     data_set(tmp_path / "set", version)
     draft = init(arm(tmp_path / "arm.urdf", ("elbow", "gripper")), [tmp_path / "set"], tmp_path / "out")
     scenario, recordings = read_all(draft.path, ["elbow", "gripper"])
-    assert [run.episode for run in scenario.recordings.runs] == ["lift", "lower"]
-    assert scenario.recordings.dataset.units == "degrees"
+    assert [run.episode for run in there(scenario.recordings).runs] == ["lift", "lower"]
+    assert there(there(scenario.recordings).dataset).units == "degrees"
     for k, recording in enumerate(recordings):
-        np.testing.assert_allclose(recording.trace.position, motion(k)[0], atol=2e-6)
+        np.testing.assert_allclose(Signals(recording.trace).position, motion(k)[0], atol=2e-6)
     assert any("units: degrees (they fit" in line for line in draft.guessed)
 
 
 def test_units_and_names_of_a_data_set_are_guessed(tmp_path: Path) -> None:
     urdf = arm(tmp_path / "arm.urdf", ("elbow", "gripper"))
     radians = init(urdf, [data_set(tmp_path / "r", scale=1.0)], tmp_path / "a").path
-    assert load_scenario(radians).scenario.recordings.dataset.units == "radians"
+    assert there(there(load_scenario(radians).scenario.recordings).dataset).units == "radians"
     wide = data_set(tmp_path / "w", scale=330.0, names="main_{}.pos")  # ±99, beyond ±30° and what the URDF allows
     urdf.write_text(urdf.read_text().replace('lower="-3" upper="3"', 'lower="-0.5" upper="0.5"'))
-    normalized = load_scenario(init(urdf, [wide], tmp_path / "b").path).scenario.recordings.dataset
+    normalized = there(there(load_scenario(init(urdf, [wide], tmp_path / "b").path).scenario.recordings).dataset)
     assert normalized.units == "normalized"
     assert normalized.range == {"elbow": (-0.5, 0.5), "gripper": (-0.5, 0.5)}
     assert normalized.joints == {"elbow": "main_elbow", "gripper": "main_gripper"}

@@ -12,6 +12,7 @@ from realitygap.matrix.digest import code_digest
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 from realitygap.matrix.task import Task
+from signals import there
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
 
@@ -157,7 +158,7 @@ def test_a_further_recording_changes_no_key(write: Callable[..., list[Task]], co
     ],
 )
 def test_cells_are_kept_until_code_that_computes_them_changes(tmp_path: Path, file: str, kept: bool) -> None:
-    places = [Path(package.__file__).parent for package in (realitygap_engines, realitygap)]
+    places = [Path(there(package.__file__)).parent for package in (realitygap_engines, realitygap)]
     copies = [shutil.copytree(p, tmp_path / p.name, ignore=shutil.ignore_patterns("__pycache__")) for p in places]
     before = code_digest(*copies)
     assert before == code_digest(*places)

@@ -14,6 +14,7 @@ from realitygap.recording.frames import angle_between, unit_quaternions
 from realitygap.recording.quantum import quantum
 from realitygap.robot.drive import Array
 from realitygap.trace.trace import Trace
+from signals import there
 
 PERIOD = 0.01
 
@@ -110,7 +111,7 @@ def test_noise_floor_is_the_noise_that_was_put_in(count: int) -> None:
     rng = np.random.default_rng(count)
     sigma = np.array([0.01, 0.03])
     clean = recording().trace
-    noisy = [replace(clean, position=clean.position + sigma * rng.normal(size=(800, 2))) for _ in range(count)]
+    noisy = [replace(clean, position=there(clean.position) + sigma * rng.normal(size=(800, 2))) for _ in range(count)]
     floors = noise_floor(noisy)
     expected = np.sqrt(2 / np.pi) * sigma * np.sqrt(1 + 1 / (count - 1))
     assert [floors["a", "position"], floors["b", "position"]] == pytest.approx(list(expected), rel=0.1)
@@ -123,7 +124,9 @@ def test_noise_floor_of_two_is_their_difference_in_every_signal() -> None:
     still = np.tile([1.0, 0, 0, 0], (100, 1))
     zero = np.zeros((100, 3))
     one = Trace(time, ("a",), effort=np.zeros((100, 1)), base_position=zero, base_quaternion=still, base_angular=zero)
-    two = replace(one, effort=one.effort + 0.5, base_position=zero + np.array([0.3, 0, 0.4]), base_quaternion=-turn)
+    two = replace(
+        one, effort=there(one.effort) + 0.5, base_position=zero + np.array([0.3, 0, 0.4]), base_quaternion=-turn
+    )
     floors = noise_floor([one, two])
     assert floors["a", "effort"] == pytest.approx(0.5)
     assert floors["base", "base_position"] == pytest.approx(0.5)
@@ -134,12 +137,13 @@ def test_noise_floor_of_two_is_their_difference_in_every_signal() -> None:
 def test_a_single_run_has_the_floor_of_its_quantum() -> None:
     step = 2 * np.pi / 4096
     clean = recording().trace
-    rounded = replace(clean, position=np.round(clean.position / step) * step)
+    position = there(clean.position)
+    rounded = replace(clean, position=np.round(position / step) * step)
     floors = noise_floor([rounded])
     assert floors["a", "position"] == pytest.approx(step / 4, rel=1e-9)
     # a quarter is what the rounding does in the mean
-    moving = np.abs(np.gradient(clean.position[:, 0])) > step
-    assert np.abs(rounded.position - clean.position)[moving, 0].mean() == pytest.approx(step / 4, rel=0.1)
+    moving = np.abs(np.gradient(position[:, 0])) > step
+    assert np.abs(there(rounded.position) - position)[moving, 0].mean() == pytest.approx(step / 4, rel=0.1)
 
 
 def test_the_quantum_survives_the_rounding_of_files() -> None:

@@ -11,6 +11,7 @@ from bags import EPOCH, FILE, FORMS, scenario, two_joints
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.scenario.schema import Scenario
+from signals import Signals
 
 
 @pytest.mark.parametrize("bare", [False, True])
@@ -20,14 +21,14 @@ def test_every_format_gives_the_same(form: str, bare: bool, tmp_path: Path, writ
     if bare and form != "bag":
         path = next(path.glob(f"*.{form}"))
     recording = read_recording(path, scenario(), ["a", "b"], file=FILE)
-    trace = recording.trace
+    trace = Signals(recording.trace)
     time = np.arange(100) * 0.01
     assert trace.joints == ("a", "b")
     assert recording.name == "run"
     np.testing.assert_allclose(trace.time, time, atol=1e-6)
     np.testing.assert_allclose(trace.position, np.column_stack([time, 2 * time]), atol=1e-6)
     np.testing.assert_allclose(trace.velocity, np.tile([1.0, 2.0], (100, 1)))
-    assert trace.effort is None
+    assert trace.trace.effort is None
     # held between commands; the first one, 5 ms after the first state, holds before it too
     held = np.maximum(time - 0.005, 0.005)
     np.testing.assert_allclose(trace.command, np.column_stack([10 + held, 20 + held]), atol=1e-6)
@@ -51,7 +52,7 @@ def test_any_message_whose_definition_is_in_the_bag(form: str, tmp_path: Path, w
         messages.append(("/servos", EPOCH + 0.01 * k, kind, {"stamp": EPOCH + 0.01 * k, **values}))
     stream = {"topic": "/servos", "names": "servos", "position": "radians", "effort": "load.newton_metres"}
     path = write_bag(tmp_path / ("run.bag" if form == "bag" else "run"), form, messages, definitions)
-    trace = read_recording(path, scenario(stream, None, effort="joint"), ["a", "b"], file=FILE).trace
+    trace = Signals(read_recording(path, scenario(stream, None, effort="joint"), ["a", "b"], file=FILE).trace)
     np.testing.assert_allclose(trace.position[:, 0], 2 * np.arange(20))
     np.testing.assert_allclose(trace.effort, np.tile([4.0, 3.0], (20, 1)))
     wrong = {**stream, "position": "degrees"}
@@ -132,8 +133,8 @@ def test_a_packed_bag_is_the_same_and_one_that_was_cut_off_is_told(
     with pa.output_stream(str(packed), compression={"gz": "gzip", "zst": "zstd"}[suffix]) as target:
         target.write(file.read_bytes())
     whole, again = (read_recording(p, scenario(), ["a", "b"], file=FILE) for p in (path, packed))
-    np.testing.assert_array_equal(again.trace.position, whole.trace.position)
-    np.testing.assert_array_equal(again.trace.command, whole.trace.command)
+    np.testing.assert_array_equal(Signals(again.trace).position, Signals(whole.trace).position)
+    np.testing.assert_array_equal(Signals(again.trace).command, Signals(whole.trace).command)
     packed.write_bytes(packed.read_bytes()[:-20])
     with pytest.raises(InputError, match=rf"run.{form}.{suffix}: cannot be unpacked"):
         read_recording(packed, scenario(), ["a", "b"], file=FILE)

@@ -18,6 +18,7 @@ from realitygap.recording.faults import (
 )
 from realitygap.recording.outliers import without_outliers
 from realitygap.trace.trace import Trace
+from signals import Signals, there
 
 PERIOD = 0.01
 QUANTUM = 2 * np.pi / 4096
@@ -69,12 +70,12 @@ def test_a_velocity_of_the_wrong_sign() -> None:
 @pytest.mark.parametrize("count", [1, 5])
 def test_repeated_readings(count: int) -> None:
     sound = recording()
-    position, velocity = sound.trace.position.copy(), sound.trace.velocity.copy()
+    position, velocity = Signals(sound.trace).position.copy(), Signals(sound.trace).velocity.copy()
     steps = np.diff(position[:, 0])
     fast = 2 + np.flatnonzero((np.abs(steps[:-3]) > 4 * QUANTUM) & (np.abs(steps[3:]) > 4 * QUANTUM))
     for row in fast[50 :: len(fast) // count][:count]:
         position[row], velocity[row] = position[row - 1], velocity[row - 1]
-    found = repeated_readings(replace(sound, trace=replace(sound.trace, position=position, velocity=velocity)))
+    found = there(repeated_readings(replace(sound, trace=replace(sound.trace, position=position, velocity=velocity))))
     assert found.joints == ("swing",)
     assert found.numbers["count"] == count
 
@@ -134,7 +135,7 @@ def test_an_impact_is_not_an_outlier() -> None:
 def test_noise_is_no_outlier() -> None:
     sound = recording()
     noise = np.random.default_rng(3).standard_normal((2000, 2))
-    trace = replace(sound.trace, position=sound.trace.position + 1e-3 * noise, velocity=0.5 * noise)
+    trace = replace(sound.trace, position=Signals(sound.trace).position + 1e-3 * noise, velocity=0.5 * noise)
     assert without_outliers(trace)[1] == ()
 
 
@@ -142,7 +143,7 @@ def test_noise_is_no_outlier() -> None:
 def test_a_recorder_and_stamps_that_run_apart(rate: float) -> None:
     sound = recording()
     delays = np.abs(np.random.default_rng(1).normal(size=2000)) * 2e-3
-    fault = clock_drift(replace(sound, receive_time=(1 + rate) * sound.trace.time + delays))
+    fault = there(clock_drift(replace(sound, receive_time=(1 + rate) * sound.trace.time + delays)))
     assert fault.numbers["rate"] == pytest.approx(rate, rel=0.1)
     assert ("slower" if rate > 0 else "faster") in fault.sentence
     assert clock_drift(replace(sound, receive_time=sound.trace.time + delays)) is None
@@ -151,6 +152,6 @@ def test_a_recorder_and_stamps_that_run_apart(rate: float) -> None:
 @pytest.mark.parametrize("rate", [3e-3, -2e-3])
 def test_repetitions_whose_clocks_run_apart(rate: float) -> None:
     reference = recording(jitter=0.0)
-    fault = drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0))
+    fault = there(drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0)))
     assert fault.numbers["rate"] == pytest.approx(rate, rel=0.25)
     assert drift_between(reference, recording()) is None

@@ -16,11 +16,12 @@ from realitygap.recording.recording import Recording
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
 from realitygap.trace.trace import Trace
+from signals import Signals, there
 
 FILE = Path("scenario.yaml")
 
 
-def scenario(episode: int | str = 0, command: str | None = "action", **recordings: Any) -> Scenario:
+def scenario(episode: int | str | None = 0, command: str | None = "action", **recordings: Any) -> Scenario:
     return Scenario.model_validate(
         {
             "name": "test",
@@ -39,7 +40,7 @@ def close(trace: Trace, episode: int, order: Sequence[int] = (0, 1)) -> None:
     time = np.arange(COUNT) * PERIOD
     np.testing.assert_allclose(trace.time, time, atol=1e-6)
     for value, expected in zip((trace.position, trace.command, trace.velocity), motion(episode), strict=True):
-        np.testing.assert_allclose(value, expected[:, list(order)], atol=2e-6)
+        np.testing.assert_allclose(there(value), expected[:, list(order)], atol=2e-6)
 
 
 @pytest.mark.parametrize("version", LAYOUTS)
@@ -72,7 +73,7 @@ def test_normalized_units_with_a_range(version: str, tmp_path: Path) -> None:
     """-100..100 over the elbow's range, 0..100 over the gripper's: a joint at 0 rad is in the middle of [-1, 1]."""
     path = data_set(tmp_path / "set", version, scale=100.0)
     limits = {"elbow": [-1.0, 1.0], "grip*": [-0.5, 0.5]}
-    trace = read(path, scenario(0, dataset={"units": "normalized", "range": limits})).trace
+    trace = Signals(read(path, scenario(0, dataset={"units": "normalized", "range": limits})).trace)
     position, _, velocity = motion(0)
     np.testing.assert_allclose(trace.position[:, 0], position[:, 0], atol=2e-6)
     np.testing.assert_allclose(trace.velocity[:, 0], velocity[:, 0], atol=2e-6)
@@ -88,7 +89,7 @@ def test_normalized_units_with_a_calibration_file_beside_the_scenario(tmp_path: 
     (tmp_path / "arm.json").write_text(json.dumps(calibration))
     units = {"elbow": "normalized", "*": "degrees"}
     asked = scenario(0, dataset={"units": units, "calibration": "arm.json"})
-    trace = read(path, asked, file=tmp_path / "scenario.yaml").trace
+    trace = Signals(read(path, asked, file=tmp_path / "scenario.yaml").trace)
     position = motion(0)[0]
     np.testing.assert_allclose(trace.position[:, 0], position[:, 0] / 2, atol=2e-6)  # 200 units over 1 rad
     np.testing.assert_allclose(trace.position[:, 1], np.radians(100 * position[:, 1]), atol=2e-6)
@@ -106,9 +107,9 @@ def test_a_part_keeps_its_clock_and_the_command_in_force(tmp_path: Path) -> None
     whole = read(path, scenario(0))
     part = read(path, scenario(0, part=[0.205, 0.6]))
     np.testing.assert_array_equal(part.trace.time, whole.trace.time[11:31])
-    np.testing.assert_array_equal(part.trace.position, whole.trace.position[11:31])
-    np.testing.assert_array_equal(part.trace.command, whole.trace.command[11:31])
-    np.testing.assert_array_equal(part.command, whole.trace.command[11:31])
+    np.testing.assert_array_equal(Signals(part.trace).position, Signals(whole.trace).position[11:31])
+    np.testing.assert_array_equal(Signals(part.trace).command, Signals(whole.trace).command[11:31])
+    np.testing.assert_array_equal(part.command, Signals(whole.trace).command[11:31])
     with pytest.raises(InputError, match=r"part \[5, 6\] holds 0 samples of .*set, which lasts from 0.00 to 1.18 s"):
         read(path, scenario(0, part=[5, 6]))
 

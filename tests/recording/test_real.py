@@ -10,6 +10,7 @@ from realitygap.recording import Recording, read_recording
 from realitygap.recording.align import group_repetitions, noise_floor
 from realitygap.recording.faults import faults
 from realitygap_engines.model.urdf import read_urdf
+from signals import Signals
 
 ENCODER = 2 * np.pi / 4096
 KICKS = ("kick_p16", "kick_p20", "kick_p24", "kick_p28", "kick_p32")
@@ -28,7 +29,7 @@ def sigmaban(data_dir: Path) -> dict[str, Recording]:
 def test_sigmaban_is_read_whole(sigmaban: dict[str, Recording]) -> None:
     assert set(KICKS) <= set(sigmaban)
     for name, recording in sigmaban.items():
-        trace = recording.trace
+        trace = Signals(recording.trace)
         assert len(trace.time) == (1500 if name.startswith("kick") else 1000)
         assert trace.time[0] == 0.0
         assert 1 / np.median(np.diff(trace.time)) == pytest.approx(100.0, rel=2e-3)
@@ -63,7 +64,7 @@ def test_the_one_garbled_reading_is_taken_out_and_no_other(sigmaban: dict[str, R
     (outlier,) = garbled["kick_p16"]
     assert (outlier.joint, outlier.signal) == ("left_ankle_roll", "velocity")
     assert outlier.value == pytest.approx(-381.9, abs=0.1)
-    assert np.abs(sigmaban["kick_p16"].trace.velocity).max() < 10.0
+    assert np.abs(Signals(sigmaban["kick_p16"].trace).velocity).max() < 10.0
 
 
 @pytest.mark.parametrize(("motion", "off"), [("lift_and_drop", True), ("sin_sin", False), ("up_and_down", False)])
@@ -73,7 +74,7 @@ def test_xl330_lets_go_at_two_seconds(motion: str, off: float, gain: int, data_d
     recording = read_recording(
         path, scenario("/joint_states", "/joint_commands", battery="/battery"), ["pendulum"], file=FILE
     )
-    silent = recording.trace.time[np.isnan(recording.trace.command[:, 0])]
+    silent = recording.trace.time[np.isnan(Signals(recording.trace).command[:, 0])]
     if off:
         assert silent[0] == pytest.approx(2.0, abs=0.006)
         assert silent[-1] == recording.trace.time[-1]
@@ -85,7 +86,7 @@ def test_xl330_lets_go_at_two_seconds(motion: str, off: float, gain: int, data_d
 @pytest.mark.parametrize("load", [0, 2, 4, 6, 8])
 def test_mx106_current_in_newton_metres(load: int, data_dir: Path) -> None:
     asked = scenario("/joint_states", "/joint_commands", effort={"topic": "/joint_currents", "factor": 1 / 0.48})
-    trace = read_recording(data_dir / f"mx106_bench/sine_{load}w.bag", asked, ["R1"], file=FILE).trace
+    trace = Signals(read_recording(data_dir / f"mx106_bench/sine_{load}w.bag", asked, ["R1"], file=FILE).trace)
     assert len(trace.time) == 6001
     goal = np.pi / 3 * np.sin(np.pi / 2 * trace.time)
     np.testing.assert_allclose(trace.command[:, 0], goal, atol=2e-3)
@@ -116,12 +117,12 @@ def test_sts3215_repetitions_and_their_noise(data_dir: Path) -> None:
         assert 1e-3 < floor < 0.03
         assert noise_floor(traces[:1])["pendulum", "position"] == pytest.approx(ENCODER / 4, rel=0.01)
     off = runs[next(g.indices[0] for g in groups if g.name.startswith("lift_and_drop"))].recording
-    assert off.trace.time[np.isnan(off.trace.command[:, 0])][0] == pytest.approx(2.0, abs=0.02)
+    assert off.trace.time[np.isnan(Signals(off.trace).command[:, 0])][0] == pytest.approx(2.0, abs=0.02)
 
 
 def test_emps_force(data_dir: Path) -> None:
     asked = scenario(None, "command", columns={"effort": "force"}, effort="motor")
-    trace = read_recording(data_dir / "emps/estimation.csv", asked, ["slide"], file=FILE).trace
+    trace = Signals(read_recording(data_dir / "emps/estimation.csv", asked, ["slide"], file=FILE).trace)
     assert len(trace.time) == 24841
     # the published law of the drive explains the recorded force
     speed = np.gradient(trace.position[:, 0], trace.time)
@@ -133,7 +134,7 @@ def test_cube_tosses_fly_as_they_are_said_to(data_dir: Path) -> None:
     paths = sorted((data_dir / "cube_toss").glob("toss_*.csv"))
     assert len(paths) >= 100
     for path in paths[:20]:
-        trace = read_recording(path, scenario(None, None, "free"), [], file=FILE).trace
+        trace = Signals(read_recording(path, scenario(None, None, "free"), [], file=FILE).trace)
         flight = slice(1, 20)
         speed = np.gradient(trace.base_position, trace.time, axis=0)
         assert np.abs(speed - trace.base_linear)[flight].mean() < 0.1

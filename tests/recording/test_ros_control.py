@@ -12,7 +12,7 @@ from realitygap.recording import read_recording
 from realitygap.recording.recording import Recording
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
-from realitygap.trace.trace import Trace
+from signals import Signals, there
 
 FILE = Path("scenario.yaml")
 Message = tuple[str, float, str, dict[str, Any]]
@@ -97,7 +97,7 @@ def read(bag: Path, want: Scenario, joints: Sequence[str] = JOINTS) -> Recording
 @pytest.mark.parametrize("kind", [STATE, CONTROLLER, "old", DYNAMIC])
 def test_the_same_state_in_every_message(kind: str, form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     sent = states() if kind == STATE else messages(kind, "/joint_states")
-    trace = read(write_bag(tmp_path / "run", form, sent, DEFINITIONS), scenario()).trace
+    trace = Signals(read(write_bag(tmp_path / "run", form, sent, DEFINITIONS), scenario()).trace)
     time = np.arange(200) * 0.01
     np.testing.assert_allclose(trace.time, time, atol=1e-6)
     np.testing.assert_allclose(trace.position, np.transpose(measured(time)), atol=1e-12)
@@ -109,7 +109,7 @@ def test_the_same_command_in_every_message(kind: str, tmp_path: Path, write_bag:
     sent = [*states(), *messages(kind, "/told")]
     named: dict[str, Any] = {"joints": ["b", "a"]} if kind == ARRAY else {}
     want = scenario(command="/told", **named)
-    trace = read(write_bag(tmp_path / "run", "mcap", sent, DEFINITIONS), want).trace
+    trace = Signals(read(write_bag(tmp_path / "run", "mcap", sent, DEFINITIONS), want).trace)
     np.testing.assert_allclose(trace.command, np.transpose(asked(trace.time)), atol=1e-6)
 
 
@@ -127,7 +127,7 @@ def test_an_effort_command_of_an_array(tmp_path: Path, write_bag: Callable[..., 
     bag = write_bag(tmp_path / "run", "mcap", [*states(), *messages(ARRAY, "/told")])
     recording = read(bag, scenario(command="/told", joints=["b", "a"], **{"as": "effort"}))
     assert recording.command_kind == "effort"
-    np.testing.assert_allclose(recording.trace.command, np.transpose(asked(recording.trace.time)), atol=1e-6)
+    np.testing.assert_allclose(Signals(recording.trace).command, np.transpose(asked(recording.trace.time)), atol=1e-6)
 
 
 def goal(start: float, points: Any, names: Sequence[str] = ("b", "a"), stamp: bool = True) -> Message:
@@ -140,9 +140,9 @@ def goal(start: float, points: Any, names: Sequence[str] = ("b", "a"), stamp: bo
     return ("/goal", EPOCH + start, TRAJECTORY, {**header, "joint_names": list(names), "points": rows})
 
 
-def trajectory(tmp_path: Path, write_bag: Callable[..., Path], goals: list[Message], **motion: Any) -> Trace:
+def trajectory(tmp_path: Path, write_bag: Callable[..., Path], goals: list[Message], **motion: Any) -> Signals:
     bag = write_bag(tmp_path / "run", "mcap", [*states(400), *goals])
-    return read(bag, scenario(command="/goal", held=False, **motion)).trace
+    return Signals(read(bag, scenario(command="/goal", held=False, **motion)).trace)
 
 
 @pytest.mark.parametrize("stamp", [True, False])
@@ -222,9 +222,9 @@ def test_a_first_scenario_finds_the_command(
     )
     draft = init(urdf, [bag], tmp_path / "out")
     found = load_scenario(draft.path).scenario
-    assert found.recordings.state == "/joint_states"
-    assert found.motion.recorded == topic
-    assert {"joints": found.motion.joints, "held": found.motion.held} == expected
+    assert there(found.recordings).state == "/joint_states"
+    assert there(found.motion).recorded == topic
+    assert {"joints": there(found.motion).joints, "held": there(found.motion).held} == expected
     assert "not used: /dynamic_joint_states (control_msgs/DynamicJointState)" in draft.lines()
 
 
@@ -233,5 +233,5 @@ def test_dynamic_states_alone_are_the_state(tmp_path: Path, write_bag: Callable[
     urdf.write_text(URDF)
     sent = messages(DYNAMIC, "/dynamic_joint_states")
     draft = init(urdf, [write_bag(tmp_path / "run", "mcap", sent, DEFINITIONS)], tmp_path / "out")
-    assert load_scenario(draft.path).scenario.recordings.state == "/dynamic_joint_states"
+    assert there(load_scenario(draft.path).scenario.recordings).state == "/dynamic_joint_states"
     assert "note: no topic of commands was found: without motion, nothing drives the joints" in draft.lines()

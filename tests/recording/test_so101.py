@@ -9,6 +9,7 @@ import pytest
 from realitygap.recording import read_recording
 from realitygap.scenario.file import load_scenario
 from realitygap.trace.trace import Trace
+from signals import there
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "so101" / "scenario.yaml"
 JOINTS = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper")
@@ -22,7 +23,8 @@ def test_the_windows_of_the_scenario_are_those_in_which_the_command_moves_most(d
         asked = load_scenario(SCENARIO).override({"recordings.episode": case.run.episode}).scenario
         whole = read_recording(case.path, asked, JOINTS, file=SCENARIO)
         assert case.run.window == bench_so101.window(whole)
-        assert case.run.part[0] <= case.run.window[0] < case.run.window[1] < case.run.part[1]
+        begin, end = there(case.run.part)
+        assert begin <= case.run.window[0] < case.run.window[1] < end
 
 
 def moving() -> Trace:
@@ -33,13 +35,14 @@ def moving() -> Trace:
 
 def test_the_score_of_a_motion_with_itself_is_zero() -> None:
     trace = moving()
-    assert bench_so101.score(trace, trace, trace.position)["score"] == 0.0
+    assert bench_so101.score(trace, trace, there(trace.position))["score"] == 0.0
 
 
 def test_an_offset_counts_by_the_range_and_a_still_joint_by_the_least_range() -> None:
     trace = moving()
-    still = replace(trace, position=np.column_stack([trace.position[:, 0], np.zeros(600)]))
-    found = bench_so101.score(replace(still, position=still.position + 0.1), still, still.position)
+    still = replace(trace, position=np.column_stack([there(trace.position)[:, 0], np.zeros(600)]))
+    position = there(still.position)
+    found = bench_so101.score(replace(still, position=position + 0.1), still, position)
     assert found["position"] == pytest.approx((0.1 / 2.0 + 0.1 / 0.05) / 2, rel=1e-3)
     assert found["holding"] == pytest.approx(found["position"])
     assert (found["velocity"], found["lag"]) == (0.0, 0.0)
@@ -55,5 +58,5 @@ def test_the_lag_of_a_passing_swing_is_found(late: int) -> None:
         return Trace(time, ("a",), position=position[:, None], velocity=np.gradient(position, time)[:, None])
 
     measured = swing(0.0)
-    found = bench_so101.score(swing(late * bench_so101.GRID), measured, measured.position)
+    found = bench_so101.score(swing(late * bench_so101.GRID), measured, there(measured.position))
     assert found["lag"] == pytest.approx(late * bench_so101.GRID)

@@ -11,6 +11,7 @@ from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.recording.frames import rotate
 from realitygap.scenario.schema import Scenario
+from signals import Signals, there
 
 FILE = Path("scenario.yaml")
 TIME = np.arange(50) * 0.01
@@ -42,8 +43,8 @@ def write(frame: pd.DataFrame, path: Path) -> Path:
 def test_a_single_joint(suffix: str, tmp_path: Path) -> None:
     recording = read_recording(write(one_joint(), tmp_path / f"run{suffix}"), scenario(), ["elbow"], file=FILE)
     np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
-    np.testing.assert_array_equal(recording.trace.position[:, 0], TIME)
-    np.testing.assert_array_equal(recording.trace.command[:, 0], TIME + 1)
+    np.testing.assert_array_equal(Signals(recording.trace).position[:, 0], TIME)
+    np.testing.assert_array_equal(Signals(recording.trace).command[:, 0], TIME + 1)
     np.testing.assert_array_equal(recording.command_time, recording.trace.time)
     assert recording.command_kind == "position"
     assert recording.trace.supply is None
@@ -56,17 +57,17 @@ def test_several_joints_by_column_name(form: str, tmp_path: Path) -> None:
     for k, joint in enumerate(("hip", "knee")):
         for signal in ("command", "position"):
             frame[form.format(signal, joint)] = k + TIME
-    trace = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["knee", "hip"], file=FILE).trace
+    trace = Signals(read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["knee", "hip"], file=FILE).trace)
     np.testing.assert_allclose(trace.position, np.column_stack([1 + TIME, TIME]))
     np.testing.assert_allclose(trace.command, trace.position)
-    assert trace.velocity is None
+    assert trace.trace.velocity is None
 
 
 def test_several_joints_by_mapping(tmp_path: Path) -> None:
     frame = pd.DataFrame({"t": TIME, "x1": TIME, "x2": 2 * TIME, "u1": 0.0, "u2": 1.0})
     columns = {"time": "t", "position": {"a": "x1", "b": "x2"}, "command": {"a": "u1", "b": "u2"}}
     asked = scenario(columns=columns)
-    trace = read_recording(write(frame, tmp_path / "run.csv"), asked, ["b", "a"], file=FILE).trace
+    trace = Signals(read_recording(write(frame, tmp_path / "run.csv"), asked, ["b", "a"], file=FILE).trace)
     np.testing.assert_allclose(trace.position, np.column_stack([2 * TIME, TIME]))
     np.testing.assert_allclose(trace.command, np.tile([1.0, 0.0], (50, 1)))
     with pytest.raises(InputError, match=r"columns.position: names no column for joint c; it has a, b"):
@@ -76,7 +77,7 @@ def test_several_joints_by_mapping(tmp_path: Path) -> None:
 def test_a_servo_that_is_off_has_no_command(tmp_path: Path) -> None:
     frame = one_joint(torque_enabled=np.where(TIME < 0.2, 1, 0), supply_voltage=12.0 - TIME)
     recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
-    np.testing.assert_array_equal(np.isnan(recording.trace.command[:, 0]), TIME >= 0.2)
+    np.testing.assert_array_equal(np.isnan(Signals(recording.trace).command[:, 0]), TIME >= 0.2)
     np.testing.assert_array_equal(np.isnan(recording.command[:, 0]), TIME >= 0.2)
     np.testing.assert_allclose(recording.supply, 12.0 - TIME)
 
@@ -84,7 +85,7 @@ def test_a_servo_that_is_off_has_no_command(tmp_path: Path) -> None:
 def test_effort_in_its_own_column_and_unit(tmp_path: Path) -> None:
     path = write(one_joint(current=0.5), tmp_path / "run.csv")
     asked = scenario(effort={"topic": "current", "factor": 2.0})
-    np.testing.assert_allclose(read_recording(path, asked, ["elbow"], file=FILE).trace.effort, 1.0)
+    np.testing.assert_allclose(there(read_recording(path, asked, ["elbow"], file=FILE).trace.effort), 1.0)
     with pytest.raises(InputError, match=r"recordings.effort: .*run.csv holds no effort"):
         read_recording(path, scenario(effort="motor"), ["elbow"], file=FILE)
 
@@ -109,9 +110,9 @@ def test_a_free_body_turns_about_world_axes(axes: str, tmp_path: Path) -> None:
     for name, value in zip(("wx", "wy", "wz"), spin, strict=True):
         frame[name] = value
     asked = scenario(None, "free", columns={"base_angular_axes": axes})
-    trace = read_recording(write(frame, tmp_path / "run.csv"), asked, [], file=FILE).trace
+    trace = Signals(read_recording(write(frame, tmp_path / "run.csv"), asked, [], file=FILE).trace)
     assert trace.position.shape == (50, 0)
-    assert trace.base_linear is None
+    assert trace.trace.base_linear is None
     np.testing.assert_allclose(trace.base_angular, np.tile([0.0, -2.0, 0.0], (50, 1)), atol=1e-9)
     # and the orientations do turn like that: the axis stays, the body's x goes round it
     nose = rotate(trace.base_quaternion, np.tile([1.0, 0, 0], (50, 1)))
@@ -123,7 +124,7 @@ def test_rows_that_repeat_a_time_are_dropped(tmp_path: Path) -> None:
     frame["time"] = frame["time"].where(frame.index != 10, frame["time"].shift())
     recording = read_recording(write(frame, tmp_path / "run.csv"), scenario(), ["elbow"], file=FILE)
     assert len(recording.trace.time) == 49
-    assert recording.trace.position[9, 0] == TIME[10]
+    assert Signals(recording.trace).position[9, 0] == TIME[10]
     assert "1 rows repeat the time" in recording.notes[0]
 
 
@@ -166,8 +167,8 @@ def test_units_are_said_for_all_joints_or_by_pattern(tmp_path: Path) -> None:
     path = write(frame, tmp_path / "run.csv")
     recording = read_recording(path, scenario(columns={"units": units}), ["a", "b"], file=FILE)
     np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
-    np.testing.assert_allclose(recording.trace.position, np.outer(TIME, [np.pi / 180, 1e-3]))
-    np.testing.assert_allclose(recording.trace.command, np.outer(TIME, [np.pi / 180] * 2))
+    np.testing.assert_allclose(Signals(recording.trace).position, np.outer(TIME, [np.pi / 180, 1e-3]))
+    np.testing.assert_allclose(Signals(recording.trace).command, np.outer(TIME, [np.pi / 180] * 2))
     with pytest.raises(InputError, match=r"recordings.columns.units.position: no pattern matches joint b"):
         read_recording(path, scenario(columns={"units": {"position": {"a": "deg"}}}), ["a", "b"], file=FILE)
 
@@ -223,7 +224,7 @@ def test_the_same_motion_however_a_table_is_written(
 ) -> None:
     path = tmp_path / "run.csv"
     path.write_text(rendered(one_joint(), separator, point, end=end, comment=comment), encoding="utf-8")
-    trace = read_recording(path, scenario(), ["elbow"], file=FILE).trace
+    trace = Signals(read_recording(path, scenario(), ["elbow"], file=FILE).trace)
     np.testing.assert_allclose(trace.time, TIME, atol=1e-12)
     np.testing.assert_array_equal(trace.position[:, 0], TIME)
     np.testing.assert_array_equal(trace.command[:, 0], TIME + 1)
@@ -235,7 +236,7 @@ def test_a_header_in_a_comment(separator: str, tmp_path: Path) -> None:
     path = tmp_path / "run.csv"
     text = rendered(one_joint(), separator, ".", comment="# by numpy.savetxt\n# ")
     path.write_text(text)
-    trace = read_recording(path, scenario(), ["elbow"], file=FILE).trace
+    trace = Signals(read_recording(path, scenario(), ["elbow"], file=FILE).trace)
     np.testing.assert_array_equal(trace.position[:, 0], TIME)
     path.write_text(text.replace("0.07" + separator, "n/k" + separator, 1))
     with pytest.raises(InputError, match=r"(is 'n/k'|n/k).* in line 10, expected a number"):
@@ -247,7 +248,8 @@ def test_a_header_with_a_sign_from_elsewhere(tmp_path: Path) -> None:
     frame = one_joint().rename(columns={"position": "q [°]"})
     path.write_bytes(rendered(frame, ";", ",").encode("latin-1"))
     asked = scenario(columns={"position": "q [°]"})
-    np.testing.assert_array_equal(read_recording(path, asked, ["elbow"], file=FILE).trace.position[:, 0], TIME)
+    trace = read_recording(path, asked, ["elbow"], file=FILE).trace
+    np.testing.assert_array_equal(Signals(trace).position[:, 0], TIME)
 
 
 PACKERS = {"gz": "gzip", "zst": "zstd"}
@@ -269,7 +271,7 @@ def test_a_packed_table_is_the_same_and_one_that_was_cut_off_is_told(suffix: str
     path = pack(plain, suffix)
     recording = read_recording(path, scenario(), ["elbow"], file=FILE)
     assert recording.name == "run"
-    np.testing.assert_array_equal(recording.trace.position, whole.position)
+    np.testing.assert_array_equal(Signals(recording.trace).position, whole.position)
     data = path.read_bytes()
     for share in (0.0, 0.3, 0.99):
         path.write_bytes(data[: int(share * len(data))])

@@ -17,6 +17,7 @@ from realitygap.report.folder import read_folder
 from realitygap.report.spread import spread
 from realitygap.report.thesis import grounds, improvements
 from realitygap.trace.trace import Trace
+from signals import there
 
 JOINTS = ("hip", "knee", "ankle", "toe")
 
@@ -91,19 +92,21 @@ def test_curves_come_back_within_their_quantum(tmp_path: Path) -> None:
     path = curves_of(tmp_path, simulated, measured)
     content = read_curves(path)
     time = unpack(content["time"])
-    truth = np.rad2deg(simulated.at(time + measured.time[0]).position)
+    truth = np.rad2deg(there(simulated.at(time + measured.time[0]).position))
     for i, joint in enumerate(joints):
         packed = content["simulated"]["position"][joint]
         assert packed["unit"] == "deg"
         np.testing.assert_allclose(unpack(packed), truth[:, i], atol=0.51 * packed["quantum"])
         assert packed["quantum"] <= 1e-4 * np.abs(truth[:, i]).max()
     theirs = read_curves(tmp_path / "curves" / f"{content['measured']}.js")
-    np.testing.assert_allclose(unpack(theirs["position"]["a"]), np.rad2deg(measured.at(time).position[:, 0]), atol=1e-3)
+    np.testing.assert_allclose(
+        unpack(theirs["position"]["a"]), np.rad2deg(there(measured.at(time).position)[:, 0]), atol=1e-3
+    )
 
 
 def test_samples_that_were_not_measured_stay_missing(tmp_path: Path) -> None:
     measured = synthetic.trace(["a"], 0.0, 0)
-    measured.position[200:400] = np.nan
+    there(measured.position)[200:400] = np.nan
     path = curves_of(tmp_path, synthetic.trace(["a"], 0.01, 1), measured)
     content = read_curves(path)
     values = unpack(read_curves(tmp_path / "curves" / f"{content['measured']}.js")["position"]["a"])
@@ -116,7 +119,7 @@ def test_samples_that_were_not_measured_stay_missing(tmp_path: Path) -> None:
 def test_box_is_that_of_all_samples(tmp_path: Path) -> None:
     measured, simulated = synthetic.trace(["a"], 0.0, 0), synthetic.trace(["a"], 0.02, 3)
     path = curves_of(tmp_path, simulated, measured)
-    gap = np.rad2deg(np.abs(simulated.position[:, 0] - measured.position[:, 0]))
+    gap = np.rad2deg(np.abs(there(simulated.position) - there(measured.position))[:, 0])
     low, q1, median, q3, high, most = read_curves(path)["boxes"]["position"]["a"]
     np.testing.assert_allclose([q1, median, q3, most], [*np.percentile(gap, [25, 50, 75]), gap.max()], rtol=1e-3)
     assert low <= q1 <= median <= q3 <= high <= most
@@ -126,7 +129,7 @@ def test_spread_is_the_rms_between_the_engines(tmp_path: Path) -> None:
     measured = synthetic.trace(["a"], 0.0, 0)
     for engine, offset in (("mujoco", 0.01), ("drake", 0.03)):
         shifted = synthetic.trace(["a"], 0.0, 0)
-        shifted.position[:] += offset
+        there(shifted.position)[:] += offset
         synthetic.write_cell(tmp_path, synthetic.cell(engine), shifted, measured)
     gaps = {(e, (), "position", "moving"): 1.0 for e in ("mujoco", "drake")}
     synthetic.write_planted(tmp_path, synthetic.planted(gaps))

@@ -20,9 +20,9 @@ from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.rollout import rollout
 from realitygap.simulate.start import holding_effort, start_state
-from realitygap.trace.trace import Trace
 from realitygap_engines import Ground, Physics, State
 from realitygap_engines.model.robot import Link, Model, Sphere, rotation_from_rpy
+from signals import Signals
 
 
 @everywhere
@@ -79,11 +79,11 @@ def block(ground: Ground) -> Plant:
     return Plant(model, neutral_drive(0), ground, *(np.zeros(0),) * 3, np.zeros(2))
 
 
-def thrown(plant: Plant, engine: str, speed: float, duration: float) -> Trace:
+def thrown(plant: Plant, engine: str, speed: float, duration: float) -> Signals:
     start = start_state(plant, np.zeros(0))
     start.base_linear = np.array([speed, 0.0, 0.0])
     with engines.load(engine).open(plant.machine(), Physics(H, ground=plant.ground)) as simulation:
-        return rollout(simulation, plant, Commands(np.zeros(1), np.zeros((1, 0))), start, duration).trace
+        return Signals(rollout(simulation, plant, Commands(np.zeros(1), np.zeros((1, 0))), start, duration).trace)
 
 
 @everywhere

@@ -12,9 +12,9 @@ from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.effect_bench import arm
 from realitygap.simulate.rollout import rollout
-from realitygap.trace.trace import Trace
 from realitygap_engines import Physics, State
 from realitygap_engines.model.robot import Array, Link
+from signals import Signals
 
 
 def bench(**drive: float) -> Plant:
@@ -36,19 +36,17 @@ def swing(t: Array) -> Array:
     return 0.6 * np.sin(10.0 * t) * np.minimum(t / 0.2, 1.0)
 
 
-def run(plant: Plant, h: float = 1e-3, *, command: float | None = None, duration: float = 1.0) -> Trace:
+def run(plant: Plant, h: float = 1e-3, *, command: float | None = None, duration: float = 1.0) -> Signals:
     t = np.arange(0, duration + 1e-9, 1e-4)
     value = swing(t) if command is None else np.full_like(t, command)
     with engines.load("mujoco").open(plant.machine(), Physics(h)) as simulation:
         start = State(np.zeros(1), np.zeros(1))
-        return rollout(simulation, plant, Commands(t, value[:, None], held=False), start, duration).trace
+        return Signals(rollout(simulation, plant, Commands(t, value[:, None], held=False), start, duration).trace)
 
 
-def error(plant: Plant, h: float, reference: Trace) -> float:
+def error(plant: Plant, h: float, reference: Signals) -> float:
     out = run(plant, h)
     every = round(h / 5e-5)
-    assert out.position is not None
-    assert reference.position is not None
     return float(np.sqrt(np.mean((out.position - reference.position[::every][: len(out.position)]) ** 2)))
 
 
@@ -133,7 +131,7 @@ def test_an_integral_does_not_wind_up_at_the_limit() -> None:
     t = np.arange(0, 3.0, 1e-3)
     value = np.where(t < 1.5, 2.0, 0.2)[:, None]
     with engines.load("mujoco").open(plant.machine(), Physics(1e-3)) as simulation:
-        out = rollout(simulation, plant, Commands(t, value), State(np.zeros(1), np.zeros(1)), 3.0).trace
+        out = Signals(rollout(simulation, plant, Commands(t, value), State(np.zeros(1), np.zeros(1)), 3.0).trace)
     assert out.position.max() < 2.2
     assert_allclose(out.position[-1], 0.2, atol=0.02)
 

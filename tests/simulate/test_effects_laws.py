@@ -17,6 +17,7 @@ from realitygap.simulate.effect_bench import Excitation, arm, bench, block, moti
 from realitygap.trace.trace import Trace
 from realitygap_engines import Unsupported
 from realitygap_engines.model.robot import Model
+from signals import Signals
 
 ENGINES = engines.available()
 DURATION = 1.7
@@ -151,7 +152,7 @@ def test_without_dry_friction_engines_agree_to_rounding(name: str) -> None:
     for engine in ENGINES:
         plant = planted(effect)
         plant.drive["coulomb"] = plant.drive["static"] = 0.0
-        traces.append(simulate(plant, engine, duration=0.8).position)
+        traces.append(Signals(simulate(plant, engine, duration=0.8)).position)
     for engine, other in zip(ENGINES[1:], traces[1:], strict=True):
         # an engine whose bodies are held together by constraints does not solve to rounding, and says so
         exact = engines.load(engine).capabilities()["forward_dynamics"].level != "no"

@@ -28,6 +28,7 @@ from realitygap.robot.effort_map import VARIABLES
 from realitygap.robot.law import effort_map as law
 from realitygap.robot.plant import Plant
 from realitygap.simulate.effect_bench import arm, planted, simulate
+from signals import Signals
 
 WHOLE = LINK + ARMATURE
 DC_GAIN = 5.0 * SUPPLY * TORQUE_CONSTANT / RESISTANCE
@@ -42,8 +43,8 @@ def test_a_map_of_zeros_changes_nothing_bit_for_bit(engine: str) -> None:
     for variables in (["speed"], ["angle", "speed"], ["load", "error"]):
         knots = [[-0.3, 0.2, 0.7]] * len(variables)
         values = [0.0] * 3 if len(variables) == 1 else [[0.0] * 3] * 3
-        out = simulate(mapped(arm(), variables, knots, values), engine, duration=0.5)
-        assert np.array_equal(out.position, simulate(arm(), engine, duration=0.5).position)
+        out, bare = (simulate(p, engine, duration=0.5) for p in (mapped(arm(), variables, knots, values), arm()))
+        assert np.array_equal(Signals(out).position, Signals(bare).position)
 
 
 @everywhere
@@ -137,7 +138,7 @@ def test_engines_agree_to_rounding() -> None:
     for engine in engines.available():
         plant = planted(EFFORT_MAP)
         plant.drive["coulomb"] = plant.drive["static"] = 0.0
-        traces.append(simulate(plant, engine, duration=0.8).position)
+        traces.append(Signals(simulate(plant, engine, duration=0.8)).position)
     for engine, other in zip(engines.available()[1:], traces[1:], strict=True):
         exact = engines.load(engine).capabilities()["forward_dynamics"].level != "no"
         assert np.abs(other - traces[0]).max() < (1e-8 if exact else 1e-6)
