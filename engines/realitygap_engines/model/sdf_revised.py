@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from defusedxml.ElementTree import DefusedXMLParser
 
+from realitygap_engines.model.inertial_editor import ENTRIES
 from realitygap_engines.model.robot import Array, Link
 from realitygap_engines.model.sdf import link_frames
 
-ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 NOTHING = 1e-12
 """Mass [kg] and inertia [kg·m²] of what is counted elsewhere: SDF has no link without."""
 

@@ -9,10 +9,9 @@ from realitygap_engines.model.robot import Array, Model
 
 from realitygap.audit.certificate import Row, Verdict
 from realitygap.audit.check import advance, read
-from realitygap.audit.machines import at_rest, chain, leg, random_state
+from realitygap.audit.machines import STEP, at_rest, chain, leg, random_state
 from realitygap.audit.oracle import Oracle
 
-STEP = 1e-3
 CHAIN_TOLERANCE = 1e-9
 FREE_TOLERANCE = 1e-6
 ARMATURE = 0.0266

@@ -7,11 +7,10 @@ from realitygap_engines import Engine, Physics, State
 from realitygap_engines.model.robot import Array, Model
 
 from realitygap.audit.check import Check, advance, largest, read
-from realitygap.audit.machines import random_state, velocities
+from realitygap.audit.machines import STEP, random_state, velocities
 from realitygap.audit.oracle import Oracle
 
 SEEDS = range(3)
-STEP = 1e-3
 
 
 def checks_of(model: Model, what: str, h: float = STEP, way_tolerance: float = 1e-3) -> tuple[Check, ...]:

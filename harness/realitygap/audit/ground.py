@@ -1,14 +1,12 @@
 """Contact with the ground: resting height, friction of the pair, stiffness."""
 
 import numpy as np
-from realitygap_engines import Engine, Ground, Physics, Simulation, State, Unsupported
+from realitygap_engines import GRAVITY, Engine, Ground, Physics, Simulation, State, Unsupported
 from realitygap_engines.model.robot import Array
 
 from realitygap.audit.check import Check, advance, read
-from realitygap.audit.machines import BLOCK_HEIGHT, block
+from realitygap.audit.machines import BLOCK_HEIGHT, STEP, block
 
-G = 9.81
-STEP = 1e-3
 STIFFNESS, DAMPING = 3000.0, 100.0
 
 
@@ -28,7 +26,7 @@ def rest(engine: Engine) -> float:
 
 def sink(engine: Engine) -> float:
     """Depth m g/(4 k) on soft ground, relative; an engine without stiffness shows what rigid ground gives."""
-    depth = block().mass * G / (4 * STIFFNESS)
+    depth = block().mass * GRAVITY / (4 * STIFFNESS)
     try:
         simulation = engine.open(block(), Physics(STEP, ground=Ground(0.8, STIFFNESS, DAMPING)))
     except Unsupported:
@@ -48,8 +46,8 @@ def _slide(simulation: Simulation, friction: float, heading: float) -> tuple[flo
     state.base_linear = ahead
     start: Array = state.base_position.copy()
     simulation.reset(state)
-    moved = advance(simulation, round(1.2 / (friction * G * STEP))).base_position - start
-    expected = 1.0 / (2 * friction * G) - STEP / 2  # velocities are stepped before positions
+    moved = advance(simulation, round(1.2 / (friction * GRAVITY * STEP))).base_position - start
+    expected = 1.0 / (2 * friction * GRAVITY) - STEP / 2  # velocities are stepped before positions
     along = float(moved @ ahead)
     return abs(along - expected), float(np.abs(moved - along * ahead).max())
 
@@ -59,7 +57,7 @@ def stopping(engine: Engine) -> float:
     worst = 0.0
     for friction in (0.3, 0.9):
         with engine.open(block(), Physics(STEP, ground=Ground(friction))) as simulation:
-            worst = max(worst, _slide(simulation, friction, 0.0)[0] * 2 * friction * G)
+            worst = max(worst, _slide(simulation, friction, 0.0)[0] * 2 * friction * GRAVITY)
     return worst
 
 
@@ -69,7 +67,7 @@ def heading(engine: Engine) -> float:
     with engine.open(block(), Physics(STEP, ground=Ground(0.6))) as simulation:
         for angle in (np.pi / 4, np.pi / 8):
             worst = max(worst, *_slide(simulation, 0.6, angle))
-    return worst * 2 * 0.6 * G
+    return worst * 2 * 0.6 * GRAVITY
 
 
 CHECKS = (

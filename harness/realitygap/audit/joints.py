@@ -4,13 +4,11 @@ import numpy as np
 from realitygap_engines import Engine, Physics, State
 
 from realitygap.audit.check import Check, advance, speeds
-from realitygap.audit.machines import at_rest, rotor
+from realitygap.audit.machines import INERTIA, STEP, at_rest, rotor
 
-INERTIA = 0.01
 LIGHT = 4.5e-4
 """Inertia of a humanoid's foot about its ankle [kg·m²]."""
 FRICTION = 0.02
-STEP = 1e-3
 
 
 def decay(engine: Engine) -> float:

@@ -4,6 +4,10 @@ import numpy as np
 from realitygap_engines import State
 from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere, axis_rotation, rotation_from_rpy
 
+STEP = 1e-3
+"""The step [s] of every check that does not need another."""
+INERTIA = 0.01
+"""Of a rotor [kg·m²] that is no pitfall by its size."""
 FAR = 50.0
 """A position limit [rad or m] that is never reached, so that engines have to enforce one."""
 

@@ -3,20 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
-from realitygap_engines import Diverged, Engine, Ground, Physics, State
+from realitygap_engines import GRAVITY, Diverged, Engine, Ground, Physics, State
 from realitygap_engines.model.robot import Array, Model
 from scipy.special import ellipk
 
 from realitygap.audit.check import Check, advance, largest, read
-from realitygap.audit.machines import BLOCK_HEIGHT, at_rest, block, pendulum, random_state, rotor, tree
+from realitygap.audit.machines import BLOCK_HEIGHT, INERTIA, STEP, at_rest, block, pendulum, random_state, rotor, tree
 from realitygap.audit.oracle import Oracle
 
-G = 9.81
-STEP = 1e-3
 AMPLITUDE = 1.0
-INERTIA = 0.01
-TOO_FAST = 1e4
-"""A speed [rad/s] at which the time loop calls a simulation diverged."""
+BLOWN_UP = 1e4
+"""A speed [rad/s] that no robot has: an engine that shows it hides no blow-up."""
 
 
 def _swing(engine: Engine, steps: int) -> tuple[Array, Array]:
@@ -31,7 +28,7 @@ def _pendulum() -> tuple[float, float]:
     """Inertia about the hinge [kg·m²] and gravity torque when horizontal [N·m]."""
     bob = pendulum().links[1]
     length = -bob.com[2]
-    return bob.inertia[1, 1] + bob.mass * length**2, bob.mass * G * length
+    return bob.inertia[1, 1] + bob.mass * length**2, bob.mass * GRAVITY * length
 
 
 def period(engine: Engine) -> float:
@@ -152,7 +149,7 @@ def blow_up(engine: Engine) -> float:
             except Diverged:
                 continue
             found = abs(end.velocity[0])
-        unseen += bool(found < TOO_FAST)
+        unseen += bool(found < BLOWN_UP)
     return float(unseen)
 
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from realitygap_engines import State
+from realitygap_engines import GRAVITY, State
 from realitygap_engines.model.robot import Array, Model, rotation_from_quaternion
 
 from realitygap.files.errors import InputError
 
-GRAVITY = np.array([0.0, 0.0, -9.81])
+DOWN = np.array([0.0, 0.0, -GRAVITY])
 ORIGIN = np.zeros(3)
 
 
@@ -36,7 +36,7 @@ def pinocchio() -> Any:
 class Oracle:
     """Rigid-body dynamics of a model in the coordinates of `Simulation.mass_matrix`: the base first, in world axes."""
 
-    def __init__(self, model: Model, gravity: Array = GRAVITY) -> None:
+    def __init__(self, model: Model, gravity: Array = DOWN) -> None:
         self._pin = pin = pinocchio()
         self._model, self._gravity = model, gravity
         self._tree = tree = pin.Model()

@@ -59,7 +59,7 @@ class GroundBench(Section):
 
 
 @dataclass(frozen=True)
-class Fit:
+class GroundFit:
     """The ground found for one engine, and e_q of tosses.
 
     Attributes:
@@ -127,7 +127,7 @@ def _fits(
     held_out: Sequence[Experiment],
     progress: Progress,
     workers: int | None,
-) -> tuple[list[Fit], list[Fit]]:
+) -> tuple[list[GroundFit], list[GroundFit]]:
     """The fits, and those with the two parts of the tosses swapped."""
     count = min(workers or len(os.sched_getaffinity(0)), 2 * len(names))
     # Forked before an engine is loaded; a fork afterwards would share its threads' locks.
@@ -160,14 +160,14 @@ def _tosses(bench: Path, spec: GroundBench) -> tuple[list[Experiment], list[Expe
     return parts
 
 
-def _cells(f: Fit, swapped: Fit) -> list[str]:
+def _cells(f: GroundFit, swapped: GroundFit) -> list[str]:
     soft = [f"{f.ground.stiffness:.4g}", f"{f.ground.damping:.4g}"] if f.compliant else ["-", "-"]
     unseen = np.concatenate([f.held_out, swapped.held_out])
     means = [f.train.mean(), f.held_out.mean(), f.impact, f.rigid, unseen.mean(), unseen.std() / np.sqrt(len(unseen))]
     return [f.engine, f"{f.ground.friction:.4g}", *soft, *(f"{e:.3f}" for e in means)]
 
 
-def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: Sequence[Experiment]) -> Fit:
+def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: Sequence[Experiment]) -> GroundFit:
     """The ground of one engine with the smallest mean e_q of training tosses."""
     rate = train[0].scenario.physics.step_rate
     part = train[:: max(len(train) // spec.tosses, 1)]
@@ -189,7 +189,7 @@ def fit(engine: str, spec: GroundBench, train: Sequence[Experiment], held_out: S
     )
     ground = Ground(*best)
     judged = toss_errors(engine, ground, held_out, rate)
-    return Fit(
+    return GroundFit(
         engine,
         ground,
         errors(ground, train),

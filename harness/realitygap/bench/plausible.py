@@ -33,7 +33,7 @@ class Doubt:
 
 
 @dataclass(frozen=True)
-class Body:
+class Form:
     """The convex hull of a link's geometry as a body of uniform density with mass 1.
 
     `volume` [m³], `center` (3,) [m], `solid` and `shell` (3, 3) [m²]: the inertia about the centre with the mass in the
@@ -47,7 +47,7 @@ class Body:
     planes: Array
 
 
-def body(points: Array) -> Body | None:
+def body(points: Array) -> Form | None:
     """The body of a point set; None where it has no volume."""
     try:
         hull = ConvexHull(points)
@@ -64,7 +64,7 @@ def body(points: Array) -> Body | None:
     second = np.einsum("f,fij->ij", area, products) / 12
     shell = np.trace(second) * np.eye(3) - second
     solid = np.asarray(mesh.moment_inertia) / mesh.volume
-    return Body(float(mesh.volume), np.asarray(mesh.center_mass), solid, shell, hull.equations)
+    return Form(float(mesh.volume), np.asarray(mesh.center_mass), solid, shell, hull.equations)
 
 
 def spread(inertia: Array) -> tuple[Array, Array]:
@@ -109,7 +109,7 @@ def doubts(link: UrdfLink) -> list[Doubt]:
     return found
 
 
-def _bounds(link: UrdfLink, form: Body, outside: bool, add: Callable[[bool, bool, str], None]) -> None:
+def _bounds(link: UrdfLink, form: Form, outside: bool, add: Callable[[bool, bool, str], None]) -> None:
     """Compare the inertia with what the geometry allows, its size with shell and solid, its axis with the shape's."""
     second, axes = spread(link.inertia)
     along = link.points @ axes

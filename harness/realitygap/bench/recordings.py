@@ -7,14 +7,12 @@ from matplotlib.figure import Figure
 
 from realitygap.bench.drive_fit import CurrentFit, fit_current, fit_duty, fit_rotor, solve_drive, stall_current
 from realitygap.bench.estimate import Array, Estimate
+from realitygap.bench.load_sweep import FEWEST_LOADS
 from realitygap.bench.motion import BenchMotion, Pendulum, read_arms, read_motions
 from realitygap.bench.servo_file import ArmBag, ArmRecordings
 from realitygap.bench.summary import Summary
 from realitygap.files.errors import InputError
 from realitygap.scenario.file import resolve_path
-
-FEWEST_LOADS = 3
-
 
 SINE_WINDOWS = (0.15, 0.08, 0.25)
 CHIRP_WINDOWS = (0.06, 0.03, 0.10)

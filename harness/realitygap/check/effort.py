@@ -44,7 +44,7 @@ UNRELATED = 0.05
 
 
 @dataclass(frozen=True)
-class Fit:
+class EffortFit:
     """The fit of an effort.
 
     Attributes:
@@ -72,7 +72,7 @@ def effort_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
     load = None if o.plant.model.floating else needed_effort(o)
     for j in np.flatnonzero(judged & np.isfinite(o.effort).any(axis=0)):
         by_load = _fit_load(o, int(j), load)
-        fits = [_fit(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [Fit(0.0, 0.0, 1.0)]
+        fits = [_fit(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
         found = _size(o, int(j), fits, by_load) or _sign(o, int(j), fits, by_load)
         if found is not None:
             out.append(found)
@@ -101,25 +101,25 @@ def pushed(o: Observed, j: int) -> float:
     return fit.part if fit.ratio > 0 else 0.0
 
 
-def _fit_load(o: Observed, j: int, load: Array | None) -> Fit:
+def _fit_load(o: Observed, j: int, load: Array | None) -> EffortFit:
     """The effort of a joint by what moving its links takes, beside dry and viscous friction."""
     assert o.effort is not None
     known = np.isfinite(o.effort[:, j])
     if load is None or known.sum() < 50:
-        return Fit(0.0, 0.0, 1.0)
+        return EffortFit(0.0, 0.0, 1.0)
     speed = np.gradient(o.position[:, j], o.step)
     slow = 0.1 * np.quantile(np.abs(speed), 0.9) + 1e-12
     beside = [np.ones(len(speed)), speed, np.tanh(speed / slow)]
     return _solved(o, beside, load[:, j], o.effort[:, j], known, 1.0)
 
 
-def _fit(o: Observed, j: int, i: int, delay: float) -> Fit:
+def _fit(o: Observed, j: int, i: int, delay: float) -> EffortFit:
     """The effort of joint j by the error, speed and gathered error of joint i."""
     assert o.effort is not None
     error = working_error(o, delay)[:, i]
     on = np.isfinite(error) & np.isfinite(o.effort[:, j])
     if on.sum() < 50:
-        return Fit(0.0, 0.0, 1.0)
+        return EffortFit(0.0, 0.0, 1.0)
     error = np.where(on, error, 0.0)
     speed = np.gradient(o.position[:, i], o.step)
     beside = [np.ones(len(speed)), speed, np.gradient(error, o.step) + speed]
@@ -128,7 +128,7 @@ def _fit(o: Observed, j: int, i: int, delay: float) -> Fit:
     return _solved(o, beside, error, o.effort[:, j], on, float(stiffness(o)[i]))
 
 
-def _solved(o: Observed, beside: list[Array], cause: Array, effort: Array, on: Mask, own: float) -> Fit:
+def _solved(o: Observed, beside: list[Array], cause: Array, effort: Array, on: Mask, own: float) -> EffortFit:
     """How much of an effort one signal explains beside others, and its weight over what it should be."""
     width = max(1, round(SMOOTHED / o.step))
     smooth = [uniform_filter1d(np.where(on, v, 0.0), width, mode="nearest") for v in (*beside, cause, effort)]
@@ -137,8 +137,8 @@ def _solved(o: Observed, beside: list[Array], cause: Array, effort: Array, on: M
     left, weights = _rest(x, y)
     total = float(np.sum((y - y.mean()) ** 2))
     if total <= 0.0 or without <= 0.0 or own <= 0.0:
-        return Fit(0.0, 0.0, 1.0)
-    return Fit(1.0 - left / total, 1.0 - left / without, float(weights[-1] / own))
+        return EffortFit(0.0, 0.0, 1.0)
+    return EffortFit(1.0 - left / total, 1.0 - left / without, float(weights[-1] / own))
 
 
 def _rest(x: Array, y: Array) -> tuple[float, Array]:
@@ -148,7 +148,7 @@ def _rest(x: Array, y: Array) -> tuple[float, Array]:
     return float(np.sum((y - x / scale @ weights) ** 2)), np.asarray(weights / scale)
 
 
-def _size(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
+def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistake | None:
     """An effort that is a thousand times what the servo gives, or beyond anything it can give."""
     assert o.effort is not None
     joint, most = o.joints[j], limit(o)[j]
@@ -182,7 +182,7 @@ def _size(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
     return None
 
 
-def _sign(o: Observed, j: int, fits: list[Fit], load: Fit) -> Mistake | None:
+def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistake | None:
     """An effort that pushes away from the command at any delay, that has no sign, or that has nothing to do with it."""
     assert o.effort is not None
     joint, key = o.joints[j], "recordings.effort"

@@ -1,17 +1,15 @@
 """Budgets: the largest mean gap of moving joints that a test or a build accepts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 
 import numpy as np
 import pandas as pd
 
-from realitygap.compare.table import EXCLUDED, Cell
+from realitygap.compare.table import CELL, EXCLUDED
 from realitygap.files.errors import InputError
 from realitygap.scenario.schema import Budget
 
 SIGNALS = tuple(Budget.model_fields)
-CELL = [f.name for f in fields(Cell)]
 
 
 def parse_budget(texts: Sequence[str]) -> dict[str, float]:

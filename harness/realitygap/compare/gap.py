@@ -7,13 +7,12 @@ from typing import Any, Protocol
 import numpy as np
 from realitygap_engines.model.robot import axis_rotation, rotation_between
 
+from realitygap.recording.delay import MOVING
 from realitygap.recording.frames import angle_between, vertical
 from realitygap.trace.trace import Array, Trace
 
-MOVING = np.deg2rad(0.5)
-"""A joint whose command ranges over more than this in the window is moving [rad]."""
 MOVING_LINEAR = 5e-4
-"""The same for prismatic joints [m]."""
+"""What `MOVING` is for prismatic joints [m]."""
 JOINT_SIGNALS = ("position", "velocity", "effort")
 BASE_SIGNALS = ("base_position", "base_orientation", "base_angular_velocity")
 

@@ -54,6 +54,7 @@ class Row(Cell):
 
 
 COLUMNS = [f.name for f in fields(Row)]
+CELL = [f.name for f in fields(Cell)]
 
 
 LONGEST_NAME = 120

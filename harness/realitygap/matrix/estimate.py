@@ -68,7 +68,7 @@ def costs(seconds: float, todo: Sequence[Task], jobs: int, there: float) -> list
     return lines
 
 
-class Estimate:
+class StepCost:
     """What a step costs, learnt from cells that are done."""
 
     def __init__(self, done: Iterable[Outcome]) -> None:

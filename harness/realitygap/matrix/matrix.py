@@ -14,7 +14,7 @@ from realitygap.matrix.aside import Aside, laid_aside
 from realitygap.matrix.checked import checked
 from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
-from realitygap.matrix.estimate import Estimate, costs
+from realitygap.matrix.estimate import StepCost, costs
 from realitygap.matrix.local import run_local
 from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import Reader, plan
@@ -96,7 +96,7 @@ def work(aside: Aside, place: str, settings: Settings, limit: float, progress: P
     there = finished(tasks, store, retry_crashed=settings.retry_crashed)
     todo = [t for t in tasks if t.key not in there]
     undone: dict[str, str] = {}
-    estimate, jobs = Estimate(there.values()), min(settings.jobs, max(len(todo), 1))
+    estimate, jobs = StepCost(there.values()), min(settings.jobs, max(len(todo), 1))
     installed = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     for line in costs(estimate.total(todo, jobs), todo, jobs, installed):
         progress.say(line)
@@ -134,7 +134,7 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     """Lines that list the cells, which of them are there, and how long the others will take."""
     tasks = plan(matrix)
     there = finished(tasks, open_store(settings.place(out)), retry_crashed=settings.retry_crashed)
-    estimate = Estimate(there.values())
+    estimate = StepCost(there.values())
     lines = []
     for task in tasks:
         state = "there" if task.key in there else f"{estimate.seconds(task):.1f} s"

@@ -10,7 +10,8 @@ from realitygap.recording.recording import Recording
 from realitygap.trace.trace import Array
 
 Mask = NDArray[np.bool_]
-MOVING = np.radians(0.5)  # rad: a command with less range does not move its joint
+MOVING = np.radians(0.5)
+"""A joint whose command ranges over more than this is moving [rad]."""
 
 
 def delay(reference: Recording, other: Recording) -> float:

@@ -8,13 +8,12 @@ from typing import Any
 import pandas as pd
 from realitygap_engines.errors import in_a_line
 
-from realitygap.compare.table import Cell, means, read_gaps
+from realitygap.compare.table import CELL, Cell, means, read_gaps
 from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
 from realitygap.page.style import AXES, SIGNALS
 from realitygap.report.manifest import read_manifest
 
-CELL = [f.name for f in fields(Cell)]
 GROUPS = ("moving", "unmoving", "base")
 FLOOR_COLUMNS = ["noise_floor", "numerical_floor"]
 
