@@ -244,10 +244,35 @@ def ode_loop(simulation: Any, tape: Tape) -> None:
             d1[:] = robot.braking(friction)
 
 
+def stepped_loop(simulation: Any, tape: Tape) -> None:
+    """Of an engine that gives accelerations: its own calls are those of `_acceleration`."""
+    from realitygap_engines.law.stepped import _advance
+
+    law, accelerate, force, first = simulation._law, simulation._acceleration, simulation._force, simulation._first
+    drive, state, inertia = tape.drive, tape.state, tape.inertia
+    effort, damping, friction, loaded = tape.effort, tape.damping, tape.friction, tape.loaded
+    q, w, b = simulation._position, simulation._velocity, simulation._base
+    tape.q[0], tape.w[0] = q, w
+    for k, (c, c1, qk, wk, dk, lk, q1, w1, b1, d1) in enumerate(tape.rows()):
+        drive_effort(drive, state, c, c1, qk, wk, dk, inertia, 0.0, k * H, H, effort, damping, friction, lk)
+        force[first:] = law.effort(q, w, b, effort, damping, friction)
+        if first:
+            force[:first] = law.wrench
+        _advance(q, w, b, accelerate(force), H)
+        q1[:] = q
+        w1[:] = w
+        if first:
+            b1[:] = b
+        if loaded:
+            d1[:] = law.dry
+
+
 LOOPS: dict[str, Callable[[Any, Tape], None]] = {
     "dart": dart_loop,
     "drake": drake_loop,
+    "exudyn": stepped_loop,
     "mujoco": mujoco_loop,
     "ode": ode_loop,
     "pybullet": pybullet_loop,
+    "simbody": stepped_loop,
 }
