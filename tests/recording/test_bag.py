@@ -10,7 +10,9 @@ import pytest
 from bags import EPOCH, FILE, FORMS, scenario, two_joints
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
+from realitygap.recording.readers.rosbag import opened
 from realitygap.scenario.schema import Scenario
+from rosbags.rosbag2 import StoragePlugin, Writer
 from signals import Signals
 
 
@@ -138,3 +140,15 @@ def test_a_packed_bag_is_the_same_and_one_that_was_cut_off_is_told(
     packed.write_bytes(packed.read_bytes()[:-20])
     with pytest.raises(InputError, match=rf"run.{form}.{suffix}: cannot be unpacked"):
         read_recording(packed, scenario(), ["a", "b"], file=FILE)
+
+
+@pytest.mark.parametrize("field", ["string[50000000] name", "float64[90000000] position"])
+def test_a_message_with_fewer_bytes_than_its_arrays_is_refused_at_once(tmp_path: Path, field: str) -> None:
+    """A definition of two lines that would make a list of millions."""
+    with Writer(tmp_path / "run", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        kind = "team_msgs/msg/State"
+        connection = writer.add_connection("/joint_states", kind, msgdef=f"{field}\nfloat64[] effort\n", rihs01="x")
+        writer.write(connection, 0, b"\0\1\0\0" + bytes(64))
+    refused = pytest.raises(InputError, match=r"a team_msgs/State of 68 bytes was found; expected at least [59]0000000")
+    with opened(next((tmp_path / "run").glob("*.mcap"))) as bag, refused:
+        list(bag.messages({"/joint_states"}))

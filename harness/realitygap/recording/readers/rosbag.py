@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
@@ -185,6 +186,7 @@ class Bag:
         self.begin = int(reader.start_time)
         self._reader = reader
         self.types = {c.topic: c.msgtype for c in reader.connections}
+        self._fixed: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         for connection in reader.connections:
             self.counts[connection.topic] = self.counts.get(connection.topic, 0) + connection.msgcount
@@ -218,8 +220,26 @@ class Bag:
         return Taking(self, collector, stamp_of)
 
     def deserialize(self, data: bytes, kind: str) -> Any:
-        """The message in bytes."""
+        """The message in bytes.
+
+        Raises:
+            InputError: for bytes that are no such message, or fewer than its fixed arrays have elements.
+        """
+        if len(data) < self._least(kind):
+            raise InputError(
+                f"{self.path}: a {short(kind)} of {len(data)} bytes was found; expected at least {self._least(kind)}, "
+                "one for every element of its fixed arrays: record it again"
+            )
         return _reading(self.path, partial(self._reader.deserialize, data, kind))
+
+    def _least(self, kind: str) -> int:
+        """How many bytes a message of a type has at least: one for every element of a fixed array."""
+        if kind not in self._fixed:
+            fields = [field for _, field in self._reader.typestore.fielddefs.get(kind, ((), ()))[1]]
+            arrays = sum(int(what[1]) for node, what in fields if node == Nodetype.ARRAY)
+            self._fixed[kind] = arrays  # of a type that holds itself, too
+            self._fixed[kind] += sum(self._least(str(what)) for node, what in fields if node == Nodetype.NAME)
+        return self._fixed[kind]
 
     def serialize(self, message: Any, kind: str) -> bytes:
         """The bytes of a message, as this bag's would be."""
