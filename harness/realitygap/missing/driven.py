@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from realitygap.missing.lacking import Lacking, inertias, times
 from realitygap.recording.quantum import quantum
 from realitygap.robot.plant import Plant
-from realitygap.simulate.commands import Commands
+from realitygap.simulate.commands import Commands, edges_of
 from realitygap.simulate.led import Led, lead
 from realitygap.simulate.profile import told
 from realitygap.simulate.smooth import smooth
@@ -61,7 +61,7 @@ def lacking_driven(
     for _ in range(PASSES):
         machine = _machine(engine, plant, start, position, velocity)
         need = _on(time, machine.bias + times(machine.inertia, acceleration), grid)
-        known = [_led(plant, time, p, v, error[1], need, command, volts, h, integral) for p, v in (
+        known = [_led(plant, time, p, v, error[1], need, command, volts, grid, h, integral) for p, v in (
             (position, velocity), (position + unsure, velocity), (position, velocity + error[1]))]  # fmt: skip
         expected = _expected(time, machine, known[0], grid, h)
         rest = smooth(time, reading, around=expected[0])
@@ -92,11 +92,9 @@ def _machine(engine: str, plant: Plant, start: State, position: Array, velocity:
 
 
 def _led(plant: Plant, time: Array, position: Array, velocity: Array, error: Array, need: Array, command: Array,
-         volts: Array, h: float, integral: Array) -> Led:  # fmt: skip
+         volts: Array, grid: Array, h: float, integral: Array) -> Led:  # fmt: skip
     """The drives along a motion that is known at some times."""
-    steps = len(command)
-    edges = (np.arange(steps + 1, dtype=np.float64) - 0.5) * h
-    grid = np.arange(steps, dtype=np.float64) * h
+    edges = edges_of(len(command), h)
     path = CubicHermiteSpline(time, position + plant.drive["offset"], velocity)
     speed = path.derivative()(np.clip(edges, time[0], time[-1]))
     at = np.clip(grid, time[0], time[-1])

@@ -83,13 +83,9 @@ def missing_of(experiment: Experiment, engine: str) -> MissingEffort:
     with as_its_outcome(engine):
         found, since = _lacking(experiment, engine)
     time, trace = since + experiment.begin, recording.trace
-    variables = {"angle": found.position, "speed": found.velocity, "load": found.load}
-    if experiment.followed is None and recording.command_kind == "position" and trace.command is not None:
-        variables["error"] = np.where(np.isfinite(trace.command), trace.command - found.position, 0.0)
-    variables["reversal"] = np.column_stack([since_reversal(since, v) for v in found.velocity.T])
-    if len(recording.supply):
-        volts = np.interp(time, recording.supply_time, recording.supply)
-        variables["supply"] = np.repeat(volts[:, None], len(trace.joints), axis=1)
+    aimed = experiment.followed is None and recording.command_kind == "position"
+    volts = np.interp(time, recording.supply_time, recording.supply) if len(recording.supply) else None
+    variables = variables_of(since, found.position, found.velocity, found.load, trace.command if aimed else None, volts)
     inside = (time >= experiment.window[0]) & (time <= experiment.window[1]) & np.isfinite(found.effort).all(axis=1)
     if not inside.any():
         raise InputError(f"{experiment.name}: found no sample in its window that tells a missing effort")
@@ -124,6 +120,28 @@ def _lacking(e: Experiment, engine: str) -> tuple[Lacking, Array]:
         np.zeros(len(trace.joints)) if integral is None else integral, e.scenario.timestep,
     )  # fmt: skip
     return found, since
+
+
+def variables_of(
+    time: Array, position: Array, velocity: Array, load: Array, command: Array | None, supply: Array | None
+) -> dict[str, Array]:
+    """What a missing effort may depend on, of what is known, by the names of `effort_map`. Each shape (t, n).
+
+    Args:
+        time: [s]. Shape (t,).
+        position: of the joints [rad or m]. Shape (t, n).
+        velocity: [rad/s or m/s]. Shape (t, n).
+        load: what moving and holding the links takes [N·m or N]. Shape (t, n).
+        command: of position servos, NaN where one is off: no error [rad or m]. Shape (t, n).
+        supply: [V]. Shape (t,).
+    """
+    out = {"angle": position, "speed": velocity, "load": load}
+    if command is not None:
+        out["error"] = np.where(np.isfinite(command), command - position, 0.0)
+    out["reversal"] = np.column_stack([since_reversal(time, v) for v in velocity.T])
+    if supply is not None:
+        out["supply"] = np.repeat(supply[:, None], position.shape[1], axis=1)
+    return out
 
 
 def since_reversal(time: Array, speed: Array) -> Array:

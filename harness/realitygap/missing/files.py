@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
 
 from realitygap.files.whole import write_whole
-from realitygap.missing.effort import MissingEffort, since_reversal
+from realitygap.missing.effort import MissingEffort, variables_of
 from realitygap.missing.shape import Shape
 from realitygap.missing.words import sentence
 from realitygap.trace.trace import Trace
@@ -43,12 +42,6 @@ def of_trace(name: str, engine: str, trace: Trace, slides: Sequence[str]) -> Mis
     assert trace.effort is not None
     assert trace.effort_error is not None
     assert trace.load is not None
-    variables = {"angle": trace.position, "speed": trace.velocity, "load": trace.load}
-    if trace.command is not None:
-        variables["error"] = trace.command - trace.position
-    variables["reversal"] = np.column_stack([since_reversal(trace.time, v) for v in trace.velocity.T])
-    if trace.supply is not None:
-        variables["supply"] = np.repeat(trace.supply[:, None], len(trace.joints), axis=1)
     return MissingEffort(
         name=name.removeprefix(NAME),
         engine=engine,
@@ -58,7 +51,7 @@ def of_trace(name: str, engine: str, trace: Trace, slides: Sequence[str]) -> Mis
         time=trace.time,
         effort=trace.effort,
         error=trace.effort_error,
-        variables=variables,
+        variables=variables_of(trace.time, trace.position, trace.velocity, trace.load, trace.command, trace.supply),
     )
 
 

@@ -95,7 +95,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     if len(judged) and not judged.any():
         raise InputError(f"{file.path}: recordings.exclude: {excluded} leaves no joint; expected some to judge on")
     cases, said = split(file, cases_of(found), found)
-    plant.reached = _reached(cases)
+    plant.reached = reached(cases)
     return Problem(file, plant, tuple(cases), engine, judged, said)
 
 
@@ -103,10 +103,12 @@ FAST = 0.99
 """A joint reached the speed that it exceeds in the rest of its samples: the very largest is noise."""
 
 
-def _reached(cases: Sequence[Case]) -> Array:
-    """How fast each joint went in any motion [rad/s or m/s]. Shape (n,)."""
+def reached(cases: Sequence[Case]) -> Array:
+    """How fast each joint went in any motion [rad/s or m/s], 0 for one that was not recorded. Shape (n,)."""
     every = []
     for case in cases:
         time, position, velocity = case.measured.time, case.value("position"), case.measured.velocity
-        every.append(np.abs(np.gradient(position, time, axis=0) if velocity is None else velocity))
-    return np.asarray(np.nan_to_num([np.nanquantile(v, FAST, axis=0) for v in every]).max(axis=0))
+        speed = np.abs(np.gradient(position, time, axis=0) if velocity is None else velocity)
+        finite = [v[np.isfinite(v)] for v in speed.T]
+        every.append([float(np.quantile(v, FAST)) if len(v) else 0.0 for v in finite])
+    return np.asarray(np.max(every, axis=0))

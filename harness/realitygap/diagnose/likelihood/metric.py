@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.likelihood.whitening import Channel, Rest, Whitening
+from realitygap.diagnose.likelihood.whitening import Channel, Rest, Whitening, spans
 from realitygap.robot.drive import Array
 
 OUTLIER = 3.0
@@ -95,11 +95,8 @@ def rest_of(channels: Sequence[Channel], residual: Array) -> Rest:
     The root mean square of each channel beyond what its noise and its floors make; of all motions, the mean.
     """
     squares: dict[tuple[str, int], list[float]] = {}
-    at = 0
-    for channel in channels:
-        n = len(channel.time)
-        part = residual[at : at + n]
-        at += n
+    for channel, span in spans(channels):
+        part = residual[span]
         good = np.isfinite(part)
         if good.any():
             excess = np.mean(part[good] ** 2 - channel.slow[good] ** 2) - channel.noise**2

@@ -75,20 +75,24 @@ def stacked(problem: Problem, cases: Sequence[int], simulated: Sequence[Signals]
     return np.concatenate(parts)
 
 
+def spans(channels: Sequence[Channel]) -> list[tuple[Channel, slice]]:
+    """Each channel with where its samples are in what is stacked."""
+    ends = np.cumsum([0, *(len(c.time) for c in channels)]).tolist()
+    return [(c, slice(a, b)) for c, (a, b) in zip(channels, pairwise(ends), strict=True)]
+
+
 def facts(channels: Sequence[Channel], residual: Array) -> Array:
     """How many facts a sample of each channel is: one over the integrated autocorrelation time. Shape (channels,).
 
     Motions of one channel are taken together, so that a short one has not a share of its own.
     """
     found: dict[tuple[str, int], list[float]] = {}
-    at = 0
-    for channel in channels:
+    for channel, span in spans(channels):
         n = len(channel.time)
-        part = residual[at : at + n] / np.hypot(channel.noise, channel.slow)
+        part = residual[span] / np.hypot(channel.noise, channel.slow)
         rate = (n - 1) / (channel.time[-1] - channel.time[0])
         lasting = _lasting(part[np.isfinite(part)], int(LONGEST * rate))
         found.setdefault(channel.key, []).append(min(lasting, max(LONGEST * rate, 1.0)))
-        at += n
     return np.array([1.0 / np.mean(found[c.key]) for c in channels])
 
 
@@ -122,10 +126,8 @@ class Whitening:
     @cached_property
     def rows(self) -> NDArray[np.int64]:
         """The samples that are looked at, `DENSE` of them for a fact: the others say the same. Shape (k,)."""
-        ends = np.cumsum([0, *(len(c.time) for c in self.channels)])
-        return np.concatenate(
-            [np.arange(a, b, every) for (a, b), every in zip(pairwise(ends), self._every, strict=True)]
-        )
+        parts = zip(spans(self.channels), self._every, strict=True)
+        return np.concatenate([np.arange(span.start, span.stop, every) for (_, span), every in parts])
 
     @cached_property
     def share(self) -> Array:

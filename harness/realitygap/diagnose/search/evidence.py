@@ -72,7 +72,7 @@ def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -
 def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scales: Sequence[float]) -> Scored:
     responses, left = imperfections.responses * imperfections.shares(fit), fit.residual
     columns = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1), responses])
-    for _ in range(PASSES):
+    for _ in range(PASSES if imperfections.laws else 1):
         whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, left), fit.residual)
         white, determinant = whitening(np.nan_to_num(columns), weight)
         odds = _Odds(white.T @ white, imperfections.laws)

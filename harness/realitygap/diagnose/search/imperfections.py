@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.likelihood.whitening import Channel
+from realitygap.diagnose.likelihood.whitening import Channel, spans
 from realitygap.robot.drive import Array
 
 CLOCK = 1e-3
@@ -99,8 +98,8 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         blocks: responses of what could be added: those that follow a straight line at single targets count.
         metric: in which effects are compared.
     """
-    own = _accepted(at)
-    known = [k for k, *_ in own] + _of(blocks)
+    own = _accepted(problem, at)
+    known = [k for k, _ in own] + _of(blocks)
     size = [float(np.linalg.norm(metric(k.response))) for k in known]
     does: dict[tuple[str, int], float] = {}
     for k, s in zip(known, size, strict=True):
@@ -108,13 +107,9 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
             does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * s)
     columns = [(k.law, _scale(k, s, does) * k.response) for k, s in zip(known, size, strict=True)]
     columns += _late(problem, metric.whitening.channels, at.residual)
-    accepted = []
-    for column, (k, suspect, name, value) in enumerate(own):
-        absent = neutral(problem.plant, suspect)[name]
-        if k.times > 0.0:
-            accepted.append(Accepted(column, suspect, name, abs(value), absent if np.isfinite(absent) else 0.0))
+    accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), tuple(accepted))
+    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted)
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
@@ -128,10 +123,8 @@ def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) ->
 
 def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> list[tuple[str, Array]]:
     """What a clock does that runs fast, and stamps that are late, in each motion. Each (m,)."""
-    ends = np.cumsum([0, *(len(c.time) for c in channels)])
-    parts = [(c, slice(a, b)) for c, (a, b) in zip(channels, pairwise(ends.tolist()), strict=True)]
     fast, late = np.zeros(len(residual)), {c.case: np.zeros(len(residual)) for c in channels}
-    for channel, part in parts:
+    for channel, part in spans(channels):
         if channel.signal in JOINT_SIGNALS:
             time = channel.time
             measured = problem.columns(channel.signal, problem.cases[channel.case].value(channel.signal))
@@ -157,14 +150,16 @@ def _of(blocks: Sequence[Block]) -> list[_Known]:
     return out
 
 
-def _accepted(at: Fit) -> list[tuple[_Known, Suspect, str, float]]:
-    """What the model has by its changes: with the suspect, the parameter and its value."""
-    out = []
+def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
+    """What the model has by its changes, in the order of the fit's values; shapes have no law of their own."""
+    out = list[tuple[_Known, Accepted]]()
     for k, ((i, name), value) in enumerate(zip(at.names, at.value, strict=True)):
         suspect = at.changes[i].suspect
         if not suspect.kind.parameter(name).shape:
             known = _Known(suspect.kind.law, _places(suspect), at.slope[:, k], abs(value) / at.size[k])
-            out.append((known, suspect, name, float(value)))
+            absent = neutral(problem.plant, suspect)[name]
+            absent = absent if np.isfinite(absent) else 0.0
+            out.append((known, Accepted(len(out), suspect, name, abs(float(value)), absent)))
     return out
 
 

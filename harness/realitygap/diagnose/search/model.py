@@ -13,7 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.likelihood.whitening import channels, facts
+from realitygap.diagnose.likelihood.whitening import channels, facts, spans
 from realitygap.diagnose.search.evidence import Scored, score, sharp
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
@@ -142,13 +142,10 @@ class Ground:
             return []
         column = int(np.sum(self.problem.judged[: suspect.indices[0]]))
         out: dict[int, list[Array]] = {}
-        start = 0
-        for channel in self.channels:
-            part = at.residual[start : start + len(channel.time)]
-            start += len(channel.time)
+        for channel, span in spans(self.channels):
             if channel.column == column:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
-                out.setdefault(channel.case, []).append(part / floor)
+                out.setdefault(channel.case, []).append(at.residual[span] / floor)
         return [np.column_stack(out[c]) for c in self.train if c in out]
 
 
