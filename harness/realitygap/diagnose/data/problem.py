@@ -95,7 +95,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     if len(judged) and not judged.any():
         raise InputError(f"{file.path}: recordings.exclude: {excluded} leaves no joint; expected some to judge on")
     cases, said = split(file, cases_of(found), found)
-    plant.reached = reached(cases)
+    plant.reached = reached([c for c in cases if c.use == "train"])
     return Problem(file, plant, tuple(cases), engine, judged, said)
 
 
