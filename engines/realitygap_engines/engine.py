@@ -13,7 +13,9 @@ that it is stable at any size; armature is part of the model. An engine without 
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +76,35 @@ class Capability:
     how: str
 
 
+@dataclass(frozen=True)
+class Native:
+    """A simulation's own memory and its step as a C function, for loops in compiled code.
+
+    What `Simulation.step` and `read` do, done without Python: write `effort`, `damping` and `friction`, call the step,
+    read `position` and `velocity`. The numbers are the same to the last bit.
+
+    Attributes:
+        step: a C function of two addresses, by ctypes.
+        model: the address of the engine's model.
+        data: the address of its state.
+        effort, damping, friction: of the joint law, written before a step. Shape (n,) each.
+        position, velocity: of the joints. Shape (n,) each.
+        base: pose and velocity of a floating base in the engine's own form; of none, empty. Shapes (p,), (v,).
+        in_world: turns rows of them, Shape (t, 13), into what `Simulation.read` writes, in place.
+    """
+
+    step: Any
+    model: int
+    data: int
+    effort: Array
+    damping: Array
+    friction: Array
+    position: Array
+    velocity: Array
+    base: tuple[Array, Array]
+    in_world: Callable[[Array], None]
+
+
 class Simulation(ABC):
     """One open simulation. Created by `Engine.open`; closed with `close()` or as a context manager.
 
@@ -106,6 +137,10 @@ class Simulation(ABC):
         The base is position (3), quaternion w x y z (4), linear velocity of the base link's origin (3) and angular
         velocity (3) in world axes; untouched for a fixed base.
         """
+
+    def native(self) -> Native | None:
+        """What compiled code needs to step this simulation; None where only Python can."""
+        return None
 
     @abstractmethod
     def dry_friction(self) -> Array:

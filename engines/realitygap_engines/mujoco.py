@@ -14,13 +14,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numba import njit
 
-from realitygap_engines.engine import Capability, Engine, Ground, Physics, Simulation, State
+from realitygap_engines.engine import Capability, Engine, Ground, Native, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
-from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
+from realitygap_engines.mujoco_steps import c_step, read_base, read_bases, undamp
 
 FRICTION_SOLREF = (0.002, 1.0)
 FRICTION_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
@@ -121,7 +120,7 @@ class MujocoSimulation(Simulation):
             mujoco.mj_step1(m, d)
             if d.ncon:
                 contact, diagonal = d.contact, m.M_rowadr + m.M_rownnz
-                _undamp(
+                undamp(
                     d.efc_J, contact.efc_address, d.M, diagonal, m.dof_damping, self.physics.timestep, contact.solref
                 )
             mujoco.mj_step2(m, d)
@@ -132,7 +131,16 @@ class MujocoSimulation(Simulation):
         position[:] = self._qpos
         velocity[:] = self._qvel
         if self._offset:
-            _read_base(self._base_pose, self._base_velocity, base)
+            read_base(self._base_pose, self._base_velocity, base)
+
+    def native(self) -> Native | None:
+        step = None if self._soft else c_step()  # of soft ground, contacts are changed in the middle of a step
+        if step is None:
+            return None
+        return Native(
+            step, self._m._address, self._d._address, self._applied, self._damping, self._friction,
+            self._qpos, self._qvel, (self._base_pose, self._base_velocity), read_bases,
+        )  # fmt: skip
 
     def dry_friction(self) -> Array:
         d, n = self._d, self._n
@@ -178,19 +186,6 @@ class MujocoSimulation(Simulation):
         return local
 
 
-@compiled
-def _read_base(pose, velocity, base):  # type: ignore[no-untyped-def]
-    """Write pose (7,) and velocity (6,) of the base, whose angular velocity MuJoCo has in axes of the base."""
-    base[:7] = pose
-    base[7:] = velocity
-    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
-    a, b, c = velocity[3], velocity[4], velocity[5]
-    tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
-    base[10] = a + w * tx + y * tz - z * ty
-    base[11] = b + w * ty + z * tx - x * tz
-    base[12] = c + w * tz + x * ty - y * tx
-
-
 def build_spec(model: Model, physics: Physics) -> "mujoco.MjSpec":
     spec = mujoco.MjSpec()
     spec.compiler.fusestatic = False
@@ -214,7 +209,7 @@ def build_spec(model: Model, physics: Physics) -> "mujoco.MjSpec":
     soft = ground is not None and ground.stiffness is not None
     if soft:
         option.impratio = SOFT_IMPRATIO
-        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # as `_undamp` reads it
+        option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE  # as `undamp` reads it
     if ground is not None:
         spec.worldbody.add_geom(
             name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=0 if soft else 1, conaffinity=0
@@ -292,28 +287,6 @@ def soften(m: "mujoco.MjModel", ground: Ground) -> None:
         scale = (1 - d) * float(m.body_invweight0[m.geom_bodyid[sphere], 0])
         m.pair_solref[i] = (-(ground.stiffness or 0.0) * scale, -(ground.damping or 0.0) * scale)
         m.pair_solimp[i] = (d, d, 0.001, 0.5, 2.0)
-
-
-@njit(cache=True)
-def _undamp(jacobian, address, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
-    """Scale every contact's solref by what joint damping does to the A of `soften`.
-
-    The discrete integrator scales the A of a row J by Σ J²/(M_jj + h·D_j) / Σ J²/M_jj (MuJoCo's documentation,
-    "Impedance"). `jacobian` is Shape (nefc·nv,) and `address` the first row of every contact in it, -1 where the two
-    only just touch; `diagonal` tells where in `inertia` a row of M ends, with its diagonal element.
-    """
-    nv = len(damping)
-    for i in range(len(solref)):
-        if address[i] < 0:
-            continue
-        bare, damped = 0.0, 0.0
-        for j in range(nv):
-            square = jacobian[address[i] * nv + j] ** 2
-            own = inertia[diagonal[j] - 1]
-            bare += square / own
-            damped += square / (own + h * damping[j])
-        solref[i, 0] *= damped / bare
-        solref[i, 1] *= damped / bare
 
 
 class MujocoEngine(Engine):

@@ -53,7 +53,7 @@ def test_mujocos_angular_velocity_left_in_local_axes(monkeypatch: pytest.MonkeyP
     def read_as_it_is(pose: Array, velocity: Array, base: Array) -> None:
         base[:7], base[7:] = pose, velocity
 
-    monkeypatch.setattr(module, "_read_base", read_as_it_is)
+    monkeypatch.setattr(module, "read_base", read_as_it_is)
     fails("mujoco", "tree: state set and read")
 
 

@@ -17,5 +17,7 @@ def test_a_joint_that_was_never_recorded_reached_no_speed() -> None:
     t = case.measured.time
     nothing = np.full((len(t), 1), np.nan)
     position = np.column_stack([-2.5 * t, nothing])
-    both = replace(case.measured, joints=("elbow", "wrist"), position=position, velocity=None, effort=None, command=None)
+    both = replace(
+        case.measured, joints=("elbow", "wrist"), position=position, velocity=None, effort=None, command=None
+    )
     assert np.allclose(reached([replace(case, measured=both)]), [2.5, 0.0])

@@ -1,26 +1,18 @@
 """The time loop: servos and effects drive one simulation through one motion."""
 
-import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import chain, repeat
 
 import numpy as np
 from realitygap_engines import Diverged, Simulation, State
 
-from realitygap.robot.drive import LOG, STATE, Array
-from realitygap.robot.drive_law import arrive, drive_effort
-from realitygap.robot.effort_map import packed
-from realitygap.robot.law.effort_map import add_mapped
+from realitygap.robot.drive import STATE, Array
+from realitygap.robot.drive_law import arrive
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.profile import Told
+from realitygap.simulate.steps import Held, Steps
 from realitygap.trace.trace import Trace
-
-TOO_FAST = 1e5
-"""A joint or base velocity beyond this [rad/s or m/s] is a blow-up."""
-CHECK_EVERY = 250
-"""Steps between looks for a blow-up, which is located exactly afterwards."""
 
 
 @dataclass
@@ -97,21 +89,14 @@ def rolled(
     n = len(plant.model.joints)
     most = max(most, 2)  # of every stretch the last state is told with the next one
     told = Told(commands, plant.drive, steps, h, plant.delay)
-    effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
     drive, state = plant.drive, np.zeros(n, STATE)
-    wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
-    wants_dry |= any("load" in one.variables for one in plant.maps)
-    inertia = plant.inertia()
-    mapped, (maps, numbers) = bool(plant.maps), packed(plant.maps)
 
     held = Held(0, n, min(most, steps) + 2)
-    q, w, base, log, dry = held.q, held.w, held.base, held.log, held.dry
     simulation.reset(start)
-    simulation.read(q[0], w[0], base[0])
-    state["velocity"] = w[0]
+    simulation.read(held.q[0], held.w[0], held.base[0])
+    state["velocity"] = held.w[0]
     state["integral"] = 0.0 if integral is None else integral
-    step, read, dry_friction, efforts = simulation.step, simulation.read, simulation.dry_friction, plant.efforts
-    beside, look = mapped or bool(efforts), 0
+    taken = Steps(simulation, plant, state, joint_effort)
     done, at = 0, 0  # steps so far, and the row of the newest state
     lagged: Array | None = None
     while done < steps:
@@ -119,81 +104,20 @@ def rolled(
         command = told.over(held.first, min(at + todo + 1, steps - held.first))
         times = np.arange(done, done + todo) * h
         volts = np.zeros(todo) if supply is None else np.interp(times, *supply)
-        # what a step ends with the next one begins with: every row is taken out of its array once
-        upcoming = chain(command[at + 1 :], command[-1:])
-        bases = base[at + 1 :] if plant.model.floating else repeat(base[0])
-        drags = dry[at + 1 :] if wants_dry else repeat(dry[0])
-        rows = zip(upcoming, volts.tolist(), log[at:], q[at + 1 :], w[at + 1 :], bases, drags, strict=False)
-        c, qk, wk, dk = command[at], q[at], w[at], dry[at]
-        began = clock.perf_counter()
         try:
-            for k, (c1, v, lk, q1, w1, b1, d1) in enumerate(rows, done):
-                t = k * h
-                drive_effort(drive, state, c, c1, qk, wk, dk, inertia, v, t, h, effort, damping, friction, lk)
-                if beside:
-                    if mapped:
-                        add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
-                    for law in efforts:
-                        effort += law(t, qk, wk)
-                step(effort, damping, friction)
-                read(q1, w1, b1)
-                if wants_dry:
-                    d1[:] = dry_friction()
-                if k == look:
-                    look += CHECK_EVERY
-                    if not _sane(w1, b1):
-                        break
-                    if k == 0:
-                        began = clock.perf_counter()  # anew, because the first step may compile
-                c, qk, wk, dk = c1, q1, w1, d1
+            last, wall = taken.take(held, at, command, volts)
         except Diverged as error:
             raise Diverged(error.time, error.joint, error.what) from None
-        wall = clock.perf_counter() - began
-        held.check(plant.model.joint_names, h, at + k + 1 - done)
+        held.check(plant.model.joint_names, h, last)
         done, at = done + todo, at + todo
         # what a row tells takes the next row's log, so that the last two rows are told with the next stretch
         if done == steps:
-            arrive(drive, state, q[at], w[at], dry[at], h, log[at])
+            arrive(drive, state, held.q[at], held.w[at], held.dry[at], h, held.log[at])
         trace, lagged = _trace(plant, h, held, at if done == steps else at - 1, command, lagged, joint_effort)
         yield Part(trace, wall)
         if done < steps:
             held.keep(at - 1)
             at = 1
-
-
-def _sane(w: Array, base: Array) -> bool:
-    return bool(np.abs(w).max(initial=0.0) < TOO_FAST and np.abs(base).max() < TOO_FAST)
-
-
-class Held:
-    """What is held of a simulated motion: some rows from step `first` on, one per state. Shapes (rows, ...)."""
-
-    def __init__(self, first: int, n: int, rows: int) -> None:
-        self.first = first
-        self.q, self.w = np.empty((rows, n)), np.empty((rows, n))
-        self.base = np.zeros((rows, 13))
-        self.log, self.dry = np.zeros((rows, n), LOG), np.zeros((rows, n))
-
-    def keep(self, row: int) -> None:
-        """Let go of all before a row, which becomes the first, and of all but the one after it."""
-        for values in (self.q, self.w, self.base, self.log, self.dry):
-            values[:2] = values[row : row + 2].copy()
-        self.first += row
-
-    def check(self, joints: Sequence[str], h: float, last: int) -> None:
-        """Make sure that no state up to a row is a blow-up.
-
-        Raises:
-            Diverged: at the first one that is.
-        """
-        w = self.w[: last + 1]
-        bad = ~((np.abs(w) < TOO_FAST) & np.isfinite(self.q[: last + 1]))
-        bad_base = ~(np.abs(self.base[: last + 1]) < TOO_FAST).all(axis=1)
-        first = np.flatnonzero(bad.any(axis=1) | bad_base)
-        if first.size:
-            k = int(first[0])
-            joint = joints[int(np.argmax(bad[k]))] if bad[k].any() else "base"
-            raise Diverged((self.first + k) * h, joint, "the state is not finite or faster than a robot can be")
 
 
 def _trace(

@@ -1,0 +1,67 @@
+"""What is compiled of a step in MuJoCo: its C function, the base in world axes, and damping beside soft contacts."""
+
+import ctypes
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from realitygap_engines.law.compiled import compiled
+
+
+@cache
+def c_step() -> Any | None:
+    """`mj_step` of the library that the bindings have loaded, as a C function of the addresses of model and data.
+
+    None where the library does not lie beside the bindings.
+    """
+    beside = Path(mujoco.__file__).parent
+    found = [p for form in ("libmujoco.so.*", "libmujoco.*.dylib", "mujoco.dll") for p in beside.glob(form)]
+    if len(found) != 1:
+        return None
+    step = ctypes.CDLL(str(found[0])).mj_step
+    step.argtypes, step.restype = [ctypes.c_int64, ctypes.c_int64], None
+    return step
+
+
+@compiled
+def read_bases(base):  # type: ignore[no-untyped-def]
+    """Rows of pose and velocity as MuJoCo has them, Shape (t, 13), as `read` writes them, in place."""
+    for k in range(len(base)):
+        read_base(base[k, :7].copy(), base[k, 7:].copy(), base[k])
+
+
+@compiled
+def read_base(pose, velocity, base):  # type: ignore[no-untyped-def]
+    """Write pose (7,) and velocity (6,) of the base, whose angular velocity MuJoCo has in axes of the base."""
+    base[:7] = pose
+    base[7:] = velocity
+    w, x, y, z = pose[3], pose[4], pose[5], pose[6]
+    a, b, c = velocity[3], velocity[4], velocity[5]
+    tx, ty, tz = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    base[10] = a + w * tx + y * tz - z * ty
+    base[11] = b + w * ty + z * tx - x * tz
+    base[12] = c + w * tz + x * ty - y * tx
+
+
+@compiled
+def undamp(jacobian, address, inertia, diagonal, damping, h, solref):  # type: ignore[no-untyped-def]
+    """Scale every contact's solref by what joint damping does to the A of `soften`.
+
+    The discrete integrator scales the A of a row J by Σ J²/(M_jj + h·D_j) / Σ J²/M_jj (MuJoCo's documentation,
+    "Impedance"). `jacobian` is Shape (nefc·nv,) and `address` the first row of every contact in it, -1 where the two
+    only just touch; `diagonal` tells where in `inertia` a row of M ends, with its diagonal element.
+    """
+    nv = len(damping)
+    for i in range(len(solref)):
+        if address[i] < 0:
+            continue
+        bare, damped = 0.0, 0.0
+        for j in range(nv):
+            square = jacobian[address[i] * nv + j] ** 2
+            own = inertia[diagonal[j] - 1]
+            bare += square / own
+            damped += square / (own + h * damping[j])
+        solref[i, 0] *= damped / bare
+        solref[i, 1] *= damped / bare

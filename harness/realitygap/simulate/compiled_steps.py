@@ -1,0 +1,33 @@
+"""Steps of a simulation in compiled code: the same as the loop of `rollout`, where an engine's step is a C function."""
+
+from realitygap_engines.law.compiled import compiled
+
+from realitygap.robot.drive_law import drive_effort
+from realitygap.robot.law.effort_map import add_mapped
+
+
+@compiled
+def stepped(  # type: ignore[no-untyped-def]
+    step, model, data, effort, damping, friction, position, velocity, pose, twist,
+    drive, state, inertia, maps, numbers, command, volts, dry, first, h, q, w, base, log,
+):  # fmt: skip
+    """Take as many steps as there are volts, from time first·h on.
+
+    The first ten arguments are those of `realitygap_engines.engine.Native`; `drive`, `state`, `inertia`, `maps` and
+    `numbers` are as in `drive_effort` and `add_mapped`, `dry` is Shape (n,) of zeros. Rows that are given or written:
+    `command` (t + 1, n), `volts` (t,), `log` (t, n), and from the state on from which they start `q`, `w` (t + 1, n)
+    and `base` (t + 1, 13), which gets pose and velocity as the engine has them.
+    """
+    p, v = pose.size, pose.size + twist.size
+    for k in range(volts.size):
+        now, upcoming, t = command[k], command[k + 1], (first + k) * h
+        drive_effort(
+            drive, state, now, upcoming, q[k], w[k], dry, inertia, volts[k], t, h, effort, damping, friction, log[k]
+        )
+        if maps.size:
+            add_mapped(maps, numbers, drive, state, now, w[k], inertia, volts[k], t, h, effort, damping, log[k])
+        step(model, data)
+        q[k + 1] = position
+        w[k + 1] = velocity
+        base[k + 1, :p] = pose
+        base[k + 1, p:v] = twist
