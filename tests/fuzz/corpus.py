@@ -92,6 +92,7 @@ CORPUS: dict[str, tuple[Make, str]] = {
     "a clock that jumps in a scenario": (table(JUMPED, command="check"), "expected a clock without jumps"),
     "a table of sixty million rows": (table(many_rows(), "run.parquet"), "holds 60000000 rows of 4 columns"),
     "a bomb": (table(bomb(), "run.csv.zst"), "unpacks to more than 256 MiB"),
+    "a table of words without time": (table(b"a,b\nx,y\ny,z\nz,x\n"), "has no column of time"),
     "a table cut off": (table(template.parquet()[:500], "run.parquet"), "is not a table"),
     # devices
     "a device as a recording": (

@@ -3,6 +3,9 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
@@ -75,10 +78,15 @@ def _time(path: Path, frame: Frame) -> str:
             parts = words(label)
             if parts and parts[0] == option and set(parts[1:]) <= TIME_UNITS:
                 return label
-    rising = [label for label in labels if len(frame) > 2 and (frame[label].diff().iloc[1:] > 0).all()]
+    rising = [label for label in labels if len(frame) > 2 and (_numbers(frame[label]).diff().iloc[1:] > 0).all()]
     if len(rising) == 1:
         return rising[0]
     raise InputError(f"{path}: has no column of time; it has {', '.join(labels)}; expected one named time, in s")
+
+
+def _numbers(column: "pd.Series[Any]") -> "pd.Series[float]":
+    """A column as floats; NaN where it holds text."""
+    return pd.to_numeric(column, errors="coerce")
 
 
 def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Column], str]:
@@ -161,13 +169,6 @@ def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence
         label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
     ]
     return [f"not used: {', '.join(spare)}"] if spare else []
-
-
-def _effort(column: Column, current: bool) -> str:
-    if not current:
-        return "  effort: motor  # GUESS: of the motor, before friction, in N·m or N"
-    factor, unit = ("0.001", "mA") if "ma" in _words(column) else ("1.0", "A")
-    return f"  effort: {{measures: motor, factor: {factor}}}  # GUESS: N·m per {unit} is not in the table"
 
 
 def _words(column: Column) -> set[str]:
