@@ -20,7 +20,11 @@ def test_scenarios_of_this_repository_are_without_mistakes(path: Path, request: 
     assert [m.text for m in check(file) if not accepted(file, m)] == []
 
 
-@pytest.mark.parametrize("seed", range(1001, 1015))
+ONCE_BLAMED = (41148, 41178)
+"""Whose ripple and gains were taken for a flipped sign and for another unit."""
+
+
+@pytest.mark.parametrize("seed", [*range(1001, 1015), *ONCE_BLAMED])
 def test_planted_physics_is_no_mistake(seed: int, tmp_path: Path) -> None:
     made = physics_case(seed, tmp_path)
     if made is None:

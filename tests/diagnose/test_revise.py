@@ -8,17 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from realitygap.diagnose.data.changes import Change, Suspect
-from realitygap.diagnose.data.problem import Problem, build_problem
-from realitygap.diagnose.data.worker import Question, answer
-from realitygap.diagnose.result.revise import write_revised
-from realitygap.robot.effects import EFFECTS
-from realitygap.robot.effects.place import targets
-from realitygap.scenario.file import ScenarioFile, load_scenario
+from realitygap.diagnose.data.problem import build_problem
+from realitygap.scenario.file import load_scenario
 from realitygap_engines.model.urdf import read_urdf
+from revised import assert_same, mended
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
-Wanted = tuple[str, str, dict[str, Any]]
 
 
 @pytest.fixture
@@ -35,35 +30,6 @@ def demo(tmp_path: Path) -> Callable[..., Path]:
         return folder / "scenario.yaml"
 
     return make
-
-
-def change(problem: Problem, effect: str, target: str, **values: float) -> Change:
-    indices = targets(problem.plant, EFFECTS[effect], target)
-    return Change(Suspect(effect, target, tuple(indices)), tuple(values.items()))
-
-
-def mended(scenario: Path, changes: list[Wanted], out: Path) -> tuple[Problem, list[Change], ScenarioFile]:
-    """The problem, its changes, and the problem of the mended scenario."""
-    problem = build_problem(load_scenario(scenario), "mujoco")
-    wanted = [change(problem, effect, target, **values) for effect, target, values in changes]
-    return problem, wanted, load_scenario(write_revised(problem, wanted, out / "revised"))
-
-
-def assert_same(problem: Problem, changes: list[Change], revised: ScenarioFile) -> None:
-    """Every run of the mended scenario moves as the changed model did."""
-    again = build_problem(revised, "mujoco")
-    assert [c.name for c in again.cases] == [c.name for c in problem.cases]
-    every = range(len(problem.cases))
-    for i in every:
-        theirs, ours, base = (
-            answer(p, Question(tuple(c), i, "mujoco")) for p, c in ((problem, changes), (again, ()), (problem, ()))
-        )
-        for signal, value in theirs.items():
-            np.testing.assert_allclose(ours[signal], value, rtol=0, atol=1e-7, err_msg=f"{signal} of case {i}")
-        if changes:  # the change is one that shows
-            assert (
-                max(np.abs((value - base[s]) / problem.cases[i].noise[s]).max() for s, value in theirs.items()) > 0.01
-            )
 
 
 LOADED = [

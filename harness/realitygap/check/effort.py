@@ -3,8 +3,9 @@
 By the servo: effort = a·error + b·speed + c·rate of the command (+ d·gathered error), by least squares. Whatever the
 back-EMF, the derivative gain and friction are, `a` is the servo's stiffness, and above zero. A law with its own numbers
 would not do: while a joint moves freely, stiffness and damping nearly cancel, and a gain that is a little off turns the
-sign of what is left. By the load, on a fixed base: effort = a·(what rigid bodies take) + friction, and `a` is near 1.
-All signals are smoothed alike, so that the law between them stays.
+sign of what is left, as a delay that is a little off does. By the load, on a fixed base: effort = a·(what rigid bodies
+take) + friction, and `a` is near 1; where it is, whatever the servo does is physics. All signals are smoothed alike, so
+that the law between them stays.
 """
 
 from dataclasses import dataclass
@@ -61,6 +62,11 @@ class EffortFit:
     def clear(self) -> bool:
         """Whether a unit or a sign can be read off the ratio."""
         return self.share > CLEAR and self.part > PART
+
+    @property
+    def right(self) -> bool:
+        """Whether it says that unit and sign are right, as far as they can be read off it."""
+        return self.part > PART and 1 / IMPOSSIBLE < self.ratio < IMPOSSIBLE
 
 
 def effort_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
@@ -170,7 +176,7 @@ def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
                 f"expected {unit}; give recordings.effort.factor in {unit} per recorded unit"
             )
             return Mistake("milliamperes", "certain", (joint,), sentence, "recordings.effort", (o.name,))
-    by_slope = shown and abs(best.ratio) > IMPOSSIBLE and bool(o.follows[j])  # a rotor may be 30 times its link
+    by_slope = shown and abs(best.ratio) > IMPOSSIBLE and bool(o.follows[j]) and not load.right  # a gain may be off
     if large > BRAKING * most or by_slope:
         said = told if by_slope else f"{large:.4g} {unit} or more for a twentieth of the time"
         sentence = (
@@ -193,7 +199,7 @@ def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
     along = best.clear and best.ratio > 0
     if load.clear and load.part > CLEAR and load.ratio < 0 and not along:
         against, told = True, f"{load.ratio:.2f} times what moving its links takes (explains {load.share:.0%})"
-    elif against and (o.plant.model.floating or not load.clear or load.ratio < 0):
+    elif against and not load.right:
         told = f"{best.ratio:.2f} times what its servo makes of its error at any delay (explains {best.share:.0%})"
         against = best.share > SURE or not o.plant.model.floating
     else:
