@@ -1,6 +1,7 @@
 """Cases that once broke a command, by name: what makes the files and the command, and what is said of them."""
 
 import io
+import struct
 from collections.abc import Callable
 
 import numpy as np
@@ -26,6 +27,11 @@ def urdf(old: str, new: str, *command: str) -> Make:
 def bag(*messages: Message) -> Make:
     """A draft of a bag of these messages."""
     return lambda: (files(run__mcap=mcap(list(messages))), [*INIT, "run.mcap", *NEW])
+
+
+def mcap_file(content: Callable[[], bytes]) -> Make:
+    """A draft of a MCAP file."""
+    return lambda: (files(run__mcap=content()), [*INIT, "run.mcap", *NEW])
 
 
 def table(content: bytes, name: str = "run.csv", command: str = "init") -> Make:
@@ -60,6 +66,35 @@ def bomb() -> bytes:
     return bytes(out.getvalue())
 
 
+def record(kind: int, content: bytes) -> bytes:
+    """A record of MCAP."""
+    return struct.pack("<BQ", kind, len(content)) + content
+
+
+def words(text: bytes) -> bytes:
+    """A text of MCAP."""
+    return struct.pack("<I", len(text)) + text
+
+
+def chunk_bomb() -> bytes:
+    """A chunk of a MCAP file that unpacks to three gigabytes and says that they are a hundred bytes."""
+    packed = 3 * bomb()
+    chunk = struct.pack("<QQQI", 0, 1, 100, 0) + words(b"zstd") + struct.pack("<Q", len(packed)) + packed
+    header, end = record(1, words(b"ros2") + words(b"")), record(2, bytes(20))
+    magic = b"\x89MCAP0\r\n"
+    return magic + header + record(6, chunk) + end + magic
+
+
+def long_definition() -> bytes:
+    """A message type whose definition has 200,000 lines."""
+    schema = struct.pack("<H", 1) + words(b"a/msg/B") + words(b"ros2msg") + words(b"# a comment\n" * 200_000)
+    channel = struct.pack("<HH", 1, 1) + words(b"/joint_states") + words(b"cdr") + words(b"")
+    header, end = record(1, words(b"ros2") + words(b"")), record(2, bytes(20))
+    magic = b"\x89MCAP0\r\n"
+    message = record(5, struct.pack("<HIQQ", 1, 0, 1, 1) + bytes(8))
+    return magic + header + record(3, schema) + record(4, channel) + message + end + magic
+
+
 TIMES = np.arange(template.SAMPLES) * template.PERIOD
 JUMPED = template.table().assign(time=np.where(TIMES < 0.3, TIMES, TIMES + 3600.0)).to_csv(index=False).encode()
 NAMES = list(JOINTS)
@@ -92,6 +127,11 @@ CORPUS: dict[str, tuple[Make, str]] = {
     "a clock that jumps in a scenario": (table(JUMPED, command="check"), "expected a clock without jumps"),
     "a table of sixty million rows": (table(many_rows(), "run.parquet"), "holds 60000000 rows of 4 columns"),
     "a bomb": (table(bomb(), "run.csv.zst"), "unpacks to more than 256 MiB"),
+    "a chunk that is a bomb": (mcap_file(chunk_bomb), "unpacks to more than 256 MiB"),
+    "a definition that never ends": (
+        mcap_file(long_definition),
+        "its message definitions have more than 100,000 lines",
+    ),
     "a table of words without time": (table(b"a,b\nx,y\ny,z\nz,x\n"), "has no column of time"),
     "a table cut off": (table(template.parquet()[:500], "run.parquet"), "is not a table"),
     # devices

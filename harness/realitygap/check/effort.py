@@ -64,8 +64,13 @@ class EffortFit:
         return self.share > CLEAR and self.part > PART
 
     @property
-    def right(self) -> bool:
-        """Whether it says that unit and sign are right, as far as they can be read off it."""
+    def sign_fits(self) -> bool:
+        """Whether it says that the sign is right."""
+        return self.part > PART and self.ratio > 0
+
+    @property
+    def size_fits(self) -> bool:
+        """Whether it says that the unit is right, too."""
         return self.part > PART and 1 / IMPOSSIBLE < self.ratio < IMPOSSIBLE
 
 
@@ -176,7 +181,7 @@ def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
                 f"expected {unit}; give recordings.effort.factor in {unit} per recorded unit"
             )
             return Mistake("milliamperes", "certain", (joint,), sentence, "recordings.effort", (o.name,))
-    by_slope = shown and abs(best.ratio) > IMPOSSIBLE and bool(o.follows[j]) and not load.right  # a gain may be off
+    by_slope = shown and abs(best.ratio) > IMPOSSIBLE and bool(o.follows[j]) and not load.size_fits  # a gain may be off
     if large > BRAKING * most or by_slope:
         said = told if by_slope else f"{large:.4g} {unit} or more for a twentieth of the time"
         sentence = (
@@ -199,7 +204,7 @@ def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
     along = best.clear and best.ratio > 0
     if load.clear and load.part > CLEAR and load.ratio < 0 and not along:
         against, told = True, f"{load.ratio:.2f} times what moving its links takes (explains {load.share:.0%})"
-    elif against and not load.right:
+    elif against and not load.sign_fits:
         told = f"{best.ratio:.2f} times what its servo makes of its error at any delay (explains {best.share:.0%})"
         against = best.share > SURE or not o.plant.model.floating
     else:

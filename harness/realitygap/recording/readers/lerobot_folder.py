@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.plain_file import check_plain, read_written
 
 Found = TypeVar("Found")
 POINTER = b"version https://git-lfs"
@@ -125,6 +126,7 @@ def open_folder(path: Path) -> DataFolder:
 
 def pq_read(file: Path, action: Callable[[], Found]) -> Found:
     """What pyarrow returns; whatever it trips over in a broken file is a broken file."""
+    check_plain(file)
     try:
         with file.open("rb") as opened:
             if opened.read(len(POINTER)) == POINTER:
@@ -172,7 +174,7 @@ def _value_names(names: Any, count: int) -> tuple[str, ...]:
 
 def _json(file: Path) -> dict[str, Any]:
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found = json.loads(read_written(file))
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: cannot be read ({' '.join(str(error).split())}); expected JSON") from None
     if not isinstance(found, dict):
@@ -182,7 +184,7 @@ def _json(file: Path) -> dict[str, Any]:
 
 def _json_lines(file: Path) -> list[dict[str, Any]]:
     try:
-        return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines() if line.strip()]
+        return [json.loads(line) for line in read_written(file).splitlines() if line.strip()]
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: cannot be read ({' '.join(str(error).split())}); expected lines of JSON") from None
 

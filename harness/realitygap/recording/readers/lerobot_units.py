@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from realitygap.files.errors import InputError
+from realitygap.files.plain_file import read_written
 from realitygap.scenario.file import resolve_path
 from realitygap.scenario.schema import DataSet
 
@@ -72,7 +73,7 @@ def _calibrated(file: Path, text: str, name: str) -> float:
     """The width of a motor's range of motion [rad] in a calibration file."""
     path = resolve_path(file, text, f"{KEY}.calibration")
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(read_written(path))
     except (OSError, ValueError) as error:
         raise InputError(
             f"{path}: cannot be read ({' '.join(str(error).split())}); expected LeRobot's calibration (JSON), named "

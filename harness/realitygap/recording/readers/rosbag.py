@@ -14,8 +14,10 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
+from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.alike import Taking
+from realitygap.recording.readers.bag_limits import Limits, limited
 from realitygap.recording.readers.clock import choose_clock
 from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
@@ -181,8 +183,8 @@ def short(kind: str) -> str:
 class Bag:
     """An open bag: its topics with their types and counts, when it begins [ns], and its messages."""
 
-    def __init__(self, path: Path, reader: AnyReader) -> None:
-        self.path = path
+    def __init__(self, path: Path, reader: AnyReader, limits: Limits) -> None:
+        self.path, self._limits = path, limits
         self.begin = int(reader.start_time)
         self._reader = reader
         self.types = {c.topic: c.msgtype for c in reader.connections}
@@ -210,6 +212,7 @@ class Bag:
         chosen = [c for c in self._reader.connections if c.topic in topics]
         if not chosen:
             return
+        self._limits.unpacked = 0  # it may be read again
         raw = self._reader.messages(connections=chosen)
         following = partial(next, raw, None)
         while (found := _reading(self.path, following)) is not None:
@@ -264,12 +267,12 @@ def opened(path: Path) -> Iterator[Bag]:
         InputError: for a bag that is empty or cannot be read.
     """
     store = get_typestore(Stores.LATEST)
-    with unpacked(path) as plain:
+    with unpacked(path) as plain, limited(plain) as limits:
         source = _storage(plain)
         reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
         _reading(path, reader.open)
         try:
-            bag = Bag(path, reader)
+            bag = Bag(path, reader, limits)
             if not sum(bag.counts.values()):
                 raise InputError(f"{path}: the bag holds no messages; it has {bag.listing()}")
             yield bag
@@ -279,6 +282,8 @@ def opened(path: Path) -> Iterator[Bag]:
 
 def _storage(path: Path) -> Path:
     """The path to read: a folder without metadata, as a recorder leaves behind that was killed, is its one file."""
+    for part in path.iterdir() if path.is_dir() else ():
+        check_plain(part)
     if not path.is_dir() or (path / "metadata.yaml").exists():
         return path
     files = sorted([*path.glob("*.mcap"), *path.glob("*.db3"), *path.glob("*.bag")])
@@ -292,6 +297,8 @@ def _reading(path: Path, action: Callable[[], Found]) -> Found:
     """What the library returns; whatever it trips over in a broken file is a broken file."""
     try:
         return action()
+    except InputError:
+        raise
     except Exception as error:
         what = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
