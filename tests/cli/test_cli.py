@@ -11,7 +11,8 @@ from realitygap.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = (
-    *("engines", "init", "check", "run", "matrix", "audit", "report", "diagnose", "rehearse", "effects", "schema"),
+    *("engines", "init", "check", "run", "matrix", "audit", "report"),
+    *("diagnose", "rehearse", "propose", "effects", "schema"),
     "bench",
 )
 

@@ -51,3 +51,25 @@ def rehearse(
     result = run_rehearsal(scenario, engine or [], Progress(), budget, jobs)
     write_rehearsal(result, folder)
     say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])
+
+
+def propose(
+    path: Annotated[Path, typer.Argument(help="the scenario file, or what a diagnosis of it wrote")],
+    engine: Engines = None,
+    out: Out = None,
+    seconds: Annotated[float, typer.Option("--seconds", help="that a motion may take")] = 20.0,
+    motions: Annotated[int, typer.Option("--motions", min=1, help="how many at most")] = 3,
+    jobs: Jobs = None,
+) -> None:
+    """Propose motions that tell apart what the recordings cannot.
+
+    Each as keyframes, commands and a trajectory, within the robot's limits, with the odds that it is expected to give.
+    """
+    from realitygap.diagnose.propose.files import summary, write_proposal
+    from realitygap.diagnose.propose.propose import run_proposal
+    from realitygap.files.progress import Progress
+
+    folder = folder_for(out, f"{(path if path.is_dir() else path.parent).resolve().name}_proposal")
+    result = run_proposal(path, engine or [], seconds, motions, Progress(), jobs)
+    write_proposal(result, folder)
+    say([*summary(result), f"proposal: {folder / 'proposal.json'}", f"report: {folder / 'report.html'}"])

@@ -8,7 +8,7 @@ import typer
 
 from realitygap.cli.bench_commands import bench
 from realitygap.cli.check_command import check
-from realitygap.cli.diagnose_commands import diagnose, rehearse
+from realitygap.cli.diagnose_commands import diagnose, propose, rehearse
 from realitygap.cli.robot_commands import audit, effects, engines, init
 from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
@@ -16,7 +16,7 @@ from realitygap.files.interrupted import Interrupted, listening
 
 MOST = 1000
 """Characters of a sentence, paths and lists of names included."""
-COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, effects, schema)
+COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, propose, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
 
 app = typer.Typer(

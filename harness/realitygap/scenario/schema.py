@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from realitygap.scenario.propose import ProposeSpec
 from realitygap.scenario.section import Finite, Positive, Section
 from realitygap.scenario.servos import AnyServo
 from realitygap.scenario.world import GROUNDS, GroundSpec, PhysicsSpec
@@ -240,6 +241,7 @@ class Scenario(Section):
     effects: list[EffectSpec] = Field(default=[], description="physics that is added to the model")
     recordings: Recordings | None = Field(default=None, description="what was measured")
     budget: Budget | None = Field(default=None, description="what `run` and tests accept")
+    propose: ProposeSpec | None = Field(default=None, description="what may be proposed to record")
     accept: list[str] = Field(
         default=[],
         description="what `check` finds and that is no mistake here: `KIND` or `KIND@JOINT`, with patterns "

@@ -21,17 +21,21 @@ LEEWAY = np.deg2rad(2.0)
 
 
 class Keyframe(BaseModel):
-    """Goals [°] by joint, reached after `duration` [s] and held for `pause` [s]."""
+    """Goals [°] by joint, reached after `duration` [s] and held for `pause` [s].
+
+    A joint whose `torque` is 0 has its servo off in that time.
+    """
 
     model_config = ConfigDict(extra="ignore")
     goals: dict[str, Finite]
     duration: NotNegative
     pause: NotNegative = 0.0
+    torque: dict[str, Finite] = {}
     name: str = ""
 
 
 class Animation(BaseModel):
-    """An animation file; keys that a player does not need (author, torque, ...) are ignored."""
+    """An animation file; keys that a player does not need (author, ...) are ignored."""
 
     model_config = ConfigDict(extra="ignore")
     name: str = ""
@@ -72,15 +76,33 @@ def play(path: Path, animation: Animation, model: Model, start: np.ndarray) -> t
     Raises:
         InputError: for a goal of an unknown joint or outside its limits.
     """
-    times, values = [0.0], [np.asarray(start, dtype=float)]
+    times, values, off = [0.0], [np.asarray(start, dtype=float)], [np.zeros(len(start), dtype=bool)]
     for keyframe in animation.keyframes:
-        goals = _goals(path, keyframe, model, values[-1])
+        goals, limp = _goals(path, keyframe, model, values[-1]), _limp(path, keyframe, model)
+        if (limp != off[-1]).any():  # a servo is off from the end of the keyframe before on
+            times.append(times[-1])
+            values.append(values[-1])
+            off.append(limp)
         times.append(times[-1] + max(keyframe.duration, TICK))
         values.append(goals)
+        off.append(limp)
         if keyframe.pause > 0:
             times.append(times[-1] + keyframe.pause)
             values.append(goals)
-    return Commands(np.array(times), np.array(values), held=False), times[-1]
+            off.append(limp)
+    told = np.where(np.array(off), np.nan, np.array(values))
+    return Commands(np.array(times), told, held=False), times[-1]
+
+
+def _limp(path: Path, keyframe: Keyframe, model: Model) -> np.ndarray:
+    """Which servos are off. Shape (n,)."""
+    names = model.joint_names
+    unknown = [name for name in keyframe.torque if name not in names]
+    if unknown:
+        raise InputError(
+            f"{path}: keyframe {keyframe.name!r} has a torque of {unknown[0]}; the robot has {', '.join(names)}"
+        )
+    return np.array([keyframe.torque.get(name, 1.0) == 0.0 for name in names])
 
 
 def _goals(path: Path, keyframe: Keyframe, model: Model, before: np.ndarray) -> np.ndarray:

@@ -115,6 +115,7 @@ class Diagnosis:
         return {
             "schema": 1,
             "scenario": self.problem.file.scenario.name,
+            "scenario_file": str(self.problem.file.path.absolute()),
             "engines": self.engines,
             "verdict": self.verdict,
             "where": [_place(p) for p in self.where],

@@ -34,7 +34,7 @@ def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> 
     run says its own value.
     """
     revision = _Revision(problem, changes, folder)
-    file, raw = problem.file, _rebased(problem.file, folder)
+    file, raw = problem.file, rebased(problem.file, folder)
     urdf, effects = revision.of(file)
     raw["robot"]["urdf"] = urdf
     _set_effects(raw, effects)
@@ -51,12 +51,12 @@ def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> 
     if revision.packages:
         raw["robot"]["packages"] = {**(raw["robot"].get("packages") or {}), **revision.packages}
     path = folder / "scenario.yaml"
-    text = yaml.dump(raw, Dumper=_Plain, sort_keys=False, allow_unicode=True, width=110)
+    text = yaml.dump(raw, Dumper=Plain, sort_keys=False, allow_unicode=True, width=110)
     write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
     return path
 
 
-class _Plain(yaml.SafeDumper):
+class Plain(yaml.SafeDumper):
     """YAML without aliases."""
 
     def ignore_aliases(self, data: Any) -> bool:
@@ -142,7 +142,7 @@ def _set_effects(raw: dict[str, Any], effects: list[dict[str, Any]]) -> None:
         raw["effects"] = effects
 
 
-def _rebased(file: ScenarioFile, folder: Path) -> dict[str, Any]:
+def rebased(file: ScenarioFile, folder: Path) -> dict[str, Any]:
     """The raw scenario with its relative paths leading from another folder."""
 
     def rebase(text: str, key: str) -> str:

@@ -1,0 +1,1 @@
+"""Proposals: motions that tell apart what the recordings cannot."""

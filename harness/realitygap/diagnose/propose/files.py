@@ -1,0 +1,190 @@
+"""What a proposal leaves behind: `proposal.json`, the page, and every motion as keyframes, commands and trajectory."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from pydantic import BaseModel, ConfigDict
+
+from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.explanations import Question
+from realitygap.diagnose.propose.keyframes import animation, waypoints
+from realitygap.diagnose.propose.motion import Motion
+from realitygap.diagnose.propose.page import write_page
+from realitygap.diagnose.propose.proposal import Proposal, Proposed
+from realitygap.diagnose.propose.words import odds, settles
+from realitygap.diagnose.result.revise import Plain, rebased
+from realitygap.files.errors import spared
+from realitygap.files.interrupted import uninterrupted
+from realitygap.files.whole import write_whole
+from realitygap.trace.trajectory import write_trajectory
+
+SUFFIXES = {"keyframes": "json", "commands": "csv", "trajectory": "mcap", "scenario": "yaml"}
+"""The files of a motion."""
+
+
+class Settled(BaseModel):
+    """What a motion does to a question.
+
+    Odds are natural logarithms; `now` is for the first side, `if_one` and `if_other` for the side that is the true one.
+    """
+
+    model_config = ConfigDict(frozen=True)
+    one: str
+    other: str
+    now: float
+    if_one: float
+    if_other: float
+
+
+class MotionFile(BaseModel):
+    """A proposed motion: its files, how long it takes [s], the `with` of its run, and what it will settle."""
+
+    model_config = ConfigDict(frozen=True)
+    name: str
+    seconds: float
+    segments: list[str]
+    condition: str
+    overrides: dict[str, Any]
+    files: dict[str, str]
+    stays_within_limits_in: list[str]
+    settles: list[Settled]
+    says: str
+
+
+class ProposalFile(BaseModel):
+    """The content of `proposal.json`."""
+
+    model_config = ConfigDict(frozen=True)
+    format: int = 1
+    scenario: str
+    scenario_file: str
+    engine: str
+    pose: dict[str, float]
+    limits: dict[str, dict[str, float | None]]
+    open: list[str]
+    out_of_reach: list[str]
+    motions: list[MotionFile]
+    notes: list[str]
+
+
+def write_proposal(result: Proposal, out: Path) -> ProposalFile:
+    """Write all files, last the page: a page that fails costs no result. Returns what `proposal.json` says."""
+    content = to_file(result)
+    with uninterrupted():
+        for proposed in result.proposed:
+            _write_motion(result, proposed, out)
+        write_whole(out / "proposal.json", content.model_dump_json(indent=1) + "\n")
+        with spared("the page", result.notes):
+            write_page(result, content.model_dump(), out)
+    return content
+
+
+def to_file(result: Proposal) -> ProposalFile:
+    """What `proposal.json` says."""
+    names, limits = result.problem.plant.model.joint_names, result.limits
+    rows = zip(names, limits.lower, limits.upper, limits.speed, limits.effort, strict=True)
+    return ProposalFile(
+        scenario=result.problem.file.scenario.name,
+        scenario_file=str(result.problem.file.path.absolute()),
+        engine=result.problem.engine,
+        pose={n: _round(q) for n, q in zip(names, result.home, strict=True)},
+        limits={
+            n: {
+                "lower": _round(a),
+                "upper": _round(b),
+                "speed": _round(v),
+                "effort": _round(e) if e < math.inf else None,
+            }
+            for n, a, b, v, e in rows
+        },
+        open=[f"{q} ({odds(q.now)} now)" for q in result.open.questions],
+        out_of_reach=[str(q) for q in result.hopeless],
+        motions=[_motion(result, p) for p in result.proposed],
+        notes=list(result.notes),
+    )
+
+
+def _motion(result: Proposal, proposed: Proposed) -> MotionFile:
+    motion = proposed.motion
+    return MotionFile(
+        name=motion.name,
+        seconds=_round(motion.seconds),
+        segments=[s.label for s in motion.segments],
+        condition=motion.condition.label,
+        overrides=motion.condition.overrides,
+        files={what: f"{motion.name}.{suffix}" for what, suffix in SUFFIXES.items()},
+        stays_within_limits_in=list(proposed.engines),
+        settles=[_settled(q, a) for q, a in zip(result.open.questions, proposed.answers, strict=True)],
+        says=settles(result, proposed),
+    )
+
+
+def _settled(question: Question, answer: Answer) -> Settled:
+    one, other = question.names
+    return Settled(
+        one=one, other=other, now=_round(question.now), if_one=_round(answer.one), if_other=_round(answer.other)
+    )
+
+
+def _write_motion(result: Proposal, proposed: Proposed, out: Path) -> None:
+    motion, model = proposed.motion, result.problem.plant.model
+    text = json.dumps(animation(motion, model.joint_names), indent=1, ensure_ascii=False)
+    write_whole(out / f"{motion.name}.json", text + "\n")
+    write_whole(out / f"{motion.name}.csv", _commands(motion, model.joint_names))
+    time, value, _ = waypoints(motion)
+    write_trajectory(out / f"{motion.name}.mcap", model.joint_names, time, value)
+    write_whole(out / f"{motion.name}.yaml", _scenario(result, motion, out))
+
+
+def _commands(motion: Motion, joints: Sequence[str]) -> str:
+    """The command stream: time [s], every joint's command [rad or m], and whether its servo is on."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time", *(f"command_{j}" for j in joints), *(f"torque_enabled_{j}" for j in joints)])
+    on = np.isfinite(motion.value)
+    value = np.concatenate([motion.segments[0].value[:1], *(s.value for s in motion.segments)])
+    for t, v, good in zip(motion.time.tolist(), value.tolist(), on.tolist(), strict=True):
+        writer.writerow([f"{t:.6f}", *(f"{x:.8g}" for x in v), *(int(g) for g in good)])
+    return text.getvalue()
+
+
+def _scenario(result: Proposal, motion: Motion, out: Path) -> str:
+    """A scenario that plays the motion, and how its recording becomes a run of the one that was diagnosed."""
+    raw = rebased(result.problem.file.override(motion.condition.overrides), out)
+    for key in ("recordings", "budget", "propose", "accept", "certain", "suspects", "revisions"):
+        raw.pop(key, None)
+    raw["name"] = motion.name
+    raw["motion"] = {"keyframes": f"{motion.name}.json"}
+    raw["robot"]["start"] = "keyframe"
+    run: dict[str, Any] = {"path": f"{motion.name}_recorded", "use": "train"}
+    if motion.condition.overrides:
+        run["with"] = motion.condition.overrides
+    note = yaml.dump([run], Dumper=Plain, sort_keys=False, allow_unicode=True, width=110)
+    head = [
+        "plays a proposed motion; once it was recorded, add to recordings.runs of the scenario:",
+        *note.splitlines(),
+    ]
+    body = yaml.dump(raw, Dumper=Plain, sort_keys=False, allow_unicode=True, width=110)
+    return "".join(f"# {line}\n" for line in head) + body
+
+
+def summary(result: Proposal) -> list[str]:
+    """Lines for the terminal: each motion with what it will settle, and what no motion can."""
+    lines = [f"{p.motion.name}: {settles(result, p)}" for p in result.proposed]
+    lines += [
+        f"out of reach: {q}: no motion within the limits moves these odds ({odds(q.now)})" for q in result.hopeless
+    ]
+    return [*lines, *(f"  {note}" for note in result.notes)]
+
+
+def _round(value: float) -> float:
+    return float(f"{value:.6g}")

@@ -1,0 +1,72 @@
+"""A proposed motion as the keyframes of an animation: few of them, between which straight lines are the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from realitygap.diagnose.propose.motion import Motion
+from realitygap.robot.drive import Array
+from realitygap.simulate.motion import TICK
+
+EXACT = 2e-4
+"""How far straight lines between keyframes may be from the motion [rad or m]: a tenth of a small servo's quantum."""
+
+
+def corners(time: Array, value: Array, marks: Array) -> list[int]:
+    """The samples between which straight lines follow a motion (Ramer 1972; Douglas & Peucker 1973).
+
+    Args:
+        time: Shape (t,).
+        value: Shape (t, n).
+        marks: numbers of samples that have to be among them.
+    """
+    kept = {0, len(time) - 1, *marks.tolist()}
+    todo = sorted(kept)
+    spans = list(pairwise(todo))
+    while spans:
+        a, b = spans.pop()
+        if b - a < 2:
+            continue
+        share = ((time[a : b + 1] - time[a]) / (time[b] - time[a]))[:, None]
+        far = np.abs(value[a : b + 1] - (value[a] + share * (value[b] - value[a]))).max(axis=1)
+        worst = a + int(np.argmax(far))
+        if far[worst - a] > EXACT:
+            kept.add(worst)
+            spans += [(a, worst), (worst, b)]
+    return sorted(kept)
+
+
+def waypoints(motion: Motion, apart: float = 0.0) -> tuple[Array, Array, Array]:
+    """Times (k,) [s], positions (k, n) and whether servos are on (k, n) up to there, at least `apart` [s] apart."""
+    value = np.concatenate([motion.segments[0].value[:1], *(s.value for s in motion.segments)])
+    every = max(int(np.ceil(apart / motion.period - 1e-6)), 1)
+    rows = np.unique([*range(0, len(value) - every, every), len(value) - 1])
+    time, value, on = motion.time[rows], value[rows], np.isfinite(motion.value)[rows]
+    switched = np.flatnonzero((on[1:] != on[:-1]).any(axis=1))
+    chosen = corners(time, value, np.unique(np.concatenate([switched, switched + 1])))
+    return time[chosen], value[chosen], on[chosen]
+
+
+def animation(motion: Motion, joints: Sequence[str]) -> dict[str, Any]:
+    """The content of an animation file: goals in degrees, durations, servos that are off.
+
+    A player takes at least a tick from one keyframe to the next, so that a step takes one, too.
+    """
+    time, value, on = waypoints(motion, TICK)
+    goals = np.rad2deg(value)  # also of prismatic joints: a player takes degrees
+    frames = []
+    for k in range(len(time)):
+        frame: dict[str, Any] = {
+            "name": f"{k}",
+            "duration": round(float(time[k] - time[k - 1]), 6) if k else 0.0,
+            "pause": 0.0,
+            "goals": {name: round(float(v), 5) for name, v in zip(joints, goals[k], strict=True)},
+        }
+        if not on[k].all():
+            frame["torque"] = {name: int(good) for name, good in zip(joints, on[k], strict=True)}
+        frames.append(frame)
+    return {"name": motion.name, "keyframes": frames}

@@ -1,0 +1,147 @@
+"""Motions: segments one behind the other under one condition, and what a diagnosis would make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from realitygap.diagnose.data.case import Case
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.condition import Condition
+from realitygap.diagnose.propose.segments import Segment
+from realitygap.robot.drive import Array
+from realitygap.simulate.commands import Commands
+from realitygap.simulate.experiment import Experiment
+from realitygap.trace.trace import Trace
+
+SETTLE = 1.0
+"""How long the robot has been in the pose before a motion begins [s]."""
+USE = "proposed"
+FASTEST, SLOWEST = 1e-3, 0.02
+"""Bounds of the period of the commands [s]."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Segments one behind the other.
+
+    Attributes:
+        name: of its files.
+        segments: in their order.
+        condition: under which it is recorded.
+        period: of the commands [s].
+    """
+
+    name: str
+    segments: tuple[Segment, ...]
+    condition: Condition
+    period: float
+
+    @property
+    def value(self) -> Array:
+        """Commands, NaN where a servo is off; the pose at first. Shape (m, n)."""
+        first = self.segments[0].value[:1]
+        return np.concatenate([first, *(s.commands() for s in self.segments)])
+
+    @property
+    def time(self) -> Array:
+        """When each command is sent [s]. Shape (m,)."""
+        return self.period * np.arange(1 + sum(len(s.value) for s in self.segments), dtype=float)
+
+    @property
+    def seconds(self) -> float:
+        """How long it takes."""
+        return float(self.time[-1])
+
+
+def period_of(problem: Problem) -> float:
+    """The period of the recorded commands [s], as far as a proposed motion keeps to it."""
+    times = [c.experiment.commands.time for c in problem.cases]
+    periods = [float(np.median(np.diff(t))) for t in times if len(t) > 2]
+    return float(np.clip(np.median(periods), FASTEST, SLOWEST)) if periods else SLOWEST / 2
+
+
+def pose_of(problem: Problem, pose: dict[str, float]) -> Array:
+    """Where motions start and end: as the owner says, or where the recordings' first commands are. Shape (n,)."""
+    names = problem.plant.model.joint_names
+    firsts = []
+    for case in problem.cases:
+        told = case.experiment.commands.value
+        good = told[np.isfinite(told).all(axis=1)]
+        firsts.append(good[0] if len(good) else case.value("position")[0])
+    home = np.median(firsts, axis=0) if firsts else np.zeros(len(names))
+    return np.array([pose.get(name, float(home[i])) for i, name in enumerate(names)])
+
+
+def experiment_of(motion: Motion, like: Experiment) -> Experiment:
+    """The simulation of a motion; it begins before the motion, so that the robot is at rest."""
+    value = motion.value
+    condition = motion.condition
+    names = condition.plant.model.joint_names
+    start = {name: float(q) for name, q in zip(names, value[0], strict=True)}
+    robot = condition.scenario.robot.model_copy(update={"start": start})
+    commands = Commands(
+        np.concatenate([[0.0], SETTLE + motion.time]), np.concatenate([value[:1], value]), like.commands.held
+    )
+    return Experiment(
+        name=motion.name,
+        scenario=condition.scenario.model_copy(update={"robot": robot}),
+        plant=condition.plant,
+        recording=None,
+        commands=commands,
+        begin=-SETTLE,
+        duration=SETTLE + motion.seconds,
+        use=USE,
+    )
+
+
+def with_motions(problem: Problem, motions: Sequence[Motion]) -> Problem:
+    """The problem with motions as further cases, behind its own; what would be measured is not known."""
+    return replace(problem, cases=(*problem.cases, *(_case(problem, m) for m in motions)))
+
+
+def _case(problem: Problem, motion: Motion) -> Case:
+    like = problem.cases[0]
+    experiment = experiment_of(motion, like.experiment)
+    rate = (len(like.measured.time) - 1) / (like.measured.time[-1] - like.measured.time[0])
+    time = np.arange(0.0, motion.seconds, 1.0 / rate)
+    shape = (len(time), len(motion.condition.plant.model.joints))
+    nothing = {s: np.zeros(shape) for s in like.noise}
+    names = tuple(motion.condition.plant.model.joint_names)
+    empty = Trace(time, names, nothing.get("position"), nothing.get("velocity"), nothing.get("effort"))
+    noise = {s: single(problem, s) for s in like.noise}
+    return Case(motion.name, experiment, empty, USE, noise, 1, noise)
+
+
+def single(problem: Problem, signal: str) -> Array:
+    """The noise of one repetition, over all motions. Shape (n,)."""
+    values = [c.noise[signal] * np.sqrt(c.repetitions) for c in problem.cases if signal in c.noise]
+    return np.asarray(np.median(values, axis=0))
+
+
+def expected_floors(problem: Problem, floors: Floors, own: int) -> Floors:
+    """The floors of a problem whose further cases were not measured: as large as those of its first `own` cases.
+
+    Quick, for what is looked at in passing: `measure` simulates disturbances and numerics of every motion.
+    """
+    last = [dict[str, Array]() for _ in problem.cases[own:]]
+    noise = [dict[str, Array]() for _ in problem.cases[own:]]
+    for slow, heard, case in zip(last, noise, problem.cases[own:], strict=True):
+        for signal in case.noise:
+            far = [
+                np.sqrt(np.mean(floors.slow[c][signal] ** 2, axis=0) * problem.cases[c].repetitions)
+                for c in range(own)
+                if signal in floors.slow[c]
+            ]
+            slow[signal] = np.tile(np.sqrt(np.mean(np.square(far), axis=0)), (len(case.measured.time), 1))
+            own_noise = [
+                floors.noise[c][signal] * np.sqrt(problem.cases[c].repetitions)
+                for c in range(own)
+                if signal in floors.noise[c]
+            ]
+            heard[signal] = np.median(own_noise, axis=0)
+    coarse = (*floors.coarse[:own], *[max(floors.coarse[:own])] * len(last))
+    return Floors((*floors.noise[:own], *noise), (*floors.slow[:own], *last), coarse, floors.torque)

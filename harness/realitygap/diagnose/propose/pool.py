@@ -1,0 +1,130 @@
+"""The pool of a design: single segments under every condition, and the motions that are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.propose.condition import conditions
+from realitygap.diagnose.propose.design import chosen, worth
+from realitygap.diagnose.propose.explanations import Open, Question
+from realitygap.diagnose.propose.motion import Motion, period_of
+from realitygap.diagnose.propose.predict import Predictions
+from realitygap.diagnose.propose.proposal import Proposal
+from realitygap.diagnose.propose.safe import left_in_engines
+from realitygap.diagnose.propose.segments import Builder
+from realitygap.scenario.propose import ProposeSpec, SegmentKind
+
+Held = tuple[Motion, tuple[str, ...]]
+"""A motion, and the engines in which it stays within the limits."""
+
+
+def pool_of(result: Proposal, spec: ProposeSpec) -> list[Motion]:
+    """Single segments of the joints that are in question, under every condition."""
+    problem = result.problem
+    period, every = period_of(problem), conditions(problem, spec)
+    off = () if _may_release(problem, spec) else ("release",)
+    kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
+    joints = _joints(problem, result.open)
+    segments = [s for j in joints for s in Builder(j, result.home, result.limits, period).every(kinds)]
+    return [Motion(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
+
+
+def _may_release(problem: Problem, spec: ProposeSpec) -> bool:
+    """Whether a servo may be off: as the owner says, or where it was in a recording."""
+    if spec.release is not None:
+        return spec.release
+    return any(np.isnan(c.experiment.commands.value).any() for c in problem.cases)
+
+
+def _joints(problem: Problem, open_: Open) -> list[int]:
+    """The joints that questions are about: where effects sit, or what moves their links; all, of a shared one."""
+    out = set[int]()
+    for suspect in (s for q in open_.questions for s in q.targets):
+        at = suspect.indices if suspect.kind.sits_at == "joint" else [i - 1 for i in suspect.indices]
+        out |= set(range(len(problem.plant.model.joints))) if suspect.kind.sits_at in ("base", "ground") else set(at)
+    return sorted(j for j in out if j >= 0)
+
+
+def motions_of(
+    result: Proposal,
+    pool: Sequence[Motion],
+    predictions: Predictions,
+    questions: Sequence[Question],
+    engines: Sequence[str],
+    seconds: float,
+    most: int,
+) -> Iterator[Held]:
+    """The best motions, the most promising first, one for every condition before a second one; a second one does
+    without the kind of segment that tells most in the first.
+
+    Args:
+        result: the proposal.
+        pool: of single segments, which are the last cases of `predictions`.
+        predictions: of the segments that can be simulated and stay within the limits.
+        questions: that segments can move.
+        engines: in which motions have to stay within the limits.
+        seconds: that each may take.
+        most: how many.
+    """
+    table = _Table(result, pool, predictions, questions, seconds)
+    todo = [table.best(k, frozenset(), frozenset()) for k in range(len(table.conditions))]
+    given = 0
+    while given < most and any(todo):
+        _, motion, condition, without, bad = max((t for t in todo if t is not None), key=lambda t: t[0])
+        at, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits)
+        if at is None:
+            given += 1
+            yield replace(motion, name=f"{motion.name}_{given}"), held
+            todo[condition] = table.best(condition, without | {motion.segments[0].kind}, bad)
+        else:
+            todo[condition] = table.best(condition, without, bad | {motion.segments[at].label})
+
+
+Candidate = tuple[float, Motion, int, frozenset[str], frozenset[str]]
+"""A motion with its worth, the number of its condition, the kinds it does without, and the labels of segments that
+leave a limit.
+"""
+AGAIN = 100.0
+"""A second motion under a condition comes after the first of every other that settles anything: so much less."""
+
+
+class _Table:
+    """What every segment tells, by condition."""
+
+    def __init__(
+        self,
+        result: Proposal,
+        pool: Sequence[Motion],
+        predictions: Predictions,
+        questions: Sequence[Question],
+        seconds: float,
+    ) -> None:
+        own = len(result.problem.cases)
+        self.questions, self.seconds, self.beliefs = questions, seconds, predictions.beliefs
+        self.parts = [(pool[c - own], g) for c, g in zip(predictions.cases, predictions.grams, strict=True)]
+        self.conditions = list({id(m.condition): m.condition for m in pool}.values())
+        self.nothing = np.zeros_like(predictions.grams[0])
+
+    def best(self, condition: int, without: frozenset[str], bad: frozenset[str]) -> Candidate | None:
+        """The best motion under a condition without some kinds and segments; None where none tells anything."""
+        here = [
+            (m, g)
+            for m, g in self.parts
+            if m.condition is self.conditions[condition]
+            and m.segments[0].kind not in without
+            and m.segments[0].label not in bad
+        ]
+        lengths, grams = [m.seconds for m, _ in here], [g for _, g in here]
+        picked = chosen(self.questions, grams, self.beliefs, lengths, self.seconds, self.nothing)
+        if not picked:
+            return None
+        told = worth(self.questions, sum((grams[i] for i in picked), self.nothing), self.beliefs)
+        segments = tuple(here[i][0].segments[0] for i in picked)
+        kinds = list(dict.fromkeys(s.kind for s in segments))
+        motion = replace(here[0][0], segments=segments, name="_".join(kinds[:3]))
+        return told - AGAIN * len(without), motion, condition, without, bad

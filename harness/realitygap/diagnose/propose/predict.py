@@ -1,0 +1,144 @@
+"""Predictions: what every explanation says that motions will show, whitened as a diagnosis would whiten it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit, slope
+from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.fit.space import Space
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
+from realitygap.diagnose.propose.odds import Belief
+from realitygap.diagnose.propose.wrong import Wrong
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.robot.drive import Array
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """What explanations predict of motions, as columns: first one for every explanation, then one for every value.
+
+    Attributes:
+        cases: the numbers of the motions.
+        channels: of what is stacked.
+        still: what the named model says, less what was measured. Shape (m,).
+        plain: the columns as they are simulated, of explanations less that of the named model. Shape (m, c).
+        grams: of each motion, the inner products of the whitened columns. Shape (c, c) each.
+        beliefs: of every explanation.
+    """
+
+    cases: tuple[int, ...]
+    channels: tuple[Channel, ...]
+    still: Array
+    plain: Array
+    grams: tuple[Array, ...]
+    beliefs: tuple[Belief, ...]
+
+    def expected(self, number: int) -> Array:
+        """What an explanation expects of all channels, stacked, less what was measured. Shape (m,)."""
+        return np.asarray(self.still + self.plain @ self.beliefs[number].mean)
+
+    def uncertain(self, number: int) -> Array:
+        """The standard deviation of that by what is not known of the explanation's values. Shape (m,)."""
+        belief = self.beliefs[number]
+        ways = self.plain @ belief.ways
+        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", ways, belief.covariance, ways)))
+
+
+def predict(
+    simulations: Simulations,
+    explanations: Sequence[Scored],
+    cases: Sequence[int],
+    floors: Floors,
+    wrong: Wrong | None = None,
+) -> Predictions | None:
+    """The predictions of some motions; None where one of them cannot be simulated.
+
+    Args:
+        simulations: of the problem with the motions.
+        explanations: fitted to its training cases, the named model first.
+        cases: the motions.
+        floors: of all cases.
+        wrong: what laws may be imperfect by; None as if laws were exact.
+    """
+    found = tuple(channels(simulations.problem, floors, cases))
+    ahead = _simulated(simulations, explanations, cases, floors)
+    if ahead is None:
+        return None
+    means, slopes = ahead
+    laws = np.zeros((len(means), 0)) if wrong is None else wrong.ahead
+    still = means[:, 0]
+    plain = np.nan_to_num(np.column_stack([means - still[:, None], *slopes, laws]))
+    first = explanations[0].metric.whitening
+    fact = dict(zip((c.key for c in first.channels), first.facts, strict=True))
+    grams = []
+    for case in cases:
+        own = tuple(c for c in found if c.case == case)
+        rows = np.concatenate([np.full(len(c.time), c.case == case) for c in found])
+        whitening = Whitening(own, first.rest, np.array([fact[c.key] for c in own]))
+        white, _ = whitening(np.ascontiguousarray(plain[rows]), np.ones(int(rows.sum())))
+        grams.append(white.T @ white)
+    beliefs = _beliefs(simulations, explanations, [s.shape[1] for s in slopes], wrong)
+    return Predictions(tuple(cases), found, still, plain, tuple(grams), beliefs)
+
+
+def _simulated(
+    simulations: Simulations, explanations: Sequence[Scored], cases: Sequence[int], floors: Floors
+) -> tuple[Array, list[Array]] | None:
+    """What each explanation says (m, e), and how that changes with its values, each (m, v)."""
+    variants = [e.fit.changes for e in explanations]
+    answers = residuals(simulations, variants, cases, floors.coarse)
+    means = [a for a in answers if a is not None]
+    if len(means) < len(answers):
+        return None
+    slopes = []
+    for e in explanations:
+        space = Space(simulations.problem, e.fit.changes)
+        told = slope(simulations, space, space.first, cases, floors.coarse)
+        slopes.append(told * (e.fit.size / space.scale if len(space.scale) else 1.0))
+    return np.column_stack(means), slopes
+
+
+def _beliefs(
+    simulations: Simulations,
+    explanations: Sequence[Scored],
+    sizes: Sequence[int],
+    wrong: Wrong | None,
+) -> tuple[Belief, ...]:
+    """Of every explanation, what the training cases leave of its values and of how far laws are off."""
+    number = len(explanations)
+    laws = 0 if wrong is None else wrong.ahead.shape[1]
+    width = number + sum(sizes) + laws
+    ends = np.cumsum([number, *sizes])
+    out = []
+    for k, e in enumerate(explanations):
+        fit, shares = e.fit, np.zeros(0)
+        old = fit.slope.reshape(len(fit.residual), -1)
+        if wrong is not None:
+            shares = wrong.told.shares(fit) * np.array([e.imperfect.get(law, 1.0) for law in wrong.told.laws])
+            old = np.column_stack([old, wrong.before * shares])
+        white, _ = e.metric.whitening(np.nan_to_num(np.column_stack([fit.residual, old])), e.metric.weight)
+        lean, stiff = _prior(simulations, fit, laws)
+        precision = white[:, 1:].T @ white[:, 1:] + np.diag(stiff**2)
+        pull = white[:, 1:].T @ white[:, 0] + stiff * lean
+        ways = np.zeros((width, sizes[k] + laws))
+        ways[ends[k] : ends[k + 1], : sizes[k]] = np.eye(sizes[k])
+        ways[ends[-1] :, sizes[k] :] = np.diag(shares)
+        mean = np.zeros(width)
+        mean[k] = 1.0
+        if len(precision):
+            mean -= ways @ np.linalg.solve(precision, pull)
+        out.append(Belief(mean, ways, precision))
+    return tuple(out)
+
+
+def _prior(simulations: Simulations, fit: Fit, laws: int) -> tuple[Array, Array]:
+    """How far values are from where priors expect them, and how fast that grows with each. Shapes (v,)."""
+    space = Space(simulations.problem, fit.changes)
+    stiff = space.prior_slope(space.first) * (fit.size / space.scale if len(fit.size) else 1.0)
+    return np.concatenate([fit.prior, np.zeros(laws)]), np.concatenate([stiff, np.ones(laws)])

@@ -1,0 +1,154 @@
+"""`realitygap propose`: motions that tell apart what the recordings cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from realitygap.check import certain
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.diagnose.propose.design import answer, separable
+from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.limits import limits_of
+from realitygap.diagnose.propose.motion import expected_floors, pose_of, with_motions
+from realitygap.diagnose.propose.pool import Held, motions_of, pool_of
+from realitygap.diagnose.propose.predict import predict
+from realitygap.diagnose.propose.proposal import Proposal, Proposed
+from realitygap.diagnose.propose.safe import safe_cases
+from realitygap.diagnose.propose.told import found_changes, opened, start_of
+from realitygap.diagnose.propose.wrong import wrong
+from realitygap.diagnose.result.workflow import SEARCH
+from realitygap.diagnose.search.round import Say
+from realitygap.files.errors import InputError
+from realitygap.files.progress import Progress
+from realitygap.scenario.engine_names import engine_names
+from realitygap.scenario.file import load_scenario
+from realitygap.scenario.propose import ProposeSpec
+
+SHORTEST = 4.0
+"""A motion shorter than this has no room for a single segment [s]."""
+
+
+def run_proposal(
+    path: Path, names: Sequence[str], seconds: float, motions: int, progress: Progress, workers: int | None = None
+) -> Proposal:
+    """Propose motions.
+
+    Args:
+        path: a scenario, or a diagnosis.
+        names: engines: the first one searches, and in all of them motions are to stay within the limits; empty: MuJoCo
+            searches, and all that are installed count.
+        seconds: that a motion may take.
+        motions: how many at most.
+        progress: told what is being done.
+        workers: processes; None for one per core.
+
+    Raises:
+        InputError: for a scenario or diagnosis that cannot be used.
+    """
+    if not seconds >= SHORTEST:
+        raise InputError(f"--seconds: found {seconds:g}, expected at least {SHORTEST:g}")
+    start = start_of(path)
+    file = load_scenario(start.scenario)
+    engines = engine_names(names)
+    first = engines[0] if names else start.engine or (SEARCH if SEARCH in engines else engines[0])
+    if file.scenario.robot.base != "fixed" or file.scenario.follows:
+        what = "motion: {followed: true}" if file.scenario.follows else f"robot.base: {file.scenario.robot.base}"
+        raise InputError(f"{file.path}: found {what}; motions are proposed for robots with servos and a fixed base")
+    warnings = certain(file)
+    problem = build_problem(file, first)
+    changes = None if start.findings is None else found_changes(problem, start.findings, path)
+    with Simulations(problem, workers) as simulations:
+        open_, floors = opened(simulations, changes, progress.say)
+    result = propose(problem, open_, floors, engines, seconds, motions, progress.say, workers)
+    result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
+    return result
+
+
+def propose(
+    problem: Problem,
+    open_: Open,
+    floors: Floors,
+    engines: Sequence[str],
+    seconds: float,
+    motions: int,
+    say: Say,
+    workers: int | None = None,
+) -> Proposal:
+    """Design motions for what is left open.
+
+    Args:
+        problem: the recordings.
+        open_: what they leave open.
+        floors: of the named model.
+        engines: in which motions have to stay within the limits.
+        seconds: that each may take.
+        motions: how many at most.
+        say: told what is being done.
+        workers: processes; None for one per core.
+    """
+    spec = problem.file.scenario.propose or ProposeSpec()
+    recorded = np.concatenate([c.value("position") for c in problem.cases])
+    limits = limits_of(problem.plant.model, spec, recorded, problem.plant.reached)
+    result = Proposal(problem, open_, limits, pose_of(problem, spec.pose))
+    if not open_.questions:
+        result.notes.append("nothing is left open: no other explanation comes near the findings")
+        return result
+    designed = _designed(result, spec, floors, engines, seconds, motions, say, workers)
+    if not designed:
+        result.notes.append("no motion within these limits tells the explanations apart")
+        return result
+    return _judged(result, designed, say, workers)
+
+
+def _designed(
+    result: Proposal,
+    spec: ProposeSpec,
+    floors: Floors,
+    engines: Sequence[str],
+    seconds: float,
+    motions: int,
+    say: Say,
+    workers: int | None,
+) -> list[Held]:
+    """The best motions of segments that stay within the limits, as if laws were exact."""
+    problem, open_ = result.problem, result.open
+    pool = pool_of(result, spec)
+    own, wide = len(problem.cases), with_motions(problem, pool)
+    say(f"{len(pool)} pieces of motion, each under {len(open_.explanations)} explanations")
+    with Simulations(wide, workers) as simulations:
+        rough = expected_floors(wide, floors, own)
+        good = safe_cases(simulations, open_.explanations, range(own, len(wide.cases)), rough, result.limits)
+        predictions = predict(simulations, open_.explanations, good, rough) if good else None
+    if predictions is None:
+        result.hopeless = open_.questions
+        return []
+    apart = separable(open_.questions, predictions.grams, predictions.beliefs)
+    result.hopeless = tuple(q for q in open_.questions if q not in apart)
+    return list(motions_of(result, pool, predictions, apart, engines, seconds, motions)) if apart else []
+
+
+def _judged(result: Proposal, designed: Sequence[Held], say: Say, workers: int | None) -> Proposal:
+    """The motions as a whole, with all that a diagnosis counts with; the best first."""
+    problem = with_motions(result.problem, [m for m, _ in designed])
+    cases = range(len(result.problem.cases), len(problem.cases))
+    explanations = result.open.explanations
+    say(f"{len(designed)} motions as a whole, with what laws may be off by")
+    with Simulations(problem, workers) as simulations:
+        floors = measure(simulations, explanations[0].fit.changes)
+        off = wrong(simulations, explanations[0], suspects(problem), cases, floors)
+        predictions = predict(simulations, explanations, cases, floors, off)
+    if predictions is None:
+        result.notes.append("the motions could not be simulated as a whole")
+        return result
+    result.problem, result.predictions = problem, predictions
+    for case, (motion, held), gram in zip(cases, designed, predictions.grams, strict=True):
+        answers = tuple(answer(q, gram, predictions.beliefs) for q in result.open.questions)
+        result.proposed.append(Proposed(motion, case, answers, held))
+    result.proposed.sort(key=result.least, reverse=True)
+    return result

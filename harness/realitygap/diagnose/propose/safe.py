@@ -1,0 +1,86 @@
+"""Safety: no motion leaves a limit, whichever explanation is true and whichever engine simulates it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from realitygap_engines import Diverged, Failed, Unsupported
+
+from realitygap.diagnose.data.changes import changed
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.limits import Limits
+from realitygap.diagnose.propose.motion import Motion, experiment_of
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.robot.drive import Array
+from realitygap.simulate.experiment import simulate
+from realitygap.trace.trace import Trace
+
+
+def safe_cases(
+    simulations: Simulations,
+    explanations: Sequence[Scored],
+    cases: Sequence[int],
+    floors: Floors,
+    limits: Limits,
+) -> list[int]:
+    """The cases that can be simulated under every explanation and stay within the limits at the judged stamps."""
+    problem = simulations.problem
+    asked = [simulations.question(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
+    answers = simulations.ask(asked)
+    number, out = len(explanations), []
+    for k, case in enumerate(cases):
+        here = answers[k * number : (k + 1) * number]
+        told = problem.cases[case].experiment.commands.value
+        if _outside(told, limits) or any(a is None for a in here):
+            continue
+        time = problem.cases[case].measured.time
+        names = problem.plant.model.joint_names
+        traces = [_trace(time, names, a) for a in here if a is not None]
+        if all(limits.first(t) is None for t in traces if t is not None):
+            out.append(case)
+    return out
+
+
+def _outside(command: Array, limits: Limits) -> bool:
+    """Whether a position is asked for that is out of reach."""
+    return bool(np.nanmax(np.maximum(limits.lower - command, command - limits.upper)) > 0.0)
+
+
+def _trace(time: Array, names: Sequence[str], signals: dict[str, Array]) -> Trace | None:
+    """What a simulation says of positions and speeds; None where it says nothing of them."""
+    if "position" not in signals:
+        return None
+    position = signals["position"]
+    velocity = signals.get("velocity", np.gradient(position, time, axis=0))
+    return Trace(time, tuple(names), position, velocity, signals.get("effort"))
+
+
+def left_in_engines(
+    problem: Problem, motion: Motion, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
+) -> tuple[int | None, tuple[str, ...]]:
+    """The number of the segment that leaves a limit first, in any engine under any explanation, None where none does;
+    and the engines that can simulate the motion.
+    """
+    experiment = experiment_of(motion, problem.cases[0].experiment)
+    ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
+    held = []
+    for engine in engines:
+        can = True
+        for e in explanations:
+            plant = changed(experiment.plant, e.fit.changes, problem.plant)
+            try:
+                trace = simulate(experiment.with_plant(plant), engine).trace
+            except (Unsupported, Failed):
+                can = False
+                break
+            except Diverged as error:
+                return int(np.searchsorted(ends, error.time)) % len(ends), ()
+            found = limits.first(trace.between(0.0, np.inf))
+            if found is not None:
+                return min(int(np.searchsorted(ends, found)), len(ends) - 1), ()
+        if can:
+            held.append(engine)
+    return None, tuple(held)

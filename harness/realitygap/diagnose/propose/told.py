@@ -1,0 +1,129 @@
+"""What a proposal starts from: a diagnosis that was written, or a scenario that is diagnosed first."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.explanations import MOST, Open, left_open
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.exchange import ODDS, Exchanged, exchanged
+from realitygap.diagnose.search.round import Round, Say
+from realitygap.diagnose.search.search import needed, search
+from realitygap.files.errors import InputError
+from realitygap.files.plain_file import read_written
+
+DIAGNOSIS = "diagnosis.json"
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a proposal starts from.
+
+    Attributes:
+        scenario: the file.
+        engine: in which the diagnosis searched; empty where none was made.
+        findings: as `diagnosis.json` has them; None where none was made.
+    """
+
+    scenario: Path
+    engine: str = ""
+    findings: list[dict[str, Any]] | None = None
+
+
+def start_of(path: Path) -> Start:
+    """The start that a path means: a scenario file, a `diagnosis.json`, or the folder of one.
+
+    Raises:
+        InputError: for a diagnosis that cannot be read, or whose scenario is not there.
+    """
+    file = path / DIAGNOSIS if path.is_dir() else path
+    if file.suffix != ".json":
+        return Start(path)
+    if not file.exists():
+        raise InputError(f"{path}: holds no {DIAGNOSIS}; expected a scenario file or the folder of a diagnosis")
+    try:
+        content = json.loads(read_written(file))
+        scenario, engine = Path(content["scenario_file"]), str(content["engines"][0])
+        findings = list(content["findings"])
+    except (ValueError, KeyError, TypeError, IndexError, RecursionError):
+        raise InputError(
+            f"{file}: is no diagnosis that names its scenario; expected what `realitygap diagnose` writes"
+        ) from None
+    if not scenario.is_file():
+        raise InputError(f"{file}: scenario_file: {scenario} does not exist; expected the scenario that was diagnosed")
+    return Start(scenario, engine, findings)
+
+
+def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Path) -> list[Change]:
+    """The findings of a diagnosis as changes of its problem.
+
+    Raises:
+        InputError: for a finding that the scenario has no place for.
+    """
+    everyone = {(s.effect, s.target): s for s in suspects(problem)}
+    out = []
+    for told in findings:
+        target = told["target"] if isinstance(told["target"], str) else tuple(told["target"])
+        suspect = everyone.get((told["effect"], target))
+        if suspect is None:
+            raise InputError(
+                f"{file}: found {told['effect']} at {target}, for which the scenario has no place; expected the same "
+                "scenario as was diagnosed"
+            )
+        parameters = told["parameters"]
+        values = {
+            p.name: float(parameters[p.name]["value"]) if p.name in parameters else float("inf")
+            for p in suspect.kind.parameters
+        }
+        free = tuple(n for n, p in parameters.items() if p["low"] < p["high"])
+        out.append(Change(suspect, tuple(values.items()), free))
+    return out
+
+
+def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say) -> tuple[Open, Floors]:
+    """What the recordings leave open, and the floors of the named model.
+
+    Args:
+        simulations: of the problem.
+        changes: what a diagnosis found; None to search now.
+        say: told what is being done.
+    """
+    problem = simulations.problem
+    everyone = suspects(problem)
+    told = velocity_filters(problem, everyone)
+    if changes is None:
+        say("what the recordings leave open: a diagnosis first")
+        at = search(simulations, everyone, told, say).best.fit
+    else:
+        first = residual(simulations, changes, problem.of("train"))
+        if first is None:
+            raise InputError(f"{problem.file.path}: what the diagnosis found cannot be simulated in {problem.engine}")
+        at = Fit(tuple(changes), first)
+    say("what stands beside the findings")
+    round_ = Round(simulations, at, everyone, needed(len(everyone)), say)
+    rivals = exchanged(round_, [c.suspect for c in told], Exchanged()).rivals
+    return left_open(round_.now, rivals, _unnamed(round_)), round_.ground.floors
+
+
+def _unnamed(round_: Round) -> dict[Suspect, Scored]:
+    """Models with one more effect, which the recordings neither show nor exclude: those that promise most."""
+    now, least = round_.now, 0.0 if not round_.now.fit.changes else ODDS
+    likely = {p.block.suspect: p for p in reversed(round_.promised) if p.gain > least}
+    fitted = {}
+    for p in sorted(likely.values(), key=lambda p: -p.gain)[:MOST]:
+        scored = round_.ground.fit([*now.fit.changes, p.block.start.first])
+        if scored is not None and scored.evidence - now.evidence > least:
+            fitted[p.block.suspect] = scored
+    return fitted
