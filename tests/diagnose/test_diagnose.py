@@ -235,7 +235,7 @@ def test_disturbances_move_a_repeated_motion_about_as_far_as_its_repetitions_sho
     """However large a torque other motions tell of, and however far a model without friction would swing under it."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
     with Simulations(problem, 2) as simulations:
-        moved = sensitivities(simulations, [])
+        moved = sensitivities(simulations, [], range(len(problem.cases)))
     torque = 100.0 * disturbances(problem, moved)
     assert torque.max() > 0.0
     for i, case in enumerate(problem.cases):

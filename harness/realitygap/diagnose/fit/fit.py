@@ -1,14 +1,16 @@
 """Fitting changes in simulation: bounded least squares in the metric of the residuals, with few derivatives.
 
 Gauss-Newton steps within a box that grows and shrinks with its success (Moré 1983). What the values do to the traces is
-simulated anew only where a step does not do what it promised, and at the end: a derivative costs as many simulations as
-there are values, a step costs one. A quick fit takes what it can from a fitted model near by and stops early.
+simulated anew only where a step does not do what it promised: a derivative costs as many simulations as there are
+values, a step costs one. A whole fit ends with the derivatives of where it is; one that only has to be compared takes
+what it can from a fitted model near by, and a quick one stops early.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -32,6 +34,10 @@ TINY = 1e-12
 """A box has an inside."""
 LITTLE = 0.2
 """A gain in evidence that no judgement hangs on."""
+
+
+Care = Literal["quick", "compared", "whole"]
+"""How carefully values are fitted."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +75,7 @@ def fit(
     metric: Metric,
     coarse: Sequence[float],
     known: Fit | None = None,
-    quick: bool = False,
+    care: Care = "whole",
 ) -> Fit | None:
     """Fit changes jointly to the training motions; None where they cannot be simulated.
 
@@ -80,10 +86,12 @@ def fit(
         metric: of the stacked residual.
         coarse: the least faithful share of the step rate, by case, for derivatives.
         known: a fitted model that shares values with the changes: what these do is taken from it at first.
-        quick: to take `FEW` steps, and no derivative anew of what is known.
+        care: `quick` takes `FEW` steps and no derivative anew of what is known, `compared` takes them where a step
+            fails, `whole` ends with those of where it is.
     """
     space = Space(simulations.problem, changes)
-    full = None if quick and known is not None else residual(simulations, changes, train)
+    quick, whole = care == "quick", care == "whole"
+    full = residual(simulations, changes, train) if whole or known is None else None
     near = known if full is None else Fit(tuple(changes), full)
     now = None if near is None else residual_near(simulations, near, changes, train, coarse)
     if near is None or now is None:
@@ -100,11 +108,11 @@ def fit(
                 x, now, cost, here = x + step, there, cost - gain, False
             if gain > FALSE * promised or quick:
                 continue
-        elif here or quick:
+        elif here or not whole:
             break
         if not here:
             slopes, here = slope(simulations, space, x, train, coarse), True
-    if not quick:
+    if whole:
         slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
         now = residual(simulations, space.at(x), train)
     return None if now is None else Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), here)

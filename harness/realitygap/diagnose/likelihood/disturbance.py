@@ -36,22 +36,24 @@ Moved = dict[int, dict[str, Array]]
 """How far each sample of a motion moves per N·m on a joint: by joint and signal, shape (t, n)."""
 
 
-def sensitivities(simulations: Simulations, changes: Sequence[Change]) -> list[Moved]:
-    """How far each sample of every case moves per N·m of a disturbing torque on each joint, in root mean square.
+def sensitivities(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]) -> list[Moved]:
+    """How far each sample of cases moves per N·m of a disturbing torque on each joint, in root mean square.
 
-    Empty where no motion was repeated, the joints are many, or a simulation failed.
+    Empty for other cases, and where no motion was repeated, the joints are many, or a simulation failed.
     """
     problem = simulations.problem
     n = len(problem.plant.model.joints)
-    cases = range(len(problem.cases))
     if n > MANY or not problem.repeated:
-        return [{} for _ in cases]
+        return [{} for _ in problem.cases]
     push = [PUSH * _scale(problem.plant.drive["effort_limit"][j], problem.plant.drive[j]) for j in range(n)]
     tries = [Push(j, push[j], seed) for j in range(n) for seed in (None, *range(RANDOM))]
     asked = [Question(tuple(changes), c, problem.engine, push=p) for c in cases for p in (None, *tries)]
     answers = simulations.ask(asked)
     size = 1 + len(tries)
-    return [_moved(problem, c, tries, answers[c * size : (c + 1) * size]) for c in cases]
+    out: list[Moved] = [{} for _ in problem.cases]
+    for k, c in enumerate(cases):
+        out[c] = _moved(problem, c, tries, answers[k * size : (k + 1) * size])
+    return out
 
 
 def _moved(problem: Problem, case: int, tries: Sequence[Push], answers: Sequence[dict[str, Array] | None]) -> Moved:

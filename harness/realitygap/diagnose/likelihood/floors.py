@@ -45,61 +45,62 @@ class Floors:
         return np.asarray(np.hypot(self.noise[case][signal], self.slow[case][signal]))
 
 
-def measure(simulations: Simulations, changes: Sequence[Change]) -> Floors:
-    """The floors of every case for a model with changes, and how coarse a step is enough beside them."""
+def measure(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int] | None = None) -> Floors:
+    """The floors of cases for a model with changes, and how coarse a step is enough beside them.
+
+    Of other cases than those that are asked for, which are all by default, the sensors' noise alone is told.
+    """
     problem = simulations.problem
-    numerical = _numerical(simulations, changes)
-    moved = sensitivities(simulations, changes)
+    cases = range(len(problem.cases)) if cases is None else cases
+    numerical = _numerical(simulations, changes, cases)
+    moved = sensitivities(simulations, changes, cases)
     torque = disturbances(problem, moved)
     disturbed = [spread(c, m, torque) for c, m in zip(problem.cases, moved, strict=True)]
-    noise = _noise(problem, disturbed, bool(torque.any()))
+    noise = _noise(problem, disturbed, cases, bool(torque.any()))
     slow = []
     for case, floor, pushed in zip(problem.cases, numerical, disturbed, strict=True):
         none = {s: np.zeros_like(case.value(s)) for s in case.noise}
         slow.append({s: np.hypot(floor.get(s, none[s]), pushed.get(s, none[s])) for s in case.noise})
     fine = Floors(noise, tuple(slow), (1.0,) * len(problem.cases), torque)
-    return Floors(noise, fine.slow, _coarse(simulations, changes, fine), torque)
+    return Floors(noise, fine.slow, _coarse(simulations, changes, fine, cases), torque)
 
 
-def _numerical(simulations: Simulations, changes: Sequence[Change]) -> list[dict[str, Array]]:
+def _numerical(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]) -> list[dict[str, Array]]:
     """How far half the step moves each sample: the largest among neighbours, doubled. Shape (t, n).
 
     A held command moves the effort at once, and which side of the jump a sample saw is not known: it is part of it.
     """
     problem = simulations.problem
-    out = []
+    out: list[dict[str, Array]] = [{} for _ in problem.cases]
     asked = [
-        Question(tuple(changes), c, problem.engine, finer, jumps=finer == 1.0)
-        for c in range(len(problem.cases))
-        for finer in (1.0, 2.0)
+        Question(tuple(changes), c, problem.engine, finer, jumps=finer == 1.0) for c in cases for finer in (1.0, 2.0)
     ]
     answers = simulations.ask(asked)
-    for i, case in enumerate(problem.cases):
-        coarse, fine = answers[2 * i : 2 * i + 2]
+    for k, i in enumerate(cases):
+        case, (coarse, fine) = problem.cases[i], answers[2 * k : 2 * k + 2]
         floor: dict[str, Array] = {}
         if coarse is not None and fine is not None:
             floor = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in case.noise}
             if "effort" in floor and case.experiment.commands.held:
                 floor["effort"] = np.hypot(floor["effort"], coarse["jump"])
-        out.append(floor)
+        out[i] = floor
     return out
 
 
-def _coarse(simulations: Simulations, changes: Sequence[Change], floors: Floors) -> tuple[float, ...]:
+def _coarse(
+    simulations: Simulations, changes: Sequence[Change], floors: Floors, cases: Sequence[int]
+) -> tuple[float, ...]:
     """The least share of the step rate that hardly moves the traces, by case."""
     problem = simulations.problem
-    every = range(len(problem.cases))
     full, *less = (
-        simulations.ask([Question(tuple(changes), c, problem.engine, share) for c in every]) for share in (1.0, *COARSE)
+        simulations.ask([Question(tuple(changes), c, problem.engine, share) for c in cases]) for share in (1.0, *COARSE)
     )
-    out = []
-    for c in every:
-        shares = [1.0]
-        for share, answers in zip(reversed(COARSE), reversed(less), strict=True):
-            a, b = full[c], answers[c]
+    out = [1.0] * len(problem.cases)
+    for k, c in enumerate(cases):
+        for share, answers in zip(COARSE, less, strict=True):
+            a, b = full[k], answers[k]
             if a is not None and b is not None and _apart(problem, floors, c, a, b) <= FAITHFUL:
-                shares.append(share)
-        out.append(min(shares))
+                out[c] = min(out[c], share)
     return tuple(out)
 
 
@@ -108,11 +109,13 @@ def _apart(problem: Problem, floors: Floors, case: int, a: Signals, b: Signals) 
     return float(np.sqrt(np.mean(np.concatenate(squares))))
 
 
-def _noise(problem: Problem, disturbed: Sequence[dict[str, Array]], modelled: bool) -> tuple[dict[str, Array], ...]:
-    """The noise of every case beside what disturbances explain of the spread between repetitions."""
+def _noise(
+    problem: Problem, disturbed: Sequence[dict[str, Array]], cases: Sequence[int], modelled: bool
+) -> tuple[dict[str, Array], ...]:
+    """The noise of every case beside what disturbances explain of the spread between repetitions of `cases`."""
     out = [dict(c.noise) for c in problem.cases]
     for signal in {s for c in problem.cases for s in c.noise}:
-        repeated = [(c, d) for c, d in zip(problem.cases, disturbed, strict=True) if signal in c.spread]
+        repeated = [(problem.cases[i], disturbed[i]) for i in cases if signal in problem.cases[i].spread]
         if not repeated:
             continue
         seen = np.mean([c.spread[signal] ** 2 for c, _ in repeated], axis=0)

@@ -46,7 +46,7 @@ class Metric:
         imperfections that were taken.
         """
         one = columns.ndim == 1
-        white, _ = self.whitening(np.ascontiguousarray(np.nan_to_num(columns.reshape(len(columns), -1))), self.weight)
+        white, _ = self.whitening(columns.reshape(len(columns), -1), self.weight)
         taken = cho_solve(self.factor, self.imperfections.T @ white)
         out = np.vstack([white - self.imperfections @ taken, taken])
         return out[:, 0] if one else out
@@ -64,7 +64,7 @@ def trusted(channels: Sequence[Channel], facts: Array, rest: Rest, residual: Arr
     whitening = Whitening(tuple(channels), rest, facts)
     finite = np.isfinite(residual).astype(float)
     rows = whitening.rows
-    white, _ = whitening(np.nan_to_num(residual)[:, None], finite)
+    white, _ = whitening(residual[:, None], finite)
     size = np.abs(white[:, 0])
     spread = math.sqrt(float(np.mean(size[finite[rows] > 0] ** 2))) if finite[rows].any() else 1.0
     spread = max(spread, 1e-12)

@@ -153,11 +153,19 @@ class Whitening:
         """Scaled columns of the samples that are looked at, and half the logarithm of their covariance's determinant.
 
         Args:
-            columns: Shape (m, n).
+            columns: NaN where nothing was measured. Shape (m, n).
             weight: trust in each sample: 0 leaves it out. Shape (m,).
         """
+        return self.scaled(self.thinned(columns), weight)
+
+    def thinned(self, columns: Array) -> Array:
+        """Of stacked columns the samples that are looked at, 0 where nothing was measured. Shape (m, n) -> (k, n)."""
+        return np.nan_to_num(columns[self.rows])
+
+    def scaled(self, thin: Array, weight: Array) -> tuple[Array, float]:
+        """The same as a call, of columns that are thinned already. Shape (k, n)."""
         trust = weight[self.rows]
         scale = np.sqrt(self.share * trust / self.variance)
         good = trust > 0
         determinant = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))
-        return columns[self.rows] * scale[:, None], determinant
+        return thin * scale[:, None], determinant

@@ -71,10 +71,12 @@ def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -
 
 def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scales: Sequence[float]) -> Scored:
     responses, left = imperfections.responses * imperfections.shares(fit), fit.residual
-    columns = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1), responses])
+    columns = [fit.residual[:, None], fit.slope.reshape(len(left), -1), responses]
+    thin: Array | None = None
     for _ in range(PASSES if imperfections.laws else 1):
         whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, left), fit.residual)
-        white, determinant = whitening(np.nan_to_num(columns), weight)
+        thin = np.hstack([whitening.thinned(c) for c in columns]) if thin is None else thin
+        white, determinant = whitening.scaled(thin, weight)
         odds = _Odds(white.T @ white, imperfections.laws)
         chosen = odds.best(scales)
         each = np.array([chosen[law] for law in imperfections.laws])

@@ -135,7 +135,7 @@ def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     quick = round_.adjusted(rest)
     if quick is not None and round_.now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
-    return round_.ground.fit(rest, None if quick is None else quick.fit)
+    return round_.ground.fit(rest, None if quick is None else quick.fit, "compared")
 
 
 def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
@@ -163,7 +163,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit
-        scored = ground.fit(quick.fit.changes, quick.fit) if close else quick
+        scored = ground.fit(quick.fit.changes, quick.fit, "compared") if close else quick
         if scored is not None:
             out.append(compare(ground.channels, round_.now, scored, suspect))
             if close:

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Suspect, clash
-from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at, told_change
@@ -17,9 +17,11 @@ from realitygap.diagnose.search.round import Round, linear_at, told_change
 TRIED = 4
 """Suspects that are tried one by one: those that promise most."""
 AT_ONCE = 3
-"""Suspects that are tried together at most, as two that mean nothing alone: a plain fit has many, but everyday ones."""
+"""Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
 """Ways that are fitted: those that gain most in a quick fit."""
+HOPEFUL = 0.5
+"""A quick fit finds at least this share of what a way gains: two steps take most of the way (`fit.FEW`)."""
 SURE = 3.0
 """A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
 
@@ -28,18 +30,21 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     """The best model with more in it, without what that makes superfluous; None where nothing gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
+    What adds gains more than `round_.little` as well.
     `keep` is never superfluous.
     """
     tried = []
     for way, needs in _ways(round_):
         quick = round_.adjusted(way)
         if quick is not None:
-            tried.append((quick.evidence - needs, quick.fit, needs))
+            gain = quick.evidence - round_.now.evidence
+            if gain > HOPEFUL * needs or needs <= 0.0:
+                tried.append((quick.evidence - needs, quick.fit, needs))
     best, most = None, 0.0
     for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if best is not None and promise - round_.now.evidence < most:
             break
-        scored = round_.ground.fit(near.changes, near)
+        scored = round_.ground.fit(near.changes, near, "compared")
         if scored is None:
             continue
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:
@@ -50,7 +55,7 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if gain - needs > most:
+        if gain - needs > most and (gain > round_.little or needs <= 0.0):
             best, most = scored, gain - needs
     return best
 
@@ -66,12 +71,12 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     ways = []
     for start in list(first.values())[:TRIED]:
         ways.append(([*accepted, start], limit))
-        each = _each(round_, start, accepted)
+        each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:
             ways.append(([*accepted, *each], limit * len(each)))
-    several = linear_at(round_.look, [p.block for p in round_.promised]).several(limit)[:AT_ONCE]
-    if len(several) > 1:
-        ways.append(([*accepted, *(p.block.start.first for p in several)], limit * len(several)))
+    several = linear_at(round_.look, [p.block for p in round_.promised]).several(limit)
+    for number in sorted({min(len(several), AT_ONCE), len(several)} - {0, 1}):
+        ways.append(([*accepted, *(p.block.start.first for p in several[:number])], limit * number))
     plain = _plain_fit(round_)
     if len(plain) > 1:
         ways.append(([*accepted, *plain], limit))
@@ -123,6 +128,18 @@ def _plain_fit(round_: Round) -> list[Change]:
     blocks = list({b.suspect: b for b in chosen.values()}.values())
     linear = linear_at(round_.look, blocks)
     return [p.change for p in linear.together()] if linear.gain() > 0.0 else []
+
+
+def _everywhere(round_: Round, start: Change) -> list[Change]:
+    """The effect of one joint at all where it promises enough, as joints of a robot are alike; none if at one alone."""
+    if not single(start.suspect):
+        return []
+    found = {start.suspect: start}
+    for p in round_.straight:
+        alike = p.block.suspect.effect == start.suspect.effect and p.block.start.first.free == start.free
+        if alike and single(p.block.suspect) and p.gain > round_.limit:
+            found.setdefault(p.block.suspect, p.change)
+    return list(found.values()) if len(found) > 1 else []
 
 
 def _each(round_: Round, change: Change, beside: Sequence[Change]) -> list[Change]:

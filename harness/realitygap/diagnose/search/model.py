@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Fit, fit, residual_near
+from realitygap.diagnose.fit.fit import Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
@@ -40,7 +40,7 @@ class Ground:
     def __init__(self, simulations: Simulations, changes: Sequence[Change]) -> None:
         self.simulations, self.problem = simulations, simulations.problem
         self.train = self.problem.of("train")
-        self.floors: Floors = measure(simulations, changes)
+        self.floors: Floors = measure(simulations, changes, self.train)
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
         self.wrong = Imperfections(np.ones(len(self.channels)), none)
@@ -72,9 +72,9 @@ class Ground:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
         return sharp(self.channels, found, Imperfections(self.wrong.facts, self.wrong.responses[:, :0]))
 
-    def fit(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
+    def fit(self, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole") -> Scored | None:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
-        not these effects.
+        not these effects, which a quick fit leaves open.
 
         Values are fitted as if laws were exact, which tells them best; what laws may be wrong by counts in the
         evidence and in the intervals. Each pass fits in the metric of what the one before left: what is an outlier,
@@ -83,49 +83,34 @@ class Ground:
         Args:
             changes: with first guesses.
             known: a fit near by, whose derivatives may be taken at first.
+            care: how carefully.
         """
-        near = known
-
-        def once(at: Scored) -> Fit | None:
-            nonlocal near
-            near = fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, near)
-            return near
-
-        best = self._settled(changes, residual(self.simulations, changes, self.train), once)
-        return None if best is None or any(absurd(c) for c in best.fit.changes) else self.score(best.fit)
-
-    def adjusted(self, changes: Sequence[Change], known: Fit) -> Scored | None:
-        """The same in a quick fit, near a model that was fitted."""
-        near = known
-
-        def once(at: Scored) -> Fit | None:
-            nonlocal near
-            done = fit(self.simulations, at.fit.changes, self.train, at.metric, self.floors.coarse, near, quick=True)
-            if done is not None and len(done.names) - len(near.names) > BENT:
-                near = done
-            return done
-
-        first = residual_near(self.simulations, known, changes, self.train, self.floors.coarse)
-        best = self._settled(changes, first, once)
-        return None if best is None else self.score(best.fit)
-
-    def _settled(
-        self, changes: Sequence[Change], first: Array | None, once: Callable[[Scored], Fit | None]
-    ) -> Scored | None:
-        """The best of passes of a fit, each in the metric of what the one before left; None where none can be made."""
+        train, coarse, near, best = self.train, self.floors.coarse, known, None
+        if known is None or care == "whole":
+            first = residual(self.simulations, changes, train)
+        else:
+            first = residual_near(self.simulations, known, changes, train, coarse)
         if first is None:
             return None
-        best, start = None, self.plain(Fit(tuple(changes), first))
+        start = self.plain(Fit(tuple(changes), first))
         for _ in range(SETTLE):
-            done = once(start)
+            passes: Care = "quick" if care == "quick" else "compared"
+            done = fit(self.simulations, start.fit.changes, train, start.metric, coarse, near, passes)
             if done is None:
                 break
+            if near is None or care != "quick" or len(done.names) - len(near.names) > BENT:
+                near = done
             start = self.plain(done)
             gain = start.evidence - best.evidence if best is not None else np.inf
             best = start if gain > 0.0 else best
             if gain < 1.0:
                 break
-        return best
+        if best is None or (care != "quick" and any(absurd(c) for c in best.fit.changes)):
+            return None
+        found: Fit | None = best.fit
+        if care == "whole":
+            found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
+        return None if found is None else self.score(found)
 
     def elsewhere(self, found: Scored) -> Scored:
         """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""

@@ -14,6 +14,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, residual, residuals
 from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.imperfections import WORST
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.model import Ground
 
@@ -21,8 +22,15 @@ BEAM = 4
 """Tries far from a straight line that are kept: those that promise most."""
 DEEP = 14
 """Suspects that are simulated at the amount that they promise."""
+WORTH = 0.3
+"""... where a straight line promises this share of what a name needs: it promises too little of what is large, not of
+what is small."""
 FOLLOWED = (0.5, 1.0, 2.0)
 """What that amount is multiplied by: a straight line may lead too far, or end too early."""
+
+LEFT = WORST**2
+"""What a law leaves that is off by its ordinary share, of what it explains: the square. Where a round gains less of all
+that is explained, the search ends."""
 
 Say = Callable[[str], None]
 
@@ -35,18 +43,22 @@ class Round:
         at: the accepted model, with the derivatives that are known of it.
         everyone: the suspects that are looked at.
         limit: what a finding has to gain.
+        nothing: the scenario's own model.
         say: told what is found.
 
     Attributes:
+        little: what a round has to gain, that ordinary laws leave of what is explained.
         ground: what models are compared on.
         now: the accepted model, fitted.
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
-        promised: what promises most, best first.
+        straight: what straight lines promise of each, best first.
+        promised: what promises most where straight lines lead, best first.
     """
 
-    def __init__(self, simulations: Simulations, at: Fit, everyone: Sequence[Suspect], limit: float, say: Say) -> None:
-
+    def __init__(
+        self, simulations: Simulations, at: Fit, everyone: Sequence[Suspect], limit: float, nothing: Fit, say: Say
+    ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
         self.ground = ground = Ground(simulations, at.changes)
         first = residual(simulations, at.changes, ground.train)
@@ -60,22 +72,23 @@ class Round:
         self.blocks = ground.responses(self.now.fit, everyone)
         ground.take_imperfections(self.now.fit, self.blocks)
         self.now = ground.score(self.now.fit)
+        self.little = LEFT * (self.now.evidence - ground.score(nothing).evidence)
         self.look = ground.sharp(self.now.fit)
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
             + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
         )
-        self.linear = linear_at(self.look, self.blocks)
-        followed = self._followed(self.linear.promises())
+        self.straight = linear_at(self.look, self.blocks).promises()
+        followed = self._followed(self.straight)
         self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 
     def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
-        return self.ground.adjusted(changes, known or self.now.fit)
+        return self.ground.fit(changes, known or self.now.fit, "quick")
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
-        promises = [*self.promised, *self.linear.promises()]
+        promises = [*self.promised, *self.straight]
         best = set(list(dict.fromkeys(p.block.suspect for p in promises))[:number])
         problem = self.simulations.problem
         here = {c.suspect.effect for c in self.now.fit.changes}
@@ -109,7 +122,7 @@ class Round:
         for p in promises:
             kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
             same = [c for c in kin if c.block.suspect == p.block.suspect]
-            if p.gain > 0 and len(chosen) < DEEP and len(same) < 2 and len(kin) < 4:
+            if p.gain > WORTH * self.limit and len(chosen) < DEEP and len(same) < 2 and len(kin) < 4:
                 chosen.append(p)
         variants = [(p, f) for p in chosen for f in (FOLLOWED if p.block.start.kind != "whole" else (1.0,))]
         changes = [p.block.start.at([a * f for a in p.amounts]) for p, f in variants]

@@ -11,7 +11,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
 from realitygap.diagnose.search.grow import SURE, grown
@@ -62,10 +62,11 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     base = residual(simulations, told, simulations.problem.of("train"))
     if base is None:
         raise RuntimeError("the scenario's own model cannot be simulated")
-    at, seen, grows = Fit(tuple(told), base), set[Standing](), True
+    nothing = Fit(tuple(told), base)
+    at, seen, grows = nothing, set[Standing](), True
     looked_at, last = list(everyone), Exchanged()
     for _ in range(ROUNDS):
-        round_ = Round(simulations, at, looked_at, limit, say)
+        round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here = standing(round_.now)
         grows = grows and here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept) if grows else None
@@ -76,14 +77,17 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         if following is None:
             last = exchanged(round_, kept, last)
             following = last.better
-            if following is not None and len(following.fit.changes) == len(here):
-                following = None if standing(following) in seen else following
+            swapped = following is not None and len(following.fit.changes) == len(here)
+            if following is not None and swapped and standing(following) in seen:
+                following = None
+            grows = grows and swapped  # where something was only left out there is nothing new to add
         if following is None:
             break
-        at, looked_at = following.fit, round_.likely(LIKELY)
+        at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)
         say("; ".join(told_change(c) for c in at.changes))
-    start = round_.ground.score(Fit(tuple(told), base))
-    return Found(start, round_.now, limit, round_.ground.floors, last.gains, last.rivals, round_.promised)
+    start = round_.ground.score(nothing)
+    floors = measure(simulations, round_.now.fit.changes)
+    return Found(start, round_.now, limit, floors, last.gains, last.rivals, round_.promised)
 
 
 def standing(scored: Scored) -> Standing:
