@@ -15,7 +15,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.explanations import MOST, Open, left_open
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import ODDS, Exchanged, exchanged
@@ -112,9 +112,11 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
             raise InputError(f"{problem.file.path}: what the diagnosis found cannot be simulated in {problem.engine}")
         at = Fit(tuple(changes), first)
     say("what stands beside the findings")
-    round_ = Round(simulations, at, everyone, needed(len(everyone)), say)
+    unchanged = residual(simulations, told, problem.of("train"))
+    nothing = at if unchanged is None else Fit(tuple(told), unchanged)
+    round_ = Round(simulations, at, everyone, needed(len(everyone)), nothing, say)
     rivals = exchanged(round_, [c.suspect for c in told], Exchanged()).rivals
-    return left_open(round_.now, rivals, _unnamed(round_)), round_.ground.floors
+    return left_open(round_.now, rivals, _unnamed(round_)), measure(simulations, round_.now.fit.changes)
 
 
 def _unnamed(round_: Round) -> dict[Suspect, Scored]:
