@@ -1,6 +1,7 @@
 """Proposals: odds as in closed form, segments within limits, files that play what was designed."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from one_joint import pendulum, wheel
 from realitygap.diagnose.propose.condition import Condition
-from realitygap.diagnose.propose.design import answer, chosen, separable
+from realitygap.diagnose.propose.design import answer, chosen, separable, sharpened, worth
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import EXACT, animation, waypoints
 from realitygap.diagnose.propose.limits import MARGIN, Limits, limits_of
@@ -18,6 +19,7 @@ from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.odds import Belief, expected
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.diagnose.propose.told import start_of
+from realitygap.diagnose.propose.weak import _half
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
@@ -83,10 +85,22 @@ def test_what_tells_most_in_its_time_is_chosen_and_the_worst_question_counts() -
         return np.asarray(x.T @ x)
 
     grams = [gram(8.0, 0.0), gram(0.0, 8.0), gram(1.0, 1.0), gram(16.0, 0.0)]
-    picked = chosen(questions, grams, beliefs, [4.0, 4.0, 4.0, 4.0], 8.0, np.zeros((3, 3)))
+    goal = partial(worth, questions, beliefs)
+    picked = chosen(goal, grams, [4.0, 4.0, 4.0, 4.0], 8.0)
     assert set(picked) == {1, 3}
     assert answer(questions[1], grams[1], beliefs).least == pytest.approx(4.0)
-    assert chosen(questions, grams, beliefs, [4.0] * 4, 3.0, np.zeros((3, 3))) == []
+    assert chosen(goal, grams, [4.0] * 4, 3.0) == []
+    assert chosen(goal, [], [], 3.0) == []
+
+
+def test_an_interval_shrinks_as_with_the_root_of_the_time_until_laws_themselves_are_in_doubt() -> None:
+    """One value that a motion shows, alone and beside a law that may be off in the same way (closed forms)."""
+    alone = Belief(np.zeros(1), np.eye(1), np.eye(1))
+    assert sharpened(alone, 1, np.array([[3.0]]))[0] == pytest.approx(2.0)
+    assert _half(alone, np.array([[1.0]]), 0, 1.0, 10.0) == pytest.approx(30.0)
+    both = Belief(np.zeros(1), np.ones((1, 2)), np.eye(2))  # their sum is seen, neither of them alone
+    assert sharpened(both, 1, np.array([[1e9]]))[0] == pytest.approx(2**0.5)
+    assert _half(both, np.array([[1.0]]), 0, 1.0, 10.0) == np.inf
 
 
 bounded = st.floats(0.2, 3.0)

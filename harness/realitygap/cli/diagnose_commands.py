@@ -72,4 +72,7 @@ def propose(
     folder = folder_for(out, f"{(path if path.is_dir() else path.parent).resolve().name}_proposal")
     result = run_proposal(path, engine or [], seconds, motions, Progress(), jobs)
     write_proposal(result, folder)
+    if result.ended is not None:
+        result.ended.left = f"the best so far is in {folder}"
+        raise result.ended
     say([*summary(result), f"proposal: {folder / 'proposal.json'}", f"report: {folder / 'report.html'}"])

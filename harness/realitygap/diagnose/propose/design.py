@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from realitygap.diagnose.propose.explanations import Question
-from realitygap.diagnose.propose.odds import Belief, expected
+from realitygap.diagnose.propose.odds import Belief, deviation, expected
 from realitygap.robot.drive import Array
 
 ENOUGH = float(np.log(1000.0))
@@ -23,6 +23,10 @@ PASSES = 3
 """Passes of exchanges at most."""
 APART = 1.0
 """Logarithm of odds: a question that all segments together move by less is not for these segments to settle."""
+
+
+Goal = Callable[[Array], float]
+"""What motions are worth, by the gram of what they would show."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ def answer(question: Question, gram: Array, beliefs: Sequence[Belief]) -> Answer
     return Answer(question.now + expected(gram, a, b), -question.now + expected(gram, b, a))
 
 
-def worth(questions: Sequence[Question], gram: Array, beliefs: Sequence[Belief]) -> float:
+def worth(questions: Sequence[Question], beliefs: Sequence[Belief], gram: Array) -> float:
     """How well motions settle questions: the worst counts, the others a little."""
     least = [answer(q, gram, beliefs).least for q in questions]
     told = [min(x, ENOUGH) + MORE * max(x - ENOUGH, 0.0) ** 0.5 for x in least]
@@ -59,28 +63,33 @@ def separable(questions: Sequence[Question], grams: Sequence[Array], beliefs: Se
     return [q for q in questions if answer(q, whole, beliefs).least + abs(q.now) > APART]
 
 
-def chosen(
-    questions: Sequence[Question],
-    grams: Sequence[Array],
-    beliefs: Sequence[Belief],
-    seconds: Sequence[float],
-    room: float,
-    before: Array,
-) -> list[int]:
-    """The segments that settle questions best within some time, by number.
+def sharpened(belief: Belief, values: int, gram: Array) -> Array:
+    """How many times smaller the standard deviations of an explanation's own values become. Shape (values,)."""
+    before = np.sqrt(np.diag(belief.covariance)[:values])
+    return np.asarray(before / deviation(gram, belief)[:values])
+
+
+def sharper(belief: Belief, values: int, gram: Array) -> float:
+    """How well motions tell an explanation's own values: the one that is told least counts, the others a little."""
+    gains = np.log(sharpened(belief, values, gram))
+    return float(gains.min() + MORE * gains.mean())
+
+
+def chosen(goal: Goal, grams: Sequence[Array], seconds: Sequence[float], room: float) -> list[int]:
+    """The segments that serve a goal best within some time, by number.
 
     Args:
-        questions: between explanations.
+        goal: what motions are worth, by their gram.
         grams: of every segment. Shape (c, c) each.
-        beliefs: of the explanations.
         seconds: that every segment takes.
         room: seconds that there are.
-        before: gram of what is recorded in any case. Shape (c, c).
     """
 
     def value(numbers: Sequence[int]) -> float:
-        return worth(questions, before + sum((grams[i] for i in numbers), np.zeros_like(before)), beliefs)
+        return goal(np.sum([np.zeros_like(grams[0]), *(grams[i] for i in numbers)], axis=0))
 
+    if not grams:
+        return []
     taken: list[int] = []
     while True:
         left = room - sum(seconds[i] for i in taken)

@@ -19,7 +19,7 @@ from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import animation, waypoints
 from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.page import write_page
-from realitygap.diagnose.propose.proposal import Proposal, Proposed
+from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import odds, settles
 from realitygap.diagnose.result.revise import Plain, rebased
 from realitygap.files.errors import spared
@@ -45,6 +45,22 @@ class Settled(BaseModel):
     if_other: float
 
 
+class Sharpened(BaseModel):
+    """What a motion does to a value of the named model: half its 95 % interval now and then, and how long one has to
+    record the motion until the interval is half as wide [s], null where it never is.
+    """
+
+    model_config = ConfigDict(frozen=True)
+    effect: str
+    target: str | list[str]
+    parameter: str
+    unit: str
+    value: float
+    now: float
+    then: float
+    half_after: float | None
+
+
 class MotionFile(BaseModel):
     """A proposed motion: its files, how long it takes [s], the `with` of its run, and what it will settle."""
 
@@ -57,6 +73,7 @@ class MotionFile(BaseModel):
     files: dict[str, str]
     stays_within_limits_in: list[str]
     settles: list[Settled]
+    sharpens: list[Sharpened]
     says: str
 
 
@@ -124,6 +141,7 @@ def _motion(result: Proposal, proposed: Proposed) -> MotionFile:
         files={what: f"{motion.name}.{suffix}" for what, suffix in SUFFIXES.items()},
         stays_within_limits_in=list(proposed.engines),
         settles=[_settled(q, a) for q, a in zip(result.open.questions, proposed.answers, strict=True)],
+        sharpens=[_sharpened(w) for w in proposed.weak],
         says=settles(result, proposed),
     )
 
@@ -132,6 +150,20 @@ def _settled(question: Question, answer: Answer) -> Settled:
     one, other = question.names
     return Settled(
         one=one, other=other, now=_round(question.now), if_one=_round(answer.one), if_other=_round(answer.other)
+    )
+
+
+def _sharpened(weak: Weak) -> Sharpened:
+    at = weak.suspect.target
+    return Sharpened(
+        effect=weak.suspect.effect,
+        target=at if isinstance(at, str) else list(at),
+        parameter=weak.parameter,
+        unit=weak.unit,
+        value=_round(weak.value),
+        now=_round(weak.now),
+        then=_round(weak.then),
+        half_after=_round(weak.half) if math.isfinite(weak.half) else None,
     )
 
 

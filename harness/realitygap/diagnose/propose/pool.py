@@ -10,17 +10,18 @@ import numpy as np
 
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.propose.condition import conditions
-from realitygap.diagnose.propose.design import chosen, worth
-from realitygap.diagnose.propose.explanations import Open, Question
+from realitygap.diagnose.propose.design import Goal, chosen
+from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.motion import Motion, period_of
 from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.segments import Builder
+from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
 
-Held = tuple[Motion, tuple[str, ...]]
-"""A motion, and the engines in which it stays within the limits."""
+Held = tuple[Motion, tuple[str, ...], Array]
+"""A motion, the engines in which it stays within the limits, and the gram of its segments. Shape (c, c)."""
 
 
 def pool_of(result: Proposal, spec: ProposeSpec) -> list[Motion]:
@@ -42,9 +43,12 @@ def _may_release(problem: Problem, spec: ProposeSpec) -> bool:
 
 
 def _joints(problem: Problem, open_: Open) -> list[int]:
-    """The joints that questions are about: where effects sit, or what moves their links; all, of a shared one."""
+    """The joints that questions are about, or else the findings: where effects sit, or what moves their links; all, of
+    a shared one.
+    """
     out = set[int]()
-    for suspect in (s for q in open_.questions for s in q.targets):
+    asked = [s for q in open_.questions for s in q.targets]
+    for suspect in asked or [c.suspect for c in open_.explanations[0].fit.changes]:
         at = suspect.indices if suspect.kind.sits_at == "joint" else [i - 1 for i in suspect.indices]
         out |= set(range(len(problem.plant.model.joints))) if suspect.kind.sits_at in ("base", "ground") else set(at)
     return sorted(j for j in out if j >= 0)
@@ -54,7 +58,7 @@ def motions_of(
     result: Proposal,
     pool: Sequence[Motion],
     predictions: Predictions,
-    questions: Sequence[Question],
+    goal: Goal,
     engines: Sequence[str],
     seconds: float,
     most: int,
@@ -66,28 +70,28 @@ def motions_of(
         result: the proposal.
         pool: of single segments, which are the last cases of `predictions`.
         predictions: of the segments that can be simulated and stay within the limits.
-        questions: that segments can move.
+        goal: what motions are worth.
         engines: in which motions have to stay within the limits.
         seconds: that each may take.
         most: how many.
     """
-    table = _Table(result, pool, predictions, questions, seconds)
+    table = _Table(result, pool, predictions, goal, seconds)
     todo = [table.best(k, frozenset(), frozenset()) for k in range(len(table.conditions))]
     given = 0
     while given < most and any(todo):
-        _, motion, condition, without, bad = max((t for t in todo if t is not None), key=lambda t: t[0])
+        _, motion, condition, without, bad, gram = max((t for t in todo if t is not None), key=lambda t: t[0])
         at, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits)
         if at is None:
             given += 1
-            yield replace(motion, name=f"{motion.name}_{given}"), held
+            yield replace(motion, name=f"{motion.name}_{given}"), held, gram
             todo[condition] = table.best(condition, without | {motion.segments[0].kind}, bad)
         else:
             todo[condition] = table.best(condition, without, bad | {motion.segments[at].label})
 
 
-Candidate = tuple[float, Motion, int, frozenset[str], frozenset[str]]
-"""A motion with its worth, the number of its condition, the kinds it does without, and the labels of segments that
-leave a limit.
+Candidate = tuple[float, Motion, int, frozenset[str], frozenset[str], Array]
+"""A motion with its worth, the number of its condition, the kinds it does without, the labels of segments that leave a
+limit, and the gram of its own.
 """
 AGAIN = 100.0
 """A second motion under a condition comes after the first of every other that settles anything: so much less."""
@@ -101,14 +105,13 @@ class _Table:
         result: Proposal,
         pool: Sequence[Motion],
         predictions: Predictions,
-        questions: Sequence[Question],
+        goal: Goal,
         seconds: float,
     ) -> None:
         own = len(result.problem.cases)
-        self.questions, self.seconds, self.beliefs = questions, seconds, predictions.beliefs
+        self.goal, self.seconds = goal, seconds
         self.parts = [(pool[c - own], g) for c, g in zip(predictions.cases, predictions.grams, strict=True)]
         self.conditions = list({id(m.condition): m.condition for m in pool}.values())
-        self.nothing = np.zeros_like(predictions.grams[0])
 
     def best(self, condition: int, without: frozenset[str], bad: frozenset[str]) -> Candidate | None:
         """The best motion under a condition without some kinds and segments; None where none tells anything."""
@@ -120,11 +123,11 @@ class _Table:
             and m.segments[0].label not in bad
         ]
         lengths, grams = [m.seconds for m, _ in here], [g for _, g in here]
-        picked = chosen(self.questions, grams, self.beliefs, lengths, self.seconds, self.nothing)
+        picked = chosen(self.goal, grams, lengths, self.seconds)
         if not picked:
             return None
-        told = worth(self.questions, sum((grams[i] for i in picked), self.nothing), self.beliefs)
+        gram = np.sum([grams[i] for i in picked], axis=0)
         segments = tuple(here[i][0].segments[0] for i in picked)
         kinds = list(dict.fromkeys(s.kind for s in segments))
         motion = replace(here[0][0], segments=segments, name="_".join(kinds[:3]))
-        return told - AGAIN * len(without), motion, condition, without, bad
+        return self.goal(gram) - AGAIN * len(without), motion, condition, without, bad, gram

@@ -4,13 +4,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.predict import Predictions
+from realitygap.files.interrupted import Interrupted
 from realitygap.robot.drive import Array
+
+
+@dataclass(frozen=True)
+class Weak:
+    """A fitted value of the named model, and how much better a motion tells it.
+
+    Attributes:
+        suspect, parameter: what it is.
+        unit: of the value.
+        value: fitted to the recordings.
+        now: half of its 95 % interval.
+        then: the same with the motion.
+        half: how long one has to record the motion until the interval is half as wide [s]; infinite where it never is.
+    """
+
+    suspect: Suspect
+    parameter: str
+    unit: str
+    value: float
+    now: float
+    then: float
+    half: float
 
 
 @dataclass(frozen=True)
@@ -19,15 +43,17 @@ class Proposed:
 
     Attributes:
         motion: what is recorded.
-        case: its number in the proposal's problem.
+        case: its number in the proposal's problem; -1 where the motion as a whole was not predicted.
         answers: to every question.
         engines: in which it was seen to stay within the limits.
+        weak: how much better the values of the named model are told.
     """
 
     motion: Motion
     case: int
     answers: tuple[Answer, ...]
     engines: tuple[str, ...]
+    weak: tuple[Weak, ...] = ()
 
 
 @dataclass
@@ -43,6 +69,7 @@ class Proposal:
         predictions: of these motions; None where there are none.
         hopeless: questions that no motion within the limits moves.
         notes: sentences on how it was done.
+        ended: the signal that ended the work, where the best so far is all there is.
     """
 
     problem: Problem
@@ -53,6 +80,7 @@ class Proposal:
     predictions: Predictions | None = None
     hopeless: tuple[Question, ...] = ()
     notes: list[str] = field(default_factory=list)
+    ended: Interrupted | None = None
 
     def reached(self, proposed: Proposed) -> list[tuple[Question, Answer]]:
         """The questions that a motion within the limits can move, with what this one does to them."""

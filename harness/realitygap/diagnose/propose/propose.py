@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +13,24 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.propose.design import answer, separable
+from realitygap.diagnose.propose.design import answer, separable, sharper, worth
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.limits import limits_of
-from realitygap.diagnose.propose.motion import expected_floors, pose_of, with_motions
-from realitygap.diagnose.propose.pool import Held, motions_of, pool_of
+from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
+from realitygap.diagnose.propose.odds import Belief
+from realitygap.diagnose.propose.pool import motions_of, pool_of
 from realitygap.diagnose.propose.predict import predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.told import found_changes, opened, start_of
+from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import wrong
 from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.round import Say
 from realitygap.files.errors import InputError
+from realitygap.files.interrupted import Interrupted
 from realitygap.files.progress import Progress
+from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
@@ -96,17 +101,26 @@ def propose(
     recorded = np.concatenate([c.value("position") for c in problem.cases])
     limits = limits_of(problem.plant.model, spec, recorded, problem.plant.reached)
     result = Proposal(problem, open_, limits, pose_of(problem, spec.pose))
+    values = len(open_.explanations[0].fit.names)
     if not open_.questions:
         result.notes.append("nothing is left open: no other explanation comes near the findings")
+    if not open_.questions and not values:
         return result
-    designed = _designed(result, spec, floors, engines, seconds, motions, say, workers)
-    if not designed:
-        result.notes.append("no motion within these limits tells the explanations apart")
-        return result
-    return _judged(result, designed, say, workers)
+    try:
+        _design(result, spec, floors, engines, seconds, motions, say, workers)
+        if result.proposed:
+            _judge(result, say, workers)
+    except Interrupted as end:
+        if not result.proposed:
+            raise
+        result.ended = end
+        result.notes.append("ended early: the best so far, with odds as if laws were exact")
+    if not result.proposed:
+        result.notes.append("no motion within these limits tells more than is known")
+    return result
 
 
-def _designed(
+def _design(
     result: Proposal,
     spec: ProposeSpec,
     floors: Floors,
@@ -115,7 +129,7 @@ def _designed(
     motions: int,
     say: Say,
     workers: int | None,
-) -> list[Held]:
+) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
     problem, open_ = result.problem, result.open
     pool = pool_of(result, spec)
@@ -127,28 +141,46 @@ def _designed(
         predictions = predict(simulations, open_.explanations, good, rough) if good else None
     if predictions is None:
         result.hopeless = open_.questions
-        return []
-    apart = separable(open_.questions, predictions.grams, predictions.beliefs)
+        return
+    beliefs = predictions.beliefs
+    apart = separable(open_.questions, predictions.grams, beliefs)
     result.hopeless = tuple(q for q in open_.questions if q not in apart)
-    return list(motions_of(result, pool, predictions, apart, engines, seconds, motions)) if apart else []
+    values = len(open_.explanations[0].fit.names)
+    if not apart and not values:
+        return
+    goal = partial(worth, apart, beliefs) if apart else partial(sharper, beliefs[0], values)
+    for motion, held, gram in motions_of(result, pool, predictions, goal, engines, seconds, motions):
+        result.proposed.append(_proposed(result, motion, held, gram, beliefs))
+        say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")
 
 
-def _judged(result: Proposal, designed: Sequence[Held], say: Say, workers: int | None) -> Proposal:
+def _proposed(
+    result: Proposal, motion: Motion, held: tuple[str, ...], gram: Array, beliefs: Sequence[Belief], case: int = -1
+) -> Proposed:
+    """A motion with what it does to every question, and to every value of the named model."""
+    answers = tuple(answer(q, gram, beliefs) for q in result.open.questions)
+    told = weak(result.problem, result.open.explanations[0], beliefs[0], gram, motion.seconds)
+    return Proposed(motion, case, answers, held, told)
+
+
+def _judge(result: Proposal, say: Say, workers: int | None) -> None:
     """The motions as a whole, with all that a diagnosis counts with; the best first."""
-    problem = with_motions(result.problem, [m for m, _ in designed])
+    designed, explanations = result.proposed, result.open.explanations
+    problem = with_motions(result.problem, [p.motion for p in designed])
     cases = range(len(result.problem.cases), len(problem.cases))
-    explanations = result.open.explanations
     say(f"{len(designed)} motions as a whole, with what laws may be off by")
     with Simulations(problem, workers) as simulations:
         floors = measure(simulations, explanations[0].fit.changes)
-        off = wrong(simulations, explanations[0], suspects(problem), cases, floors)
+        likely = max(explanations, key=lambda e: e.evidence)
+        off = wrong(simulations, likely, suspects(problem), cases, floors)
         predictions = predict(simulations, explanations, cases, floors, off)
     if predictions is None:
-        result.notes.append("the motions could not be simulated as a whole")
-        return result
+        result.notes.append("the motions could not be simulated as a whole: odds are as if laws were exact")
+        return
+    beliefs = predictions.beliefs
+    whole = [
+        _proposed(result, p.motion, p.engines, gram, beliefs, case)
+        for case, p, gram in zip(cases, designed, predictions.grams, strict=True)
+    ]
+    result.proposed = sorted(whole, key=result.least, reverse=True)
     result.problem, result.predictions = problem, predictions
-    for case, (motion, held), gram in zip(cases, designed, predictions.grams, strict=True):
-        answers = tuple(answer(q, gram, predictions.beliefs) for q in result.open.questions)
-        result.proposed.append(Proposed(motion, case, answers, held))
-    result.proposed.sort(key=result.least, reverse=True)
-    return result

@@ -6,10 +6,13 @@ import math
 
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
-from realitygap.diagnose.propose.proposal import Proposal, Proposed
+from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
+from realitygap.diagnose.result.story_text import suspect_label
 
 SURE = math.log(20.0)
 """Odds beyond this settle a question: those at which a diagnosis takes a rival out of the confidence set."""
+WEAKEST = 3
+"""Values that are told in one sentence: the weakest."""
 MOST = 6
 """Odds are told up to so many decades: beyond, a model's own faults decide."""
 
@@ -39,4 +42,17 @@ def now(question: Question) -> str:
 def settles(result: Proposal, proposed: Proposed) -> str:
     """What a motion will settle: every question that it moves, with the expected odds."""
     reached = result.reached(proposed)
+    if not reached:
+        return "; ".join(narrower(w) for w in proposed.weak[:WEAKEST])
     return "; ".join(f"{q}: expected odds {expected(a)} (now {now(q)})" for q, a in reached)
+
+
+def narrower(weak: Weak) -> str:
+    """What a motion does to an interval: controller gain at elbow: ± 0.2 becomes ± 0.1, half after 40 s."""
+    what = suspect_label(weak.suspect) + (f", {weak.parameter}" if len(weak.suspect.kind.parameters) > 1 else "")
+    return f"{what}: ± {weak.now:.2g} {weak.unit} becomes ± {weak.then:.2g}, {half(weak)}".replace("  ", " ")
+
+
+def half(weak: Weak) -> str:
+    """How long one has to record until an interval is half as wide."""
+    return f"half after {weak.half:.0f} s" if math.isfinite(weak.half) else "never half by this motion"

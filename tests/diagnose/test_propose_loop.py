@@ -1,0 +1,150 @@
+"""A proposal as a whole: from recordings that leave two explanations to files that play a motion within its limits."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import realitygap_engines as engines
+import yaml
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.files import ProposalFile, summary, write_proposal
+from realitygap.diagnose.propose.limits import Limits
+from realitygap.diagnose.propose.motion import Motion, pose_of
+from realitygap.diagnose.propose.pool import pool_of
+from realitygap.diagnose.propose.proposal import Proposal
+from realitygap.diagnose.propose.propose import propose
+from realitygap.diagnose.propose.safe import left_in_engines
+from realitygap.diagnose.propose.told import opened
+from realitygap.files.interrupted import Interrupted
+from realitygap.scenario.file import load_scenario
+from realitygap.scenario.propose import ProposeSpec
+from realitygap.simulate.experiment import experiments, simulate
+
+URDF = """<robot name="pendulum"><link name="base"/>
+<link name="arm"><inertial><origin xyz="0 0 -0.15"/><mass value="1.2"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.001"/></inertial></link>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="12" velocity="8"/></joint></robot>"""
+SERVO: dict[str, Any] = {
+    "joints": "*",
+    "kind": "dc",
+    "gain": 6.0,
+    "supply": 12.0,
+    "torque_constant": 1.6,
+    "resistance": 2.0,
+}
+USES = {"a": "train", "b": "train", "c": "held_out"}
+FRICTION = {"coulomb": 0.1, "viscous": 0.05}
+
+
+@pytest.fixture(scope="module")
+def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
+    """A pendulum whose servo has less gain than its model, on a sine that never saturates it: gain or supply?"""
+    folder = tmp_path_factory.mktemp("gain")
+    (folder / "pendulum.urdf").write_text(URDF, encoding="utf-8")
+    content = {
+        "name": "gain",
+        "robot": {"urdf": "pendulum.urdf", "base": "fixed"},
+        "servos": [{**SERVO, "armature": 0.01, "friction": FRICTION}],
+        "motion": {"recorded": "command"},
+        "suspects": ["controller_gain", "supply_voltage"],
+        "propose": {"limits": {"elbow": {"position": [-1.2, 1.2], "speed": 7.0}}, "forbid": ["multisine", "chirp"]},
+        "recordings": {"runs": [{"path": f"{name}.csv", "use": use} for name, use in USES.items()]},
+    }
+    time = np.arange(0, 4.0, 0.01)
+    command = 0.3 * np.sin(3.0 * time)
+
+    def table(position: np.ndarray, name: str) -> None:
+        rows = "".join(f"{t:.3f},{c:.6f},{p:.6f}\n" for t, c, p in zip(time, command, position, strict=True))
+        (folder / name).write_text("time,command,position\n" + rows, encoding="utf-8")
+
+    for name in USES:
+        table(command, f"{name}.csv")
+    (folder / "scenario.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    file = load_scenario(folder / "scenario.yaml")
+    own = {**content, "effects": [{"effect": "controller_gain", "target": "elbow", "gain": 4.2}]}
+    (truth,) = [e for e in experiments(load_scenario(own, folder)) if e.name == "a"]
+    moved = simulate(truth, "mujoco").trace.at(time).position
+    random = np.random.default_rng(1)
+    for name in USES:
+        table(moved[:, 0] + 1e-3 * random.standard_normal(len(time)), f"{name}.csv")
+    return build_problem(load_scenario(file.path), "mujoco")
+
+
+@pytest.fixture(scope="module")
+def left(problem: Problem) -> tuple[Open, Floors]:
+    """What the recordings leave open, and the floors."""
+    with Simulations(problem, 1) as simulations:
+        return opened(simulations, None, lambda _: None)
+
+
+@pytest.fixture(scope="module")
+def asked(problem: Problem, left: tuple[Open, Floors]) -> tuple[Open, Proposal, list[str]]:
+    """What is open, the proposal, and what was said."""
+    said: list[str] = []
+    open_, floors = left
+    result = propose(problem, open_, floors, ["mujoco", "dart"], 8.0, 1, said.append, 1)
+    return open_, result, said
+
+
+def test_what_one_motion_leaves_open_is_told_apart_by_the_proposed_one(asked: tuple[Open, Proposal, list[str]]) -> None:
+    open_, result, said = asked
+    assert {e for q in open_.questions for e in q.names} >= {"controller gain at elbow", "supply voltage at elbow"}
+    (proposed,) = result.proposed
+    assert proposed.motion.seconds <= 8.0
+    assert proposed.engines == ("mujoco", "dart")
+    done = simulate(result.problem.cases[proposed.case].experiment, "mujoco").trace
+    assert done.command is not None
+    assert done.position is not None
+    assert np.nanmax(np.abs(done.command - done.position)) > 1.0 / SERVO["gain"]  # only saturation parts these two
+    assert result.least(proposed) > max(abs(q.now) for q in open_.questions) + 3.0
+    assert not {s.kind for s in proposed.motion.segments} & {"multisine", "chirp", "release"}
+    assert any("pieces of motion" in line for line in said)
+
+
+def test_files_say_and_play_what_was_designed(asked: tuple[Open, Proposal, list[str]], tmp_path: Path) -> None:
+    _, result, _ = asked
+    write_proposal(result, tmp_path)
+    content = ProposalFile.model_validate(json.loads((tmp_path / "proposal.json").read_text(encoding="utf-8")))
+    (told,) = content.motions
+    assert all((tmp_path / name).is_file() for name in told.files.values())
+    assert told.says in summary(result)[0]
+    assert "<svg" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    (played,) = experiments(load_scenario(tmp_path / told.files["scenario"]))
+    trace = simulate(played, "mujoco").trace
+    assert trace.position is not None
+    assert np.abs(trace.position).max() <= 1.2
+    assert abs(trace.position[-1, 0] - result.home[0]) < 0.1
+
+
+@pytest.mark.parametrize("engine", engines.available())
+def test_a_segment_that_leaves_a_limit_is_found_in_every_engine(
+    problem: Problem, left: tuple[Open, Floors], engine: str
+) -> None:
+    """Steps as wide as the limits allow overshoot them; small reversals do not."""
+    wide, narrow = (Limits(*(np.array([x]) for x in (-r, r, v, np.inf))) for r, v in ((1.2, 50.0), (0.6, 50.0)))
+    home, (open_, _) = pose_of(problem, {}), left
+    pool = pool_of(Proposal(problem, open_, wide, home), ProposeSpec(forbid=["chirp", "multisine"]))
+    segments = {m.segments[0].label: m for m in pool}
+    first = segments["tiny steps"]
+    both = Motion("both", (first.segments[0], segments["large steps"].segments[0]), first.condition, first.period)
+    assert left_in_engines(problem, both, open_.explanations, [engine], wide) == (None, (engine,))
+    assert left_in_engines(problem, both, open_.explanations, [engine], narrow) == (1, ())
+
+
+def test_an_interruption_keeps_the_best_so_far(problem: Problem, left: tuple[Open, Floors]) -> None:
+    open_, floors = left
+
+    def say(text: str) -> None:
+        if "as a whole" in text:
+            raise Interrupted(2)
+
+    result = propose(problem, open_, floors, ["mujoco"], 6.0, 1, say, 1)
+    assert result.ended is not None
+    assert len(result.proposed) == 1
+    assert "ended early" in result.notes[-1]
