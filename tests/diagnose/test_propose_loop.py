@@ -8,22 +8,28 @@ import numpy as np
 import pytest
 import realitygap_engines as engines
 import yaml
+from realitygap.cli.main import app
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.design import answer
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.files import ProposalFile, summary, write_proposal
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.motion import Motion, pose_of
+from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.pool import pool_of
+from realitygap.diagnose.propose.predict import predict
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import propose
+from realitygap.diagnose.propose.refit import simulated
 from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.told import opened
+from realitygap.files.errors import InputError
 from realitygap.files.interrupted import Interrupted
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 from realitygap.simulate.experiment import experiments, simulate
+from typer.testing import CliRunner
 
 URDF = """<robot name="pendulum"><link name="base"/>
 <link name="arm"><inertial><origin xyz="0 0 -0.15"/><mass value="1.2"/>
@@ -148,3 +154,65 @@ def test_an_interruption_keeps_the_best_so_far(problem: Problem, left: tuple[Ope
     assert result.ended is not None
     assert len(result.proposed) == 1
     assert "ended early" in result.notes[-1]
+
+
+def test_a_refit_in_simulation_leaves_what_straight_lines_say_where_the_answer_is_straight(
+    problem: Problem, left: tuple[Open, Floors]
+) -> None:
+    """A gain and a supply that never saturate do the same: nothing parts them, by lines and by simulation."""
+    open_, floors = left
+    limits = Limits(*(np.array([x]) for x in (-0.4, 0.4, 3.0, np.inf)))
+    pool = pool_of(Proposal(problem, open_, limits, pose_of(problem, {})), ProposeSpec())
+    (slow,) = [m for m in pool if m.segments[0].label == "narrow slow triangle"]
+    wide = with_motions(problem, [slow])
+    question = next(
+        q for q in open_.questions if set(q.names) == {"controller gain at elbow", "supply voltage at elbow"}
+    )
+    with Simulations(wide, 1) as simulations:
+        rough = expected_floors(wide, floors, len(problem.cases))
+        told = predict(simulations, open_.explanations, [len(problem.cases)], rough)
+        assert told is not None
+        lines = answer(question, told.grams[0], told.beliefs)
+        real = simulated(simulations, open_, question, told, len(problem.cases), rough)
+    for a, b, now in ((lines.one, real.one, question.now), (lines.other, real.other, -question.now)):
+        assert abs(a - now) < 0.5
+        assert b == pytest.approx(a, abs=0.2)
+
+
+def test_a_robot_without_recordings_gets_a_first_set_and_what_it_would_show(problem: Problem, tmp_path: Path) -> None:
+    content = {k: v for k, v in problem.file.raw.items() if k not in ("recordings", "motion")}
+    for path in problem.file.path.parent.glob("*.urdf"):
+        (tmp_path / path.name).write_text(path.read_text(encoding="utf-8"), encoding="utf-8")
+    (tmp_path / "first.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    out = tmp_path / "out"
+    arguments = ["propose", str(tmp_path / "first.yaml"), "-e", "mujoco", "-o", str(out), "--seconds", "8", "-j", "1"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.exception
+    told = ProposalFile.model_validate(json.loads((out / "proposal.json").read_text(encoding="utf-8")))
+    assert [m.name for m in told.motions] == ["slow", "fast", "fine"]
+    assert all(m.seconds <= 8.0 and m.stays_within_limits_in == ["mujoco"] for m in told.motions)
+    assert {row["effect"] for row in told.shows} == {"controller_gain", "supply_voltage"}
+    assert all(row["seen_from"] for row in told.shows)
+    assert "controller gain at elbow: seen from" in done.output
+    assert "What these motions would show" in (out / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"propose.limits": {}}, "nothing says how far and how fast elbow may go"),
+        ({"robot.base": "floating"}, "motions are proposed for robots with servos and a fixed base"),
+    ],
+)
+def test_what_cannot_be_proposed_for_is_one_sentence(
+    problem: Problem, tmp_path: Path, change: dict[str, Any], sentence: str
+) -> None:
+    file = problem.file.override(change)
+    raw = {k: v for k, v in file.raw.items() if k not in ("recordings", "motion")}
+    urdf = URDF.replace('lower="-3" upper="3"', "").replace("revolute", "continuous")
+    (tmp_path / "pendulum.urdf").write_text(urdf, encoding="utf-8")
+    (tmp_path / "s.yaml").write_text(yaml.safe_dump(raw), encoding="utf-8")
+    done = CliRunner().invoke(app, ["propose", str(tmp_path / "s.yaml"), "-o", str(tmp_path / "out")])
+    assert isinstance(done.exception, InputError)
+    assert sentence in str(done.exception)
+    assert not (tmp_path / "out").exists()

@@ -21,6 +21,9 @@ from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.page import write_page
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import odds, settles
+from realitygap.diagnose.rehearse.files import to_json
+from realitygap.diagnose.rehearse.page import label, words
+from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.diagnose.result.revise import Plain, rebased
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import uninterrupted
@@ -90,6 +93,7 @@ class ProposalFile(BaseModel):
     open: list[str]
     out_of_reach: list[str]
     motions: list[MotionFile]
+    shows: list[dict[str, Any]]
     notes: list[str]
 
 
@@ -126,6 +130,7 @@ def to_file(result: Proposal) -> ProposalFile:
         open=[f"{q} ({odds(q.now)} now)" for q in result.open.questions],
         out_of_reach=[str(q) for q in result.hopeless],
         motions=[_motion(result, p) for p in result.proposed],
+        shows=[] if result.shown is None else shows(result.shown),
         notes=list(result.notes),
     )
 
@@ -165,6 +170,20 @@ def _sharpened(weak: Weak) -> Sharpened:
         then=_round(weak.then),
         half_after=_round(weak.half) if math.isfinite(weak.half) else None,
     )
+
+
+def shows(shown: Rehearsal) -> list[dict[str, Any]]:
+    """What motions would show of every effect: the smallest size, null where the largest that was tried is not seen."""
+    rows = to_json(shown)["detection"]
+    return [{k: row[k] for k in ("effect", "target", "seen_from", "largest_tried")} for row in rows]
+
+
+def seen(shown: Rehearsal) -> list[str]:
+    """The same in lines."""
+    return [
+        f"{label(row)}: " + (f"seen from {words(row['seen_from'])}" if row["seen_from"] else "not seen")
+        for row in shows(shown)
+    ]
 
 
 def _write_motion(result: Proposal, proposed: Proposed, out: Path) -> None:
@@ -211,7 +230,8 @@ def _scenario(result: Proposal, motion: Motion, out: Path) -> str:
 
 def summary(result: Proposal) -> list[str]:
     """Lines for the terminal: each motion with what it will settle, and what no motion can."""
-    lines = [f"{p.motion.name}: {settles(result, p)}" for p in result.proposed]
+    lines = [f"{p.motion.name}, {p.motion.seconds:.1f} s: {settles(result, p)}" for p in result.proposed]
+    lines += [f"  {row}" for row in (seen(result.shown) if result.shown else [])]
     lines += [
         f"out of reach: {q}: no motion within the limits moves these odds ({odds(q.now)})" for q in result.hopeless
     ]

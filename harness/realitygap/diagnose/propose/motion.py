@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.condition import Condition
 from realitygap.diagnose.propose.segments import Segment
+from realitygap.recording import Recording
 from realitygap.robot.drive import Array
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.experiment import Experiment
@@ -76,22 +78,28 @@ def pose_of(problem: Problem, pose: dict[str, float]) -> Array:
     return np.array([pose.get(name, float(home[i])) for i, name in enumerate(names)])
 
 
-def experiment_of(motion: Motion, like: Experiment) -> Experiment:
-    """The simulation of a motion; it begins before the motion, so that the robot is at rest."""
-    value = motion.value
-    condition = motion.condition
-    names = condition.plant.model.joint_names
-    start = {name: float(q) for name, q in zip(names, value[0], strict=True)}
-    robot = condition.scenario.robot.model_copy(update={"start": start})
-    commands = Commands(
-        np.concatenate([[0.0], SETTLE + motion.time]), np.concatenate([value[:1], value]), like.commands.held
-    )
+def experiment_of(motion: Motion, like: Experiment | None = None) -> Experiment:
+    """The simulation of a motion; it begins before the motion, with the readings in the pose, so that the robot is at
+    rest. `like` is what was recorded before, if anything was.
+    """
+    value, condition = motion.value, motion.condition
+    time = np.concatenate([[-SETTLE], motion.time])
+    told = np.concatenate([value[:1], value])
+    robot = condition.scenario.robot.model_copy(update={"start": "recording"})
+    still = np.tile(value[0], (2, 1))
+    names = tuple(condition.plant.model.joint_names)
+    trace = Trace(np.array([-SETTLE, 0.0]), names, still, np.zeros_like(still))
+    kind, supply = "position", np.zeros(0)
+    if like is not None and like.recording is not None:
+        kind, supply = like.recording.command_kind or kind, like.recording.supply
+    volts = np.full(min(len(supply), 1), np.median(supply) if len(supply) else 0.0)
+    recording = Recording(Path(motion.name), trace, time, told, kind, np.zeros(len(volts)), volts)
     return Experiment(
         name=motion.name,
         scenario=condition.scenario.model_copy(update={"robot": robot}),
         plant=condition.plant,
-        recording=None,
-        commands=commands,
+        recording=recording,
+        commands=Commands(time + SETTLE, told, like is None or like.commands.held),
         begin=-SETTLE,
         duration=SETTLE + motion.seconds,
         use=USE,
@@ -100,20 +108,20 @@ def experiment_of(motion: Motion, like: Experiment) -> Experiment:
 
 def with_motions(problem: Problem, motions: Sequence[Motion]) -> Problem:
     """The problem with motions as further cases, behind its own; what would be measured is not known."""
-    return replace(problem, cases=(*problem.cases, *(_case(problem, m) for m in motions)))
-
-
-def _case(problem: Problem, motion: Motion) -> Case:
     like = problem.cases[0]
-    experiment = experiment_of(motion, like.experiment)
     rate = (len(like.measured.time) - 1) / (like.measured.time[-1] - like.measured.time[0])
-    time = np.arange(0.0, motion.seconds, 1.0 / rate)
-    shape = (len(time), len(motion.condition.plant.model.joints))
-    nothing = {s: np.zeros(shape) for s in like.noise}
-    names = tuple(motion.condition.plant.model.joint_names)
-    empty = Trace(time, names, nothing.get("position"), nothing.get("velocity"), nothing.get("effort"))
     noise = {s: single(problem, s) for s in like.noise}
-    return Case(motion.name, experiment, empty, USE, noise, 1, noise)
+    cases = [case_of(m, experiment_of(m, like.experiment), noise, rate) for m in motions]
+    return replace(problem, cases=(*problem.cases, *cases))
+
+
+def case_of(motion: Motion, experiment: Experiment, noise: dict[str, Array], rate: float) -> Case:
+    """A motion as it would be recorded, so many times a second [Hz], with this noise by signal (n,)."""
+    time = np.arange(0.0, motion.seconds, 1.0 / rate)
+    names = tuple(motion.condition.plant.model.joint_names)
+    nothing = {s: np.zeros((len(time), len(names))) for s in noise}
+    empty = Trace(time, names, nothing.get("position"), nothing.get("velocity"), nothing.get("effort"))
+    return Case(motion.name, experiment, empty, experiment.use or USE, noise, 1, noise)
 
 
 def single(problem: Problem, signal: str) -> Array:

@@ -11,7 +11,7 @@ one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -29,11 +29,13 @@ class Belief:
         mean: the combination that is expected. Shape (c,).
         ways: the combinations that a unit of each value adds. Shape (c, v).
         precision: of the values, on the present recordings. Shape (v, v).
+        start: how far the present recordings have the values from where `ways` begin. Shape (v,).
     """
 
     mean: Array
     ways: Array
     precision: Array
+    start: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def covariance(self) -> Array:
@@ -45,7 +47,24 @@ class Belief:
         return np.asarray(self.precision + self.ways.T @ gram @ self.ways)
 
 
-def expected(gram: Array, true: Belief, other: Belief) -> float:
+def moved(gram: Array, apart: Array, other: Belief) -> tuple[Array, float]:
+    """How an explanation's values move in a refit to motions that differ from what it predicts, and what stays: the
+    squared distance, with what the move costs on the present recordings.
+
+    Args:
+        gram: of the motions. Shape (c, c).
+        apart: what they show less what the explanation predicts, as a combination of the columns. Shape (c,).
+        other: the explanation.
+    """
+    distance = float(apart @ gram @ apart)
+    if not len(other.precision):
+        return np.zeros(0), distance
+    seen = other.ways.T @ gram @ apart
+    values = cho_solve(cho_factor(other.learned(gram), lower=True), seen)
+    return np.asarray(values), distance - float(seen @ values)
+
+
+def expected(gram: Array, true: Belief, other: Belief, distance: float | None = None) -> float:
     """The logarithm of the odds that motions are expected to add for the true explanation over another one.
 
     Args:
@@ -53,16 +72,17 @@ def expected(gram: Array, true: Belief, other: Belief) -> float:
             Shape (c, c).
         true: the explanation that holds.
         other: the one that is refitted.
+        distance: what its refit leaves (`moved`), where that was simulated; None by straight lines.
     """
     apart = true.mean - other.mean
     here, there = true.ways.T @ gram @ true.ways, other.ways.T @ gram @ other.ways
-    both, seen = other.ways.T @ gram @ true.ways, other.ways.T @ gram @ apart
-    distance = float(apart @ gram @ apart)
+    both = other.ways.T @ gram @ true.ways
     spread = float(np.trace(true.covariance @ here))
     if len(there):
         factor = cho_factor(other.precision + there, lower=True)
-        distance -= float(seen @ cho_solve(factor, seen))
         spread -= float(np.trace(cho_solve(factor, there + both @ true.covariance @ both.T)))
+    if distance is None:
+        distance = moved(gram, apart, other)[1]
     return 0.5 * (distance + spread + _gained(other, there) - _gained(true, here))
 
 

@@ -13,6 +13,7 @@ from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.figure import figure
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import SURE, expected, half, now
+from realitygap.diagnose.rehearse.page import label, words
 from realitygap.diagnose.result.story_figures import AFTER, BEFORE
 from realitygap.diagnose.result.story_text import listed, suspect_label
 from realitygap.files.whole import write_whole
@@ -45,6 +46,7 @@ def write_page(result: Proposal, content: dict[str, Any], out: Path) -> Path:
         limits=_limits(result),
         engine=engine_label(result.problem.engine),
         notes=result.notes,
+        shown=[(label(r), words(r["seen_from"]) if r["seen_from"] else "") for r in content["shows"]],
     )
     path = out / "report.html"
     write_whole(path, text)

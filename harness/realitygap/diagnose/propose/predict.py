@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
@@ -28,6 +29,7 @@ class Predictions:
         channels: of what is stacked.
         still: what the named model says, less what was measured. Shape (m,).
         plain: the columns as they are simulated, of explanations less that of the named model. Shape (m, c).
+        whitenings: of each motion.
         grams: of each motion, the inner products of the whitened columns. Shape (c, c) each.
         beliefs: of every explanation.
     """
@@ -36,6 +38,7 @@ class Predictions:
     channels: tuple[Channel, ...]
     still: Array
     plain: Array
+    whitenings: tuple[Whitening, ...]
     grams: tuple[Array, ...]
     beliefs: tuple[Belief, ...]
 
@@ -48,6 +51,24 @@ class Predictions:
         belief = self.beliefs[number]
         ways = self.plain @ belief.ways
         return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", ways, belief.covariance, ways)))
+
+    def of(self, case: int) -> tuple[Array, Array]:
+        """What the named model says of one motion (m,), and the columns (m, c)."""
+        rows = _rows(self.channels, case)
+        return self.still[rows], self.plain[rows]
+
+    def white(self, case: int, columns: Array) -> Array:
+        """Columns of one motion, whitened. Shape (m, k) -> (r, k)."""
+        return _white(self.whitenings[self.cases.index(case)], columns)
+
+
+def _rows(channels: Sequence[Channel], case: int) -> NDArray[np.bool_]:
+    """Which stacked samples are those of one motion. Shape (m,)."""
+    return np.concatenate([np.full(len(c.time), c.case == case) for c in channels])
+
+
+def _white(whitening: Whitening, columns: Array) -> Array:
+    return whitening(np.ascontiguousarray(columns), np.ones(len(columns)))[0]
 
 
 def predict(
@@ -76,15 +97,14 @@ def predict(
     plain = np.nan_to_num(np.column_stack([means - still[:, None], *slopes, laws]))
     first = explanations[0].metric.whitening
     fact = dict(zip((c.key for c in first.channels), first.facts, strict=True))
-    grams = []
+    grams, whitenings = [], []
     for case in cases:
         own = tuple(c for c in found if c.case == case)
-        rows = np.concatenate([np.full(len(c.time), c.case == case) for c in found])
-        whitening = Whitening(own, first.rest, np.array([fact[c.key] for c in own]))
-        white, _ = whitening(np.ascontiguousarray(plain[rows]), np.ones(int(rows.sum())))
+        whitenings.append(Whitening(own, first.rest, np.array([fact[c.key] for c in own])))
+        white = _white(whitenings[-1], plain[_rows(found, case)])
         grams.append(white.T @ white)
     beliefs = _beliefs(simulations, explanations, [s.shape[1] for s in slopes], wrong)
-    return Predictions(tuple(cases), found, still, plain, tuple(grams), beliefs)
+    return Predictions(tuple(cases), found, still, plain, tuple(whitenings), tuple(grams), beliefs)
 
 
 def _simulated(
@@ -131,9 +151,8 @@ def _beliefs(
         ways[ends[-1] :, sizes[k] :] = np.diag(shares)
         mean = np.zeros(width)
         mean[k] = 1.0
-        if len(precision):
-            mean -= ways @ np.linalg.solve(precision, pull)
-        out.append(Belief(mean, ways, precision))
+        start = np.asarray(-np.linalg.solve(precision, pull))
+        out.append(Belief(mean + ways @ start, ways, precision, start))
     return tuple(out)
 
 

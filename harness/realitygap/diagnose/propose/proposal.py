@@ -11,6 +11,7 @@ from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.predict import Predictions
+from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.files.interrupted import Interrupted
 from realitygap.robot.drive import Array
 
@@ -69,6 +70,7 @@ class Proposal:
         predictions: of these motions; None where there are none.
         hopeless: questions that no motion within the limits moves.
         notes: sentences on how it was done.
+        shown: what the motions would show of each effect, where nothing is recorded yet.
         ended: the signal that ended the work, where the best so far is all there is.
     """
 
@@ -81,6 +83,7 @@ class Proposal:
     hopeless: tuple[Question, ...] = ()
     notes: list[str] = field(default_factory=list)
     ended: Interrupted | None = None
+    shown: Rehearsal | None = None
 
     def reached(self, proposed: Proposed) -> list[tuple[Question, Answer]]:
         """The questions that a motion within the limits can move, with what this one does to them."""

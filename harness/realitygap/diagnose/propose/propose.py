@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,15 +14,17 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.propose.design import answer, separable, sharper, worth
+from realitygap.diagnose.propose.design import Answer, answer, separable, sharper, worth
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.odds import Belief
 from realitygap.diagnose.propose.pool import motions_of, pool_of
-from realitygap.diagnose.propose.predict import predict
+from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
+from realitygap.diagnose.propose.refit import simulated
 from realitygap.diagnose.propose.safe import safe_cases
+from realitygap.diagnose.propose.screening import screen
 from realitygap.diagnose.propose.told import found_changes, opened, start_of
 from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import wrong
@@ -35,6 +38,9 @@ from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 
+TRIED = 4
+"""Conditions under which a motion is looked at as a whole, at most: what tells most as if laws were exact need not be
+what tells most."""
 SHORTEST = 4.0
 """A motion shorter than this has no room for a single segment [s]."""
 
@@ -65,6 +71,8 @@ def run_proposal(
     if file.scenario.robot.base != "fixed" or file.scenario.follows:
         what = "motion: {followed: true}" if file.scenario.follows else f"robot.base: {file.scenario.robot.base}"
         raise InputError(f"{file.path}: found {what}; motions are proposed for robots with servos and a fixed base")
+    if not (file.scenario.recordings and file.scenario.recordings.runs):
+        return screen(file, engines, first, seconds, motions, progress.say, workers)
     warnings = certain(file)
     problem = build_problem(file, first)
     changes = None if start.findings is None else found_changes(problem, start.findings, path)
@@ -110,6 +118,7 @@ def propose(
         _design(result, spec, floors, engines, seconds, motions, say, workers)
         if result.proposed:
             _judge(result, say, workers)
+            del result.proposed[motions:]
     except Interrupted as end:
         if not result.proposed:
             raise
@@ -149,7 +158,8 @@ def _design(
     if not apart and not values:
         return
     goal = partial(worth, apart, beliefs) if apart else partial(sharper, beliefs[0], values)
-    for motion, held, gram in motions_of(result, pool, predictions, goal, engines, seconds, motions):
+    most = max(motions, min(len({id(m.condition) for m in pool}), TRIED))
+    for motion, held, gram in motions_of(result, pool, predictions, goal, engines, seconds, most):
         result.proposed.append(_proposed(result, motion, held, gram, beliefs))
         say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")
 
@@ -171,16 +181,33 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
     say(f"{len(designed)} motions as a whole, with what laws may be off by")
     with Simulations(problem, workers) as simulations:
         floors = measure(simulations, explanations[0].fit.changes)
-        likely = max(explanations, key=lambda e: e.evidence)
-        off = wrong(simulations, likely, suspects(problem), cases, floors)
+        off = wrong(simulations, explanations[0], suspects(problem), cases, floors)
         predictions = predict(simulations, explanations, cases, floors, off)
+        answers = [] if predictions is None else _answers(simulations, result, predictions, floors)
     if predictions is None:
         result.notes.append("the motions could not be simulated as a whole: odds are as if laws were exact")
         return
     beliefs = predictions.beliefs
     whole = [
-        _proposed(result, p.motion, p.engines, gram, beliefs, case)
-        for case, p, gram in zip(cases, designed, predictions.grams, strict=True)
+        replace(_proposed(result, p.motion, p.engines, gram, beliefs, case), answers=told)
+        for case, p, gram, told in zip(cases, designed, predictions.grams, answers, strict=True)
     ]
     result.proposed = sorted(whole, key=result.least, reverse=True)
     result.problem, result.predictions = problem, predictions
+
+
+def _answers(
+    simulations: Simulations, result: Proposal, predictions: Predictions, floors: Floors
+) -> list[tuple[Answer, ...]]:
+    """What every motion does to every question, with refits in simulation where it may be moved at all."""
+    out = []
+    for case, gram in zip(predictions.cases, predictions.grams, strict=True):
+        out.append(
+            tuple(
+                answer(q, gram, predictions.beliefs)
+                if q in result.hopeless
+                else simulated(simulations, result.open, q, predictions, case, floors)
+                for q in result.open.questions
+            )
+        )
+    return out

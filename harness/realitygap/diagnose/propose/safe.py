@@ -12,10 +12,11 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.motion import Motion, experiment_of
+from realitygap.diagnose.propose.motion import SETTLE, Motion, experiment_of
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
-from realitygap.simulate.experiment import simulate
+from realitygap.robot.plant import Plant
+from realitygap.simulate.experiment import Experiment, simulate
 from realitygap.trace.trace import Trace
 
 
@@ -61,23 +62,30 @@ def _trace(time: Array, names: Sequence[str], signals: dict[str, Array]) -> Trac
 def left_in_engines(
     problem: Problem, motion: Motion, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
 ) -> tuple[int | None, tuple[str, ...]]:
-    """The number of the segment that leaves a limit first, in any engine under any explanation, None where none does;
-    and the engines that can simulate the motion.
-    """
+    """The same as `left_limits`, of every explanation's plant."""
     experiment = experiment_of(motion, problem.cases[0].experiment)
+    plants = [changed(experiment.plant, e.fit.changes, problem.plant) for e in explanations]
+    return left_limits(experiment, motion, plants, engines, limits)
+
+
+def left_limits(
+    experiment: Experiment, motion: Motion, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
+) -> tuple[int | None, tuple[str, ...]]:
+    """The number of the segment that leaves a limit first, in any engine and plant, None where none does; and the
+    engines that can simulate the motion.
+    """
     ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
     held = []
     for engine in engines:
         can = True
-        for e in explanations:
-            plant = changed(experiment.plant, e.fit.changes, problem.plant)
+        for plant in plants:
             try:
                 trace = simulate(experiment.with_plant(plant), engine).trace
             except (Unsupported, Failed):
                 can = False
                 break
             except Diverged as error:
-                return int(np.searchsorted(ends, error.time)) % len(ends), ()
+                return min(int(np.searchsorted(ends, error.time - SETTLE)), len(ends) - 1), ()
             found = limits.first(trace.between(0.0, np.inf))
             if found is not None:
                 return min(int(np.searchsorted(ends, found)), len(ends) - 1), ()

@@ -42,6 +42,8 @@ def now(question: Question) -> str:
 def settles(result: Proposal, proposed: Proposed) -> str:
     """What a motion will settle: every question that it moves, with the expected odds."""
     reached = result.reached(proposed)
+    if result.shown is not None:
+        return ", ".join(s.label for s in proposed.motion.segments)
     if not reached:
         return "; ".join(narrower(w) for w in proposed.weak[:WEAKEST])
     return "; ".join(f"{q}: expected odds {expected(a)} (now {now(q)})" for q, a in reached)
