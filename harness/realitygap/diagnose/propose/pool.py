@@ -30,9 +30,16 @@ def pool_of(result: Proposal, spec: ProposeSpec) -> list[Motion]:
     period, every = period_of(problem), conditions(problem, spec)
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
-    joints = _joints(problem, result.open)
-    segments = [s for j in joints for s in Builder(j, result.home, result.limits, period).every(kinds)]
+    names = labels(problem)
+    made = [Builder(j, result.home, result.limits, period, names[j]) for j in _joints(problem, result.open)]
+    segments = [s for builder in made for s in builder.every(kinds)]
     return [Motion(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
+
+
+def labels(problem: Problem) -> list[str]:
+    """The names of joints in labels: none where there is one joint."""
+    names = problem.plant.model.joint_names
+    return list(names) if len(names) > 1 else [""]
 
 
 def _may_release(problem: Problem, spec: ProposeSpec) -> bool:

@@ -18,6 +18,7 @@ from realitygap.diagnose.propose.condition import conditions
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.motion import Motion, case_of, experiment_of
+from realitygap.diagnose.propose.pool import labels
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import left_limits
 from realitygap.diagnose.propose.segments import Builder, Segment
@@ -70,7 +71,7 @@ def screen(
     chosen = []
     for name, kinds in list(SETS.items())[:motions]:
         allowed = [k for k in kinds if k not in spec.forbid and (k != "release" or spec.release)]
-        here = [Builder(j, result.home, limits, 1.0 / RATE).every(allowed) for j in range(len(names))]
+        here = [Builder(j, result.home, limits, 1.0 / RATE, n).every(allowed) for j, n in enumerate(labels(empty))]
         kept = Motion(name, tuple(_turns(here, seconds, 1.0 / RATE)), condition, 1.0 / RATE)
         held: tuple[str, ...] = ()
         while kept.segments:

@@ -63,12 +63,14 @@ class Builder:
         home: the pose in which segments start and end. Shape (n,).
         limits: what must not be left.
         period: of the commands [s].
+        name: of the joint, where a robot has several.
     """
 
     joint: int
     home: Array
     limits: Limits
     period: float
+    name: str = ""
 
     def every(self, kinds: Sequence[SegmentKind]) -> list[Segment]:
         """Segments of these kinds, each in several sizes and speeds."""
@@ -104,7 +106,7 @@ class Builder:
         value[:, self.joint] += way
         enabled = np.ones(len(way), dtype=bool)
         enabled[slice(*off)] = False
-        return Segment(kind, label, (self.joint,), value, enabled)
+        return Segment(kind, f"{label} of {self.name}" if self.name else label, (self.joint,), value, enabled)
 
     def _ticks(self, seconds: float) -> int:
         return max(int(np.ceil(seconds / self.period - 1e-6)), 1)
