@@ -28,6 +28,8 @@ CLEAR = 0.6
 """The share of an effort that its servo explains where a unit or a sign is read off the stiffness."""
 PART = 0.3
 """And the least share of what the speed leaves that the error explains."""
+ALONE = 3e-3
+"""And the least share of an effort that nothing else explains: along one sine the speed does, up to rounding."""
 FITS = 0.8
 """And where an effort is told from that of another joint: the law is exact, up to what is clipped and noise."""
 BRAKING = 3.0
@@ -52,16 +54,18 @@ class EffortFit:
         share: of its variance that is explained.
         part: what the error (or the load) explains of what all else leaves.
         ratio: effort per error over the servo's own stiffness (or effort per load).
+        alone: the share of its variance that nothing but the error (or the load) explains.
     """
 
     share: float
     part: float
     ratio: float
+    alone: float = 1.0
 
     @property
     def clear(self) -> bool:
         """Whether a unit or a sign can be read off the ratio."""
-        return self.share > CLEAR and self.part > PART
+        return self.share > CLEAR and self.part > PART and self.alone > ALONE
 
     @property
     def sign_fits(self) -> bool:
@@ -149,7 +153,7 @@ def _solved(o: Observed, beside: list[Array], cause: Array, effort: Array, on: M
     total = float(np.sum((y - y.mean()) ** 2))
     if total <= 0.0 or without <= 0.0 or own <= 0.0:
         return EffortFit(0.0, 0.0, 1.0)
-    return EffortFit(1.0 - left / total, 1.0 - left / without, float(weights[-1] / own))
+    return EffortFit(1.0 - left / total, 1.0 - left / without, float(weights[-1] / own), (without - left) / total)
 
 
 def _rest(x: Array, y: Array) -> tuple[float, Array]:

@@ -21,7 +21,7 @@ from realitygap.trace.trace import Array
 
 Read = Callable[..., Recording]
 Mask = NDArray[np.bool_]
-SAMPLES, STEP = 2000, 0.01
+SAMPLES, STEP = 20_000, 0.01
 """Samples of the even clock at most, and its least spacing [s]: a mistake shows in the whole motion and within the
 bandwidth of a servo, some Hz, and the checks are to take a moment."""
 FOLLOWERS = (DC, PID, CASCADE)
@@ -92,7 +92,9 @@ class Observed:
         r = self.recording
         if not len(r.command_time):
             return np.full((len(self.clock), len(self.joints)), np.nan)
-        return held_at(r.command_time, r.command, self.clock)
+        if self._width == 1:
+            return held_at(r.command_time, r.command, self.clock)
+        return self._even(held_at(r.command_time, r.command, r.trace.time))
 
     @cached_property
     def quantum(self) -> Array:
@@ -115,12 +117,17 @@ class Observed:
         """Whether a joint slides."""
         return self.plant.model.joints[joint].prismatic
 
+    @property
+    def _width(self) -> int:
+        """Over how many measurements all signals are averaged alike, so that what holds between them still does."""
+        return max(1, round(self.step / self.period))
+
     def _even(self, value: Array | None) -> Array:
         """A signal on the even clock, averaged over its step where that is coarser than the measurement."""
         time, n = self.recording.trace.time, len(self.joints)
         if value is None:
             return np.full((len(self.clock), n), np.nan)
-        width = max(1, round(self.step / self.period))
+        width = self._width
         out = np.empty((len(self.clock), n))
         for j in range(n):
             smooth = uniform_filter1d(value[:, j], width) if width > 1 else value[:, j]

@@ -3,7 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 
-WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
+WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
+"""Of lower case, with a capital before it, or of capitals; and mA, which people write so."""
 Stem = tuple[str, ...]
 """The words of a label without those that say which joint."""
 

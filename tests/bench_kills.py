@@ -1,0 +1,228 @@
+"""Kills and signals at random moments of every command: does the next run put everything in order?
+
+    python tests/bench_kills.py [--kills 100] [--signals 40] [--seed 1] [--only run matrix ...]
+
+A kill is SIGKILL to the command, to its workers or to all of them at a random moment; a signal is SIGINT or SIGTERM to
+the command. After every one no process of it may be left, and where the command was told to end, its folder is as
+before. The same command is run again then: its tables are those of an undisturbed run, byte by byte, and nothing
+unfinished lies in the folder or in that of the machine for temporary files. Signals are sent once the command listens
+to them, which it does before it does anything. The scenario is the bundled demo, shortened.
+"""
+
+import argparse
+import hashlib
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+DEMO = Path(__file__).parents[1] / "scenarios" / "demo"
+MARK = "REALITYGAP_TRIAL"
+"""The variable in the environment by which the processes of a trial are known, whoever their parent is."""
+GRACE = 5.0
+"""s after which nothing of a killed command may be alive; its workers look every half second."""
+YOUNG = 1.2
+"""s after which what a killed process left counts as left."""
+LATER = 1.1
+"""Share of an undisturbed run's time up to which it is disturbed."""
+COMMANDS = {  # command: what is said after it, and the files that must not differ
+    "run": ("scenario.yaml --engine mujoco --engine dart", ("gaps.csv",)),
+    "matrix": ("matrix.yaml -j 2", ("gaps.csv",)),
+    "report": ("", ("gaps.csv", "report.html")),
+    "diagnose": ("scenario.yaml --engine mujoco -j 2", ("diagnosis.json",)),
+    "rehearse": ("scenario.yaml -j 2", ("rehearsal.csv", "rehearsal.json")),
+    "audit": ("arm.urdf --engine mujoco", ("audit.csv",)),
+    "init": ("arm.urdf steps_1.mcap", ("scenario.yaml",)),
+}
+SIGNALS = {signal.SIGINT: 130, signal.SIGTERM: 143}
+
+
+@dataclass
+class Place:
+    """The folder of a command: the team's files, where it writes, and its folder for temporary files."""
+
+    name: str
+    folder: Path
+
+    @property
+    def out(self) -> Path:
+        """Where the command writes."""
+        return self.folder / "out"
+
+    def start(self, mark: str) -> subprocess.Popen[str]:
+        """The command, begun; in a group of its own."""
+        said, _ = COMMANDS[self.name]
+        words = [sys.executable, "-m", "realitygap.cli.main", self.name, *said.split()]
+        words += ["out"] if self.name == "report" else ["--out", "out"]
+        environment = os.environ | {MARK: mark, "TMPDIR": str(self.folder / "tmp")}
+        return subprocess.Popen(
+            words, cwd=self.folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        )
+
+    def tables(self) -> dict[str, str]:
+        """What must not differ."""
+        files = (self.out / name for name in COMMANDS[self.name][1])
+        return {f.name: hashlib.sha256(f.read_bytes()).hexdigest() for f in files if f.exists()}
+
+    def content(self) -> dict[str, str]:
+        """Every file in the folder that is no work in progress, by what it holds; cells that are done may be more."""
+        found = (f for f in self.out.rglob("*") if f.is_file() and "cells" not in f.parts)
+        return {str(f): hashlib.sha256(f.read_bytes()).hexdigest() for f in found}
+
+    def left(self) -> list[str]:
+        """What is unfinished, here and among temporary files."""
+        places = [*self.folder.glob(".*"), *self.out.rglob(".*"), *(self.folder / "tmp").glob("*")]
+        return [p.name for p in places]
+
+
+def made(folder: Path) -> Path:
+    """The demo with two short runs, and a matrix of it."""
+    shutil.copytree(DEMO, folder)
+    content = yaml.safe_load((folder / "scenario.yaml").read_text(encoding="utf-8"))
+    runs = [("steps_1.mcap", "train"), ("triangle_1.mcap", "held_out")]
+    content["recordings"]["runs"] = [{"path": p, "use": use, "window": [0.0, 1.5]} for p, use in runs]
+    content["suspects"] = ["coulomb_friction", "viscous_friction", "command_delay"]
+    (folder / "scenario.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    matrix = {"scenario": "scenario.yaml", "axes": {"engine": ["mujoco"], "step_rate": [1000, 2000]}, "floors": False}
+    (folder / "matrix.yaml").write_text(yaml.safe_dump(matrix), encoding="utf-8")
+    (folder / "tmp").mkdir()
+    return folder
+
+
+def alive(mark: str) -> list[int]:
+    """The processes of a trial."""
+    out = []
+    for place in Path("/proc").glob("[0-9]*"):
+        try:
+            if f"{MARK}={mark}".encode() in (place / "environ").read_bytes().split(b"\0"):
+                out.append(int(place.name))
+        except OSError:
+            continue
+    return out
+
+
+def waited(mark: str) -> list[int]:
+    """The processes of a trial that are left after the time that they have to end."""
+    end = time.monotonic() + GRACE
+    while (found := alive(mark)) and time.monotonic() < end:
+        time.sleep(0.1)
+    return found
+
+
+def listens(pid: int) -> bool:
+    """Whether a command answers signals by itself: Python leaves SIGTERM alone."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+    caught = next(int(line.split()[1], 16) for line in status.splitlines() if line.startswith("SigCgt"))
+    return bool(caught >> (signal.SIGTERM - 1) & 1)
+
+
+def disturb(process: subprocess.Popen[str], mark: str, how: str) -> None:
+    """Kill the command, its workers or all."""
+    victims = {"parent": [process.pid], "workers": [p for p in alive(mark) if p != process.pid], "all": alive(mark)}
+    for pid in victims[how]:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:
+            continue
+
+
+def trial(place: Place, reference: dict[str, str], moment: float, how: str | signal.Signals, mark: str) -> list[str]:
+    """What was wrong after one disturbance and after the run that followed."""
+    before = place.content()
+    process = place.start(mark)
+    while isinstance(how, signal.Signals) and process.poll() is None and not listens(process.pid):
+        time.sleep(0.02)
+    time.sleep(moment)
+    wrong = []
+    if isinstance(how, signal.Signals):
+        early = process.poll() is not None
+        process.send_signal(how)
+        said = process.communicate()[1]
+        if not early and process.returncode not in (SIGNALS[how], 0):
+            wrong.append(f"ended with {process.returncode}: {said[-500:]}")
+        elif process.returncode == SIGNALS[how] and place.name != "init" and place.content() != before:
+            wrong.append("told to end, it left the folder in another state")
+    else:
+        disturb(process, mark, how)
+        said = process.communicate()[1]
+    if "Traceback" in said:
+        wrong.append(f"a traceback: {said[-1500:]}")
+    orphans = waited(mark)
+    wrong += [f"{len(orphans)} processes were left"] * bool(orphans)
+    for pid in orphans:
+        os.kill(pid, signal.SIGKILL)
+    if isinstance(how, signal.Signals) and place.left():
+        wrong.append(f"left {place.left()} behind")
+    time.sleep(YOUNG)
+    wrong += again(place, reference)
+    return wrong
+
+
+def again(place: Place, reference: dict[str, str]) -> list[str]:
+    """What is wrong after the same command was run in peace."""
+    process = place.start("peace")
+    said = process.communicate()[1]
+    wrong = [f"the next run ended with {process.returncode}: {said[-800:]}"] * (process.returncode not in (0, 1))
+    if reference and place.tables() != reference:
+        wrong.append("the next run has other tables")
+    if place.left():
+        wrong.append(f"the next run left {place.left()}")
+    return wrong
+
+
+def main() -> int:
+    """A line per command; how many trials went wrong."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--kills", type=int, default=100)
+    parser.add_argument("--signals", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", nargs="+", default=[*COMMANDS])
+    args = parser.parse_args()
+    draw, bad, done = random.Random(args.seed), Counter[str](), Counter[str]()
+    with tempfile.TemporaryDirectory() as name:
+        for k, command in enumerate(args.only):
+            place = Place(command, made(Path(name) / command))
+            if command == "report":
+                for part in ("run",):
+                    shutil.copytree(Path(name) / part / "out", place.out)
+            began = time.monotonic()
+            said = again(place, {})
+            undisturbed, reference = time.monotonic() - began, place.tables()
+            assert not said, said
+            assert reference, f"{command} wrote none of {COMMANDS[command][1]}"
+            shares = [len(range(k, n, len(args.only))) for n in (args.kills, args.signals)]
+            hows: list[str | signal.Signals] = [draw.choice(["parent", "workers", "all"]) for _ in range(shares[0])]
+            hows += [draw.choice([*SIGNALS]) for _ in range(shares[1])]
+            for number, how in enumerate(hows):
+                if command not in ("report", "matrix") and draw.random() < 0.5:
+                    shutil.rmtree(place.out)  # the folder is a new one
+                if command == "init":
+                    shutil.rmtree(place.out, ignore_errors=True)
+                moment = draw.uniform(0.0, LATER * undisturbed)
+                kind = "signals" if isinstance(how, signal.Signals) else "kills"
+                done[kind] += 1
+                for what in trial(place, reference, moment, how, f"{args.seed}-{command}-{number}"):
+                    bad[kind] += 1
+                    sys.stdout.write(f"{command} {how} after {moment:.2f} s: {what}\n")
+                    sys.stdout.flush()
+            sys.stdout.write(f"{command}: undisturbed {undisturbed:.1f} s, {len(hows)} trials\n")
+            sys.stdout.flush()
+    for kind, count in done.items():
+        sys.stdout.write(f"seed {args.seed}: {count} {kind}, {bad[kind]} things wrong\n")
+    return sum(bad.values())
+
+
+if __name__ == "__main__":
+    sys.exit(bool(main()))
