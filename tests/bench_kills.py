@@ -92,7 +92,7 @@ def made(folder: Path) -> Path:
     content["recordings"]["runs"] = [{"path": p, "use": use, "window": [0.0, 1.5]} for p, use in runs]
     content["suspects"] = ["coulomb_friction", "viscous_friction", "command_delay"]
     (folder / "scenario.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
-    matrix = {"scenario": "scenario.yaml", "axes": {"engine": ["mujoco"], "step_rate": [1000, 2000]}, "floors": False}
+    matrix = {"scenarios": ["scenario.yaml"], "engines": ["mujoco"], "axes": {"step_rate": [1000, 2000]}}
     (folder / "matrix.yaml").write_text(yaml.safe_dump(matrix), encoding="utf-8")
     (folder / "tmp").mkdir()
     return folder
@@ -195,8 +195,9 @@ def main() -> int:
         for k, command in enumerate(args.only):
             place = Place(command, made(Path(name) / command))
             if command == "report":
-                for part in ("run",):
-                    shutil.copytree(Path(name) / part / "out", place.out)
+                ran = Place("run", made(Path(name) / "ran"))
+                assert not again(ran, {})
+                shutil.copytree(ran.out, place.out)
             began = time.monotonic()
             said = again(place, {})
             undisturbed, reference = time.monotonic() - began, place.tables()

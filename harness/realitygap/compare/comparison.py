@@ -17,6 +17,7 @@ from realitygap.recording.align import Repetitions, group_repetitions, noise_flo
 from realitygap.scenario.file import ScenarioFile
 from realitygap.simulate.experiment import Experiment, check_excluded, experiments, simulate
 from realitygap.simulate.rollout import Rollout
+from realitygap.trace.sampled import Gather, sampled, stretches
 from realitygap.trace.trace import Array, Trace
 
 WHOLE = 5e8
@@ -209,11 +210,28 @@ def compare(
 
 def _numerical_floors(motion: RepeatedMotion, engine: str, mean: Trace) -> dict[tuple[str, str], float]:
     """How far the mean motion moves with half the step, by joint and signal, in the units of the table."""
-    assert motion.measured is not None
-    fine = _mean(motion, _simulated(motion, engine, 2.0, whole=False))
-    on_stamps = replace(fine, command=motion.measured.command)
-    model = motion.experiments[0].plant.model
-    return {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+    measured, model = motion.measured, motion.experiments[0].plant.model
+    assert measured is not None
+    if len(motion.experiments) > 1:
+        fine = _mean(motion, _simulated(motion, engine, 2.0, whole=False))
+        on_stamps = replace(fine, command=measured.command)
+        return {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+    total: dict[tuple[str, str], float] = {}
+    count: dict[tuple[str, str], int] = {}
+
+    def gather(parts: Iterable[Trace], time: Array) -> Trace:
+        """Add up how far every part has moved: all of them at once would be as large as the motion again."""
+        for rows, fine in stretches(parts, time):
+            command = None if measured.command is None else measured.command[rows]
+            there = mean.rows(rows) if mean.time is time else mean.at(fine.time)
+            for d in differences(model, replace(there, time=fine.time), replace(fine, command=command)):
+                key = d.joint, d.signal
+                total[key] = total.get(key, 0.0) + float(np.sum(d.values))
+                count[key] = count.get(key, 0) + len(d.values)
+        return Trace(time[:0], tuple(model.joint_names))
+
+    _simulated(motion, engine, 2.0, whole=False, gather=gather)
+    return {key: total[key] / count[key] if count[key] else float("nan") for key in total}
 
 
 def failure(cell: Cell, motion: RepeatedMotion, outcome: str, note: str) -> Comparison:
@@ -228,7 +246,9 @@ def scenario_excluded(motion: RepeatedMotion) -> list[str]:
     return recordings.exclude if recordings else []
 
 
-def _simulated(motion: RepeatedMotion, engine: str, finer: float, *, whole: bool) -> list[Rollout]:
+def _simulated(
+    motion: RepeatedMotion, engine: str, finer: float, *, whole: bool, gather: Gather = sampled
+) -> list[Rollout]:
     """Every repetition simulated, with `finer` times the scenario's step rate; not whole: at the measured stamps."""
     out = []
     for e, shift in zip(motion.experiments, motion.shifts, strict=True):
@@ -237,7 +257,7 @@ def _simulated(motion: RepeatedMotion, engine: str, finer: float, *, whole: bool
             at = motion.measured.time if len(motion.experiments) == 1 else motion.measured.time + shift
         elif not whole:
             at = e.begin + np.linspace(0.0, e.duration, SPARSE)
-        out.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer, at=at))
+        out.append(simulate(e, engine, step_rate=e.scenario.physics.step_rate * finer, at=at, gather=gather))
     return out
 
 

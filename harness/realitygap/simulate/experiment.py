@@ -28,7 +28,7 @@ from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.rollout import Part, Rollout, rolled, steps_of
 from realitygap.simulate.start import start_state
-from realitygap.trace.sampled import sampled
+from realitygap.trace.sampled import Gather, sampled
 from realitygap.trace.trace import Trace
 
 Read = Callable[..., Recording]
@@ -297,12 +297,17 @@ def _first(trace: Trace | None, signal: str) -> Array | None:
 
 
 def simulate(
-    experiment: Experiment, engine: str, *, step_rate: float | None = None, at: Array | None = None
+    experiment: Experiment,
+    engine: str,
+    *,
+    step_rate: float | None = None,
+    at: Array | None = None,
+    gather: Gather = sampled,
 ) -> Rollout:
     """Simulate one motion in one engine; the trace is on the recording's clock.
 
-    The trace has every step; or, with times [s] `at`, shape (t,), what it says then but for the commands, and no more
-    than `PART` steps are held at once.
+    The trace has every step; or, with times [s] `at`, shape (t,), what `gather` makes of its parts, of `PART` steps
+    each, and of these times: what it says then, but for the commands.
 
     A motion that is followed is not integrated over time: its trace holds the smoothed readings and the effort that
     they take, at the measured stamps. In place of smaller steps, a higher `step_rate` widens the smoother's band.
@@ -316,7 +321,7 @@ def simulate(
         finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
         with as_its_outcome(engine):
             done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
-        return done if at is None else replace(done, trace=done.trace.at(at))
+        return done if at is None else replace(done, trace=gather([done.trace], at))
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)
     integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
@@ -335,7 +340,7 @@ def simulate(
         )
         walls: list[float] = []
         found = (_on_recording(part, experiment, walls) for part in parts)
-        trace = next(found) if at is None else sampled(found, at)
+        trace = next(found) if at is None else gather(found, at)
         return Rollout(trace, steps, sum(walls), simulation.settings)
 
 

@@ -1,5 +1,6 @@
 """Taking the fields out of ROS messages, one topic at a time."""
 
+from array import array
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
@@ -53,7 +54,7 @@ class JointMessages:
         self._given = layout.joints
         self._names = None if layout.names is None else attrgetter(layout.names)
         self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
-        self._rows: dict[str, list[Array]] = {signal: [] for signal in layout.signals}
+        self._rows = {signal: array("d") for signal in layout.signals}  # one long row each: small ones scatter memory
         self._present: list[NDArray[np.bool_]] = []  # (k, n) each, as the rows
         self._orders: dict[tuple[str, ...], tuple[NDArray[np.intp], NDArray[np.bool_]]] = {}
         self._other: set[str] = set()
@@ -84,7 +85,7 @@ class JointMessages:
                 raise Refused(f"holds {held} values, but {len(names)} joints are named: {', '.join(names)}")
             else:
                 raise Refused(f"names {len(names)} joints and holds {held} values of {signal}")
-            self._rows[signal].append(rows)
+            self._rows[signal].frombytes(np.asarray(rows, dtype=float).tobytes())
         self._present.append(np.broadcast_to(present, (count, len(self.joints))))
         return True
 
@@ -115,10 +116,11 @@ class JointMessages:
         What was gathered is given away, signal by signal: a long recording is there once.
         """
         signals = {}
-        for signal, rows in self._rows.items():
-            if any(not np.isnan(part).all() for part in rows):
-                signals[signal] = np.concatenate(rows)
-            rows.clear()
+        for signal, gathered in self._rows.items():
+            rows = np.frombuffer(gathered, dtype=float).reshape(-1, len(self.joints))
+            if not np.isnan(rows).all():
+                signals[signal] = rows
+        self._rows = {signal: array("d") for signal in self._rows}
         named = all(part.all() for part in self._present)
         return signals, None if named else np.concatenate(self._present)
 
