@@ -202,18 +202,6 @@ def test_columns_as_people_name_them(time: str, position: str, command: str, eff
     assert draft.told[0] == "not used: temperature_0, temperature_1"
 
 
-@pytest.mark.parametrize(("effort", "factor"), [("current{n}_mA", "0.001"), ("{j}_current_A", "1.0"), ("mA_{j}", "")])
-def test_a_current_is_taken_in_its_unit(effort: str, factor: str, tmp_path: Path) -> None:
-    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
-    frame = pd.DataFrame({"time": clock})
-    for k, joint in enumerate(joints):
-        frame[f"position_{joint}"] = goal(clock)
-        frame[effort.format(n=k + 1, j=joint)] = np.sin(clock)
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    text = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out").path.read_text()
-    assert (f"factor: {factor}}}" in text) == bool(factor)
-
-
 @pytest.mark.parametrize(
     ("time", "position", "velocity", "factors"),
     [
