@@ -100,8 +100,7 @@ def perform(case: Ambiguous, name: str, motions: Sequence[Motion]) -> Runs:
     out = []
     for k, motion in enumerate(motions):
         told = motion.value
-        value = np.concatenate([motion.segments[0].value[:1], *(s.value for s in motion.segments)])
-        sent = Command(motion.time, value, np.isfinite(told).all(axis=1).astype(float))
+        sent = Command(motion.time, motion.path, np.isfinite(told).all(axis=1).astype(float))
         gain = GAIN if any("servos" in key for key in motion.condition.overrides) else 1.0
         load = LOAD if "robot.urdf" in motion.condition.overrides else 1.0
         out.append(case.perform(f"{name}_{k}", sent, gain, load))

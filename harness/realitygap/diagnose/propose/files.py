@@ -202,8 +202,7 @@ def _commands(motion: Motion, joints: Sequence[str]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["time", *(f"command_{j}" for j in joints), *(f"torque_enabled_{j}" for j in joints)])
     on = np.isfinite(motion.value)
-    value = np.concatenate([motion.segments[0].value[:1], *(s.value for s in motion.segments)])
-    for t, v, good in zip(motion.time.tolist(), value.tolist(), on.tolist(), strict=True):
+    for t, v, good in zip(motion.time.tolist(), motion.path.tolist(), on.tolist(), strict=True):
         writer.writerow([f"{t:.6f}", *(f"{x:.8g}" for x in v), *(int(g) for g in good)])
     return text.getvalue()
 

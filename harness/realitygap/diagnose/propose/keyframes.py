@@ -42,7 +42,7 @@ def corners(time: Array, value: Array, marks: Array) -> list[int]:
 
 def waypoints(motion: Motion, apart: float = 0.0) -> tuple[Array, Array, Array]:
     """Times (k,) [s], positions (k, n) and whether servos are on (k, n) up to there, at least `apart` [s] apart."""
-    value = np.concatenate([motion.segments[0].value[:1], *(s.value for s in motion.segments)])
+    value = motion.path
     every = max(int(np.ceil(apart / motion.period - 1e-6)), 1)
     rows = np.unique([*range(0, len(value) - every, every), len(value) - 1])
     time, value, on = motion.time[rows], value[rows], np.isfinite(motion.value)[rows]

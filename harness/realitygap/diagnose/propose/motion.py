@@ -45,8 +45,12 @@ class Motion:
     @property
     def value(self) -> Array:
         """Commands, NaN where a servo is off; the pose at first. Shape (m, n)."""
-        first = self.segments[0].value[:1]
-        return np.concatenate([first, *(s.commands() for s in self.segments)])
+        return np.concatenate([self.path[:1], *(s.commands() for s in self.segments)])
+
+    @property
+    def path(self) -> Array:
+        """The same as if no servo was off: it begins in the pose in which every segment ends. Shape (m, n)."""
+        return np.concatenate([self.segments[-1].value[-1:], *(s.value for s in self.segments)])
 
     @property
     def time(self) -> Array:
