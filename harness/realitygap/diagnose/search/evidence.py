@@ -31,6 +31,9 @@ SWEEPS = 2
 PASSES = 2
 """How often what no law explains is estimated anew from what the imperfections leave."""
 
+EQUAL = 1.0
+"""Models whose evidence differs by less are equal: the simpler one is named."""
+
 
 @dataclass(frozen=True)
 class Scored:

@@ -17,7 +17,7 @@ from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import Scored, stretches
+from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at
@@ -36,8 +36,6 @@ FAR = 2.0
 """A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
 PLAIN = 3.0
 """What is lost without a finding is worked out in full below this many times what a name needs."""
-EQUAL = 1.0
-"""Models whose evidence differs by less are equal: the simpler one is named. Any other has to be better by `ODDS`."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     Where one is superfluous, that is all that is said. What was far behind `before` is not tried again.
     """
     now, out = round_.now, Exchanged()
-    fewer = pruned(round_, now, keep)
+    fewer = pruned(round_, now, keep, told=True)
     if len(fewer.fit.changes) < len(now.fit.changes):
         round_.say(f"  without {len(now.fit.changes) - len(fewer.fit.changes)}: {fewer.evidence - now.evidence:+.1f}")
         return Exchanged(better=fewer)

@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.fit.responses import Block, single
-from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at, told_change
 
@@ -40,9 +40,10 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
             gain = quick.evidence - round_.now.evidence
             if gain > HOPEFUL * needs or needs <= 0.0:
                 tried.append((quick.evidence - needs, quick.fit, needs))
-    best, most = None, 0.0
+    better: list[tuple[float, Scored]] = []
+    most = 0.0
     for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
-        if best is not None and promise - round_.now.evidence < most:
+        if better and promise - round_.now.evidence < most - EQUAL:
             break
         scored = round_.ground.fit(near.changes, near, "compared")
         if scored is None:
@@ -55,9 +56,11 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if gain - needs > most and (gain > round_.little or needs <= 0.0):
-            best, most = scored, gain - needs
-    return best
+        if gain > needs and (gain > round_.little or needs <= 0.0):
+            better.append((gain - needs, scored))
+            most = max(most, gain - needs)
+    equal = [scored for gain, scored in better if gain > most - EQUAL]
+    return min(equal, key=lambda s: len(s.fit.names), default=None)
 
 
 def _ways(round_: Round) -> list[tuple[list[Change], float]]:

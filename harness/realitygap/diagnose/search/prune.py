@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Suspect
@@ -15,33 +17,50 @@ from realitygap.diagnose.search.round import Round
 
 DOUBTFUL = 2.0
 """A finding is tried without where a straight line says that it gains less than this many times what a name needs."""
+LEVEL = 0.95
+"""A finding whose interval at this level holds what a model without it has is none, whatever its evidence: stretches of
+the recordings scatter more than the likelihood says."""
 
 
-def pruned(round_: Round, found: Scored, keep: Sequence[Suspect]) -> Scored:
-    """A model without the findings that gain less than a name needs, each tried in a quick fit; `keep` stays."""
+@dataclass(frozen=True)
+class Loss:
+    """What a model loses without a finding, by straight lines: evidence, and whether its interval tells it at all."""
+
+    evidence: float
+    told: bool
+
+
+def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
+    """A model without the findings that gain less than a name needs, each tried in a quick fit; `keep` stays.
+
+    With `told`, also without those that their intervals do not tell: of a model that is whole. Before, stretches
+    scatter by what is still missing.
+    """
     needed = set(keep)
     now = found
     while True:
         losses = straight_losses(round_.simulations.problem, now)
-        doubtful = sorted((loss, s) for s, loss in losses.items() if s not in needed)
-        doubtful = [(loss, s) for loss, s in doubtful if loss < DOUBTFUL * round_.limit]
+        doubtful = {s: loss for s, loss in losses.items() if s not in needed}
+        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * round_.limit}
         if not doubtful:
             return now
-        _, least = doubtful[0]
+        least = min(doubtful, key=lambda s: doubtful[s].evidence)
         rest = [c for c in now.fit.changes if c.suspect != least]
         without = round_.adjusted(rest, now.fit)
-        if without is not None and now.evidence - without.evidence < round_.limit:
+        if without is not None and (
+            now.evidence - without.evidence < round_.limit or (told and not doubtful[least].told)
+        ):
             now = without
         else:
             needed.add(least)
 
 
-def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
-    """The evidence that a model loses without each finding, by the straight lines at its fit (Wald 1943).
+def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, Loss]:
+    """What a model loses without each finding, by the straight lines at its fit (Wald 1943).
 
     What is absent only at an infinite value, as a compliance, is left out.
     """
-    fit, out = scored.fit, dict[Suspect, float]()
+    fit, out = scored.fit, dict[Suspect, Loss]()
     for number, change in enumerate(fit.changes):
         zero = neutral(problem.plant, change.suspect)
         own = [k for k, (i, _) in enumerate(fit.names) if i == number]
@@ -53,5 +72,6 @@ def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
         away = np.array([(change.parameters[fit.names[k][1]] - zero[fit.names[k][1]]) / fit.size[k] for k in at])
         information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
         occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
-        out[change.suspect] = 0.5 * float(away @ information @ away) - max(occam, 0.0)
+        far = float(away @ information @ away)
+        out[change.suspect] = Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(LEVEL, len(at))))
     return out
