@@ -29,9 +29,9 @@ SAME = ("gaps.csv", "manifest.json")
 
 @pytest.fixture
 def matrix(tmp_path: Path) -> Path:
-    """A matrix of four cells of about half a second."""
+    """A matrix of four cells of about a second and more, longer than a signal takes to be sent."""
     path = tmp_path / "matrix.yaml"
-    path.write_text(WORDS.format(demo=DEMO) + "axes: {step_rate: [8000, 9000]}\nfloors: false\n")
+    path.write_text(WORDS.format(demo=DEMO) + "axes: {step_rate: [50000, 60000]}\nfloors: false\n")
     return path
 
 

@@ -31,6 +31,16 @@ def angle_between(a: Array, b: Array) -> Array:
     return np.asarray(4.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
 
 
+def rotation_between(a: Array, b: Array) -> Array:
+    """The rotation vector [rad] that turns orientation a into b, in the axes of a. Shapes (t, 4), gives (t, 3)."""
+    v = a[:, :1] * b[:, 1:] - b[:, :1] * a[:, 1:] - np.cross(a[:, 1:], b[:, 1:])
+    w = np.sum(a * b, axis=1, keepdims=True)
+    v, w = np.where(w < 0.0, -v, v), np.abs(w)
+    length = np.linalg.norm(v, axis=1, keepdims=True)
+    tiny = length < 1e-9
+    return np.asarray(v * np.where(tiny, 2.0, 2.0 * np.arctan2(length, w) / np.where(tiny, 1.0, length)))
+
+
 def vertical(quaternion: Array) -> Array:
     """The world's upward direction in the axes of frames with these orientations. Shape (t, 4), gives (t, 3)."""
     conjugate = quaternion * np.array([1.0, -1.0, -1.0, -1.0])

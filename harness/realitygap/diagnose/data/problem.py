@@ -14,6 +14,7 @@ from realitygap.diagnose.data.case import JOINT_SIGNALS, SIGNALS, Case, cases_of
 from realitygap.diagnose.data.changes import Change, changed
 from realitygap.diagnose.data.split import split
 from realitygap.files.errors import InputError
+from realitygap.recording.frames import rotation_between
 from realitygap.robot.drive import Array
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
@@ -69,14 +70,25 @@ class Problem:
         return value[:, self.judged] if signal in JOINT_SIGNALS else value
 
     def delta(self, case: int, signal: str, simulated: Signals) -> Array:
-        """Simulated minus measured, of what is judged; NaN where nothing was measured. Shape (t, k)."""
-        measured, value = self.cases[case].value(signal), simulated[signal]
-        out = value - measured
-        if signal == "base_quaternion":  # q and −q are one orientation
-            flipped = -value - measured
-            nearer = np.sum(out**2, axis=1) > np.sum(flipped**2, axis=1)
-            out = np.where(nearer[:, None], flipped, out)
-        return self.columns(signal, out)
+        """Simulated minus measured, of what is judged; NaN where nothing was measured. Shape (t, k).
+
+        Of orientations the rotation between them [rad], in the axes of the measured one: k is 3.
+        """
+        return self.difference(signal, self.cases[case].value(signal), simulated[signal])
+
+    def difference(self, signal: str, a: Array, b: Array) -> Array:
+        """b minus a, of what is judged, as `delta`. Shapes (t, n) -> (t, k)."""
+        return rotation_between(a, b) if signal == "base_quaternion" else self.columns(signal, b - a)
+
+    def deviation(self, signal: str, sigma: Array) -> Array:
+        """Standard deviations of a `delta` from those of its signal. Shape (t, n) -> (t, k).
+
+        Quaternions that differ by a small rotation are half of it apart; it is as uncertain about one axis as another.
+        """
+        if signal != "base_quaternion":
+            return self.columns(signal, sigma)
+        each = 2.0 * np.sqrt(np.sum(sigma**2, axis=1) / 3.0)
+        return np.repeat(each[:, None], 3, axis=1)
 
 
 def build_problem(file: ScenarioFile, engine: str) -> Problem:

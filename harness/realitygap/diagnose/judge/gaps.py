@@ -31,7 +31,7 @@ def cost(problem: Problem, floors: Floors, case: int, simulated: Signals | None)
         return WORST**2
     parts = []
     for s in problem.signals(case):
-        sigma = problem.columns(s, floors.sigma(case, s))
+        sigma = problem.deviation(s, floors.sigma(case, s))
         parts.append(((problem.delta(case, s, simulated) / sigma) ** 2).ravel())
     return float(np.nanmean(np.minimum(np.concatenate(parts), WORST**2)))
 

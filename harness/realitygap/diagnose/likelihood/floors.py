@@ -105,7 +105,10 @@ def _coarse(
 
 
 def _apart(problem: Problem, floors: Floors, case: int, a: Signals, b: Signals) -> float:
-    squares = [problem.columns(s, ((a[s] - b[s]) / floors.sigma(case, s)) ** 2).ravel() for s in problem.signals(case)]
+    squares = [
+        (problem.difference(s, a[s], b[s]) / problem.deviation(s, floors.sigma(case, s))).ravel() ** 2
+        for s in problem.signals(case)
+    ]
     return float(np.sqrt(np.mean(np.concatenate(squares))))
 
 

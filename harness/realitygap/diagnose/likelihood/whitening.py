@@ -16,7 +16,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import Array
@@ -59,9 +58,8 @@ def channels(problem: Problem, floors: Floors, cases: Sequence[int]) -> list[Cha
     for c in cases:
         case = problem.cases[c]
         for signal in problem.signals(c):
-            noise = floors.noise[c][signal]
-            noise = noise[problem.judged] if signal in JOINT_SIGNALS else noise
-            slow = problem.columns(signal, floors.slow[c][signal])
+            noise = problem.deviation(signal, floors.noise[c][signal][None, :])[0]
+            slow = problem.deviation(signal, floors.slow[c][signal])
             for k in range(slow.shape[1]):
                 out.append(Channel(c, signal, k, case.measured.time, float(noise[k]), slow[:, k]))
     return out
