@@ -241,7 +241,7 @@ def ode_loop(simulation: Any, tape: Tape) -> None:
         if floating:
             robot.read_base(b1)
         if loaded:
-            d1[:] = robot.braking(friction)
+            d1[:] = robot.braking(friction.tolist())
 
 
 def stepped_loop(simulation: Any, tape: Tape) -> None:

@@ -60,8 +60,7 @@ class OdeSimulation(Simulation):
         self._contacts = None if physics.ground is None else ContactPoints(world, model, self._robot.links, physics)
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
         self._armature = model.armature
-        self._damping, self._friction = np.full(n, -1.0), np.full(n, -1.0)  # none of them is set yet
-        self._damped = self._braked = b"unset"
+        self._damping, self._friction = [-1.0] * n, [-1.0] * n  # none of them is set yet
         self._rotors: list[tuple[OdeJoint, float, int]] = []
         self.settings = {
             "step function": "dWorldStep" if physics.solver_iterations is None else "dWorldQuickStep",
@@ -104,10 +103,11 @@ class OdeSimulation(Simulation):
         efforts = effort.tolist()
         if not isfinite(sum(efforts)):  # ODE would end the process
             raise self._diverged(effort, "effort is not finite")
-        if damping.tobytes() != self._damped:
-            self._set_rotors(damping)
-        if friction.tobytes() != self._braked:
-            self._set_brakes(friction)
+        damped, braked = damping.tolist(), friction.tolist()
+        if damped != self._damping:
+            self._set_rotors(damped)
+        if braked != self._friction:
+            self._set_brakes(braked)
         for joint, given in zip(self._robot.joints, efforts, strict=True):
             joint.push(joint.joint, given)
         for joint, share, speed in self._rotors:
@@ -121,11 +121,11 @@ class OdeSimulation(Simulation):
             self._contacts.clear()
         self._fetch()
 
-    def _set_rotors(self, damping: Array) -> None:
+    def _set_rotors(self, damping: list[float]) -> None:
         h = self._h
         self._rotors = []
         for i, (joint, a, d, before) in enumerate(
-            zip(self._robot.joints, self._armature.tolist(), damping.tolist(), self._damping.tolist(), strict=True)
+            zip(self._robot.joints, self._armature.tolist(), damping, self._damping, strict=True)
         ):
             mass = a + h * d
             if d != before:
@@ -135,21 +135,19 @@ class OdeSimulation(Simulation):
                     joint.set_motor(joint.rotor, CFM, h / mass)
             if a > 0:
                 self._rotors.append((joint, a / mass, i))
-        self._damping[:], self._damped = damping, damping.tobytes()
+        self._damping = damping
 
-    def _set_brakes(self, friction: Array) -> None:
-        for joint, bound, before in zip(self._robot.joints, friction.tolist(), self._friction.tolist(), strict=True):
+    def _set_brakes(self, friction: list[float]) -> None:
+        for joint, bound, before in zip(self._robot.joints, friction, self._friction, strict=True):
             if bound != before:
                 joint.set_motor(joint.brake, FMAX, bound)
-        self._friction[:], self._braked = friction, friction.tobytes()
+        self._friction = friction
 
     def _fetch(self) -> None:
-        self._robot.read_joints(self._position, self._velocity)
+        fastest = self._robot.read_joints(self._position, self._velocity)
         if self._floating:
             self._robot.read_base(self._base)
-            fastest = hypot(*self._velocity.tolist(), *self._base[7:].tolist())
-        else:
-            fastest = hypot(*self._velocity.tolist())
+            fastest = hypot(fastest, *self._base[7:].tolist())
         if not fastest < RUNAWAY:
             raise self._diverged(self._velocity, "velocity runs away")
 

@@ -5,7 +5,7 @@ hinge or slider from parent to child, made at q = 0, with two motors along its a
 """
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, tau
 
@@ -120,14 +120,21 @@ class OdeRobot:
             ode.dBodySetForce(link.body, 0.0, 0.0, 0.0)
             ode.dBodySetTorque(link.body, 0.0, 0.0, 0.0)
 
-    def read_joints(self, position: Array, velocity: Array) -> None:
-        """Write the joints' positions and velocities; positions within half a turn of those that are there."""
+    def read_joints(self, position: Array, velocity: Array) -> float:
+        """Write the joints' positions and velocities; positions within half a turn of those that are there.
+
+        Returns the largest speed, infinite where one is not a number.
+        """
+        fastest = 0.0
         for i, (joint, before) in enumerate(zip(self.joints, position.tolist(), strict=True)):
             found = joint.position(joint.joint)
             if not self._model.joints[i].prismatic:
                 found += tau * round((before - found) / tau) if isfinite(before - found) else 0.0
             position[i] = found
-            velocity[i] = joint.rate(joint.joint) if joint.rate is not None else self._sliding(i)
+            velocity[i] = rate = joint.rate(joint.joint) if joint.rate is not None else self._sliding(i)
+            if not -fastest <= rate <= fastest:
+                fastest = abs(rate) if rate == rate else inf
+        return fastest
 
     def _sliding(self, i: int) -> float:
         """The velocity of a slider [m/s]: of the child against the point of the parent that it passes."""
@@ -147,10 +154,12 @@ class OdeRobot:
         base[7:10] -= (b * z - c * y, c * x - a * z, a * y - b * x)
         base[10:] = a, b, c
 
-    def braking(self, bound: Array) -> Array:
-        """What the brakes did in the last step [N·m or N]; `bound` is their friction. Shape (n,)."""
+    def braking(self, bounds: Sequence[float]) -> Array:
+        """What the brakes did in the last step [N·m or N], of those with a bound. Shape (n,)."""
         out = np.zeros(len(self.joints))
-        for i in np.flatnonzero(bound):
+        for i, bound in enumerate(bounds):
+            if bound == 0.0:
+                continue
             made, joint = self.joints[i], self._model.joints[i]
             axis = real_array(0, 0, 0, 0)
             (ode.dJointGetSliderAxis if joint.prismatic else ode.dJointGetHingeAxis)(made.joint, axis)
@@ -238,18 +247,12 @@ def _hinge(world: int, child: int, parent: int, axis: Array, anchor: Array) -> O
     ode.dJointAttach(joint, child, parent)
     ode.dJointSetHingeAnchor(joint, *anchor)
     ode.dJointSetHingeAxis(joint, *axis)
-    motors = []
-    for _ in range(2):
-        motor = ode.dJointCreateAMotor(world, None)
-        ode.dJointAttach(motor, child, parent)
-        ode.dJointSetAMotorNumAxes(motor, 1)
-        ode.dJointSetAMotorAxis(motor, 0, 1, *axis)
-        motors.append(motor)
+    rotor, brake = (_motor("AMotor", world, child, parent, axis) for _ in range(2))
     return OdeJoint(
         joint,
-        motors[0],
-        motors[1],
-        _feedback(motors[1]),
+        rotor,
+        brake,
+        _feedback(brake),
         ode.dJointGetHingeAngle,
         ode.dJointGetHingeAngleRate,
         ode.dJointAddHingeTorque,
@@ -261,23 +264,26 @@ def _slider(world: int, child: int, parent: int, axis: Array, _: Array) -> OdeJo
     joint = ode.dJointCreateSlider(world, None)
     ode.dJointAttach(joint, child, parent)
     ode.dJointSetSliderAxis(joint, *axis)
-    motors = []
-    for _number in range(2):
-        motor = ode.dJointCreateLMotor(world, None)
-        ode.dJointAttach(motor, child, parent)
-        ode.dJointSetLMotorNumAxes(motor, 1)
-        ode.dJointSetLMotorAxis(motor, 0, 1, *axis)
-        motors.append(motor)
+    rotor, brake = (_motor("LMotor", world, child, parent, axis) for _ in range(2))
     return OdeJoint(
         joint,
-        motors[0],
-        motors[1],
-        _feedback(motors[1]),
+        rotor,
+        brake,
+        _feedback(brake),
         ode.dJointGetSliderPosition,
         None,
         ode.dJointAddSliderForce,
         ode.dJointSetLMotorParam,
     )
+
+
+def _motor(kind: str, world: int, child: int, parent: int, axis: Array) -> int:
+    """An angular or linear motor about or along an axis that the parent carries; `kind` is AMotor or LMotor."""
+    motor: int = getattr(ode, f"dJointCreate{kind}")(world, None)
+    ode.dJointAttach(motor, child, parent)
+    getattr(ode, f"dJointSet{kind}NumAxes")(motor, 1)
+    getattr(ode, f"dJointSet{kind}Axis")(motor, 0, 1, *axis)
+    return motor
 
 
 def _feedback(motor: int) -> Feedback:
