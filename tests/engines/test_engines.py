@@ -1,5 +1,6 @@
 """Laws that hold in every engine: the same machine, the same contact, the same result every time."""
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import realitygap_engines as engines
+import trees
 from realitygap_engines import Ground, Physics, Simulation, State
 from realitygap_engines.model.robot import (
     Array,
@@ -16,9 +18,7 @@ from realitygap_engines.model.robot import (
     Link,
     Model,
     Sphere,
-    axis_rotation,
     rotation_from_quaternion,
-    rotation_from_rpy,
 )
 
 NAMES = engines.available()
@@ -34,21 +34,7 @@ def every(*names: str) -> pytest.MarkDecorator:
 
 
 def tree(floating: bool, seed: int = 3) -> Model:
-    """A branching robot with skewed axes, offset centres of mass and one prismatic joint."""
-    rng = np.random.default_rng(seed)
-    links, joints = [], []
-    for i in range(7):
-        axes = axis_rotation(np.array([0.6, 0.0, 0.8]), rng.uniform(-2, 2))
-        a, b, c = rng.uniform(1e-3, 3e-3, 3)
-        inertia = axes @ np.diag([b + c, a + c, a + b]) @ axes.T
-        links.append(Link(f"link{i}", rng.uniform(0.2, 1.5), rng.uniform(-0.1, 0.1, 3), (inertia + inertia.T) / 2))
-    for i, parent in enumerate([0, 1, 2, 0, 4, 4]):
-        origin = np.eye(4)
-        origin[:3, :3] = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        origin[:3, 3] = rng.uniform(-0.2, 0.2, 3)
-        axis = rng.normal(size=3)
-        joints.append(Joint(f"joint{i}", i == 3, parent, origin, axis / np.linalg.norm(axis)))
-    return Model("tree", tuple(links), tuple(joints), floating)
+    return trees.tree([0, 1, 2, 0, 4, 4], floating, seed=seed)
 
 
 def feet(model: Model) -> Model:
@@ -257,7 +243,10 @@ def test_reset_rerun_and_a_new_process_are_bit_identical(name: str, tmp_path: Pa
         "laws = importlib.util.module_from_spec(spec); spec.loader.exec_module(laws)\n"
         f"numpy.save({str(tmp_path / 'trace.npy')!r}, laws.swing({name!r}))\n"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, cwd=Path(__file__).parents[2])
+    known = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, cwd=Path(__file__).parents[2], env=known
+    )
     np.testing.assert_array_equal(first, np.load(tmp_path / "trace.npy"))
 
 

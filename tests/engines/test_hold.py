@@ -5,26 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import realitygap_engines as engines
+import trees
 from realitygap_engines import Physics, State
 from realitygap_engines.model.hold import hold, own_body
-from realitygap_engines.model.robot import Joint, Link, Model, Sphere, link_poses, rotation_from_rpy
+from realitygap_engines.model.robot import Model, Sphere, link_poses
 
 
 def tree(floating: bool) -> Model:
-    rng = np.random.default_rng(7)
-    links, joints = [], []
-    for i in range(6):
-        turn = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        inertia = turn @ np.diag([2e-3, 3e-3, 4e-3]) @ turn.T
-        ball = (Sphere(rng.uniform(-0.1, 0.1, 3), 0.02),)
-        links.append(Link(f"link{i}", rng.uniform(0.2, 1.5), rng.uniform(-0.1, 0.1, 3), inertia, ball, (f"link{i}",)))
-    for i, parent in enumerate([0, 1, 2, 2, 4]):
-        origin = np.eye(4)
-        origin[:3, :3] = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        origin[:3, 3] = rng.uniform(-0.2, 0.2, 3)
-        axis = rng.normal(size=3)
-        joints.append(Joint(f"joint{i}", i == 3, parent, origin, axis / np.linalg.norm(axis)))
-    return Model("tree", tuple(links), tuple(joints), floating)
+    """With a ball on every link, and the bodies' names."""
+    model, rng = trees.tree([0, 1, 2, 2, 4], floating, seed=7), np.random.default_rng(7)
+    balls = [(Sphere(rng.uniform(-0.1, 0.1, 3), 0.02),) for _ in model.links]
+    links = (replace(x, spheres=b, merged=(x.name,)) for x, b in zip(model.links, balls, strict=True))
+    return replace(model, links=tuple(links))
 
 
 @pytest.mark.parametrize("name", engines.available())

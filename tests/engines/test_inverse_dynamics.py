@@ -5,29 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import realitygap_engines as engines
+import trees
 from realitygap_engines import GRAVITY, Physics, Simulation, State, Unsupported
-from realitygap_engines.model.robot import Array, Joint, Link, Model, rotation_from_rpy
+from realitygap_engines.model.robot import Array, Joint, Link, Model
 
 NAMES = engines.available()
 every = pytest.mark.parametrize("name", NAMES)
 
 
 def tree(floating: bool = False) -> Model:
-    """A branching robot with skewed axes, offset centres of mass, one prismatic joint and no symmetry anywhere."""
-    rng = np.random.default_rng(4)
-    links, joints = [], []
-    for i in range(6):
-        turn = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        a, b, c = rng.uniform(1e-3, 3e-3, 3)
-        inertia = turn @ np.diag([b + c, a + c, a + b]) @ turn.T
-        links.append(Link(f"link{i}", rng.uniform(0.2, 1.5), rng.uniform(-0.1, 0.1, 3), (inertia + inertia.T) / 2))
-    for i, parent in enumerate([0, 1, 2, 0, 4]):
-        origin = np.eye(4)
-        origin[:3, :3] = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        origin[:3, 3] = rng.uniform(-0.2, 0.2, 3)
-        axis = rng.normal(size=3)
-        joints.append(Joint(f"joint{i}", i == 3, parent, origin, axis / np.linalg.norm(axis), lower=-0.1, upper=0.1))
-    return Model("tree", tuple(links), tuple(joints), floating)
+    """With stops near zero."""
+    model = trees.tree([0, 1, 2, 0, 4], floating, seed=4)
+    return replace(model, joints=tuple(replace(j, lower=-0.1, upper=0.1) for j in model.joints))
 
 
 def motion(seed: int = 0, samples: int = 20) -> tuple[Array, Array, Array]:

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import realitygap_engines as engines
+import trees
 from realitygap_engines import Ground, Physics, State
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.law.joints import JointLaw
@@ -17,7 +18,6 @@ from realitygap_engines.model.robot import (
     Model,
     Sphere,
     rotation_from_quaternion,
-    rotation_from_rpy,
 )
 from realitygap_engines.model.urdf import write_urdf
 
@@ -27,21 +27,8 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def tree(floating: bool) -> Model:
-    """Two branches with skewed axes, offset centres of mass and a prismatic joint; light links at the ends."""
-    rng = np.random.default_rng(5)
-    links, joints = [], []
-    for i in range(6):
-        a, b, c = rng.uniform(1e-4, 1e-3, 3)
-        turn = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        inertia = turn @ np.diag([b + c, a + c, a + b]) @ turn.T
-        links.append(Link(f"link{i}", rng.uniform(0.1, 1.0), rng.uniform(-0.1, 0.1, 3), (inertia + inertia.T) / 2))
-    for i, parent in enumerate([0, 1, 0, 3, 4]):
-        origin = np.eye(4)
-        origin[:3, :3] = rotation_from_rpy(*rng.uniform(-1, 1, 3))
-        origin[:3, 3] = rng.uniform(-0.2, 0.2, 3)
-        axis = rng.normal(size=3)
-        joints.append(Joint(f"joint{i}", i == 3, parent, origin, axis / np.linalg.norm(axis), armature=0.01 * i))
-    return Model("tree", tuple(links), tuple(joints), floating)
+    """Two branches with light links, and rotors that differ."""
+    return trees.tree([0, 1, 0, 3, 4], floating, seed=5, moments=(1e-4, 1e-3)).with_armature(np.linspace(0, 0.04, 5))
 
 
 def lever(**joint: Any) -> Model:

@@ -6,25 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bags import FILE, STATE, scenario
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.recording.readers import alike
-from realitygap.scenario.schema import Scenario
 
-STATE = "sensor_msgs/msg/JointState"
-FILE = Path("scenario.yaml")
 Message = tuple[str, float, str, dict[str, Any]]
-
-
-def scenario() -> Scenario:
-    return Scenario.model_validate(
-        {
-            "name": "test",
-            "robot": {"urdf": "robot.urdf", "base": "fixed"},
-            "motion": {"recorded": "/joint_commands"},
-            "recordings": {"state": "/joint_states"},
-        }
-    )
 
 
 def messages(changing: bool) -> list[Message]:

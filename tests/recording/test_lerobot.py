@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import bags
 import numpy as np
 import pandas as pd
 import pytest
+from bags import FILE
 from lerobot_sets import COUNT, JOINTS, LAYOUTS, PERIOD, TASKS, data_set, motion, table, write
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
@@ -18,18 +20,9 @@ from realitygap.scenario.schema import Scenario
 from realitygap.trace.trace import Trace
 from signals import Signals, there
 
-FILE = Path("scenario.yaml")
-
 
 def scenario(episode: int | str | None = 0, command: str | None = "action", **recordings: Any) -> Scenario:
-    return Scenario.model_validate(
-        {
-            "name": "test",
-            "robot": {"urdf": "robot.urdf", "base": "fixed"},
-            "motion": {"recorded": command} if command else None,
-            "recordings": {"episode": episode, **recordings},
-        }
-    )
+    return bags.scenario(None, command, episode=episode, **recordings)
 
 
 def read(path: Path, asked: Scenario, joints: Sequence[str] = JOINTS, file: Path = FILE) -> Recording:

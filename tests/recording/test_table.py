@@ -3,31 +3,25 @@
 from pathlib import Path
 from typing import Any
 
+import bags
 import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pytest
+from bags import FILE
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.recording.frames import rotate
 from realitygap.scenario.schema import Scenario
 from signals import Signals, there
 
-FILE = Path("scenario.yaml")
 TIME = np.arange(50) * 0.01
 
 
 def scenario(
     command: str | None = "command", base: str = "fixed", meaning: str = "position", **recordings: Any
 ) -> Scenario:
-    return Scenario.model_validate(
-        {
-            "name": "test",
-            "robot": {"urdf": "robot.urdf", "base": base},
-            "motion": {"recorded": command, "as": meaning} if command else None,
-            "recordings": recordings,
-        }
-    )
+    return bags.scenario(None, command, base, meaning, **recordings)
 
 
 def one_joint(**more: Any) -> pd.DataFrame:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap_engines.model.inertia import Body, together
+from realitygap_engines.model.inertia import Inertial, together
 from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere, axis_rotation
 
 
@@ -38,7 +38,7 @@ def hold(model: Model, angles: Mapping[int, float]) -> Model:
     return replace(model, links=tuple(links), joints=tuple(joints), actuators=actuators)
 
 
-def own_body(link: Link) -> Body:
+def own_body(link: Link) -> Inertial:
     """A link without what it holds: mass, centre of mass and inertia about it."""
     taken = [(-mass, com, -inertia) for mass, com, inertia in link.held]
     return together([(link.mass, link.com, link.inertia), *taken])

@@ -16,7 +16,7 @@ SPARE = 1e-9
 """What mended moments have to spare, of the largest, so that no engine's own check finds rounding."""
 LEAST = 1e-12
 """Smallest moment, of the largest, that is not just rounding of 0."""
-Body = tuple[float, Array, Array]
+Inertial = tuple[float, Array, Array]
 """Mass [kg], centre of mass (3,) [m], and inertia (3, 3) [kg·m²] about it."""
 HEAVIEST, FARTHEST, LARGEST_MOMENT = 1e8, 1e4, 1e12
 """[kg], [m] and [kg·m²] beyond which a number is no machine's: the heaviest vehicles weigh 1.4e7 kg."""
@@ -25,7 +25,7 @@ LEAST_MOMENT = 1e-15
 
 
 @dataclass(frozen=True)
-class Part:
+class FixedBody:
     """A body that is fixed to a link: `com` (3,) [m] in the link's frame, `inertia` (3, 3) [kg·m²] about it, its axes.
 
     `mass` [kg] is None where the file gives none.
@@ -37,7 +37,7 @@ class Part:
     inertia: Array
 
 
-def lump(path: Path, parts: list[Part], *, moves: bool) -> tuple[Link, list[str]]:
+def lump(path: Path, parts: list[FixedBody], *, moves: bool) -> tuple[Link, list[str]]:
     """One link from a body and all that is fixed to it (parallel-axis theorem), and sentences on what was mended.
 
     The link has the first part's name. A link that does not move may have no mass, and gets a stand-in then.
@@ -60,7 +60,7 @@ def lump(path: Path, parts: list[Part], *, moves: bool) -> tuple[Link, list[str]
     return Link(names[0], mass, com, inertia, (), names), notes
 
 
-def together(bodies: Sequence[Body]) -> Body:
+def together(bodies: Sequence[Inertial]) -> Inertial:
     """The body that several are when they are fixed together (parallel-axis theorem); one of negative mass and inertia
     is taken away. Their masses must not cancel.
     """
@@ -73,7 +73,7 @@ def together(bodies: Sequence[Body]) -> Body:
     return mass, com, inertia
 
 
-def _check(path: Path, part: Part) -> None:
+def _check(path: Path, part: FixedBody) -> None:
     for what, unit, found, most in (
         ("mass", "kg", part.mass, HEAVIEST),
         ("centre of mass", "m", part.com, FARTHEST),

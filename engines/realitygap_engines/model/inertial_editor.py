@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from defusedxml.ElementTree import DefusedXMLParser
 
-from realitygap_engines.model.inertia import Body
+from realitygap_engines.model.inertia import Inertial
 
 ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 
@@ -43,7 +43,7 @@ def urdf_text(text: str) -> UrdfText:
     return UrdfText(text[:start], " />" in text or "/>" not in text, root)
 
 
-def with_inertials(urdf: UrdfText, bodies: Mapping[str, Body | None], *, digits: int | None = None) -> UrdfText:
+def with_inertials(urdf: UrdfText, bodies: Mapping[str, Inertial | None], *, digits: int | None = None) -> UrdfText:
     """The same with the inertials of these links: mass, centre of mass and inertia about it in the link's axes.
 
     Args:
@@ -64,7 +64,7 @@ def with_inertials(urdf: UrdfText, bodies: Mapping[str, Body | None], *, digits:
     return replace(urdf, root=root)
 
 
-def _write(link: ET.Element, inertial: ET.Element | None, body: Body, digits: int | None) -> None:
+def _write(link: ET.Element, inertial: ET.Element | None, body: Inertial, digits: int | None) -> None:
     mass, com, inertia = body
 
     def number(value: float) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from realitygap_engines.errors import ModelError
-from realitygap_engines.model.inertia import Part, lump
+from realitygap_engines.model.inertia import FixedBody, lump
 from realitygap_engines.model.mimics import resolved
 from realitygap_engines.model.mjcf_actuators import read_actuators, reflected
 from realitygap_engines.model.mjcf_file import compile_mjcf
@@ -126,7 +126,7 @@ class _Tree:
 
     def __init__(self, path: Path, m: Any, roots: list[int], floating: bool) -> None:
         self.path, self.m = path, m
-        self.parts: list[list[Part]] = [[]]
+        self.parts: list[list[FixedBody]] = [[]]
         self.shapes: list[Shapes] = [[]]
         self.joints: list[Joint] = []
         self.numbers: list[int] = []
@@ -156,7 +156,7 @@ class _Tree:
             else:
                 self._join(b, here, kinds)
         if not self.parts[0]:  # every root moves: nothing stands in the world
-            self.parts[0] = [Part("world", None, np.zeros(3), np.zeros((3, 3)))]
+            self.parts[0] = [FixedBody("world", None, np.zeros(3), np.zeros((3, 3)))]
 
     def _fix(self, b: int, place: _Place) -> None:
         m = self.m
@@ -164,7 +164,7 @@ class _Tree:
         middle = place.pose @ _pose(m.body_ipos[b], m.body_iquat[b])
         turn = middle[:3, :3]
         tensor = turn @ np.diag(m.body_inertia[b]) @ turn.T
-        self.parts[place.link].append(Part(_name(m, b), float(m.body_mass[b]), middle[:3, 3], tensor))
+        self.parts[place.link].append(FixedBody(_name(m, b), float(m.body_mass[b]), middle[:3, 3], tensor))
         for g in range(int(m.body_geomadr[b]), int(m.body_geomadr[b]) + int(m.body_geomnum[b])):
             if m.geom_contype[g] or m.geom_conaffinity[g]:
                 self.shapes[place.link].append((g, place.pose @ _pose(m.geom_pos[g], m.geom_quat[g])))

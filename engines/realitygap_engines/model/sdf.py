@@ -16,7 +16,7 @@ import defusedxml.ElementTree
 import numpy as np
 
 from realitygap_engines.errors import ModelError
-from realitygap_engines.model.inertia import Part, lump
+from realitygap_engines.model.inertia import FixedBody, lump
 from realitygap_engines.model.mimics import resolved
 from realitygap_engines.model.robot import Array, Joint, Link, Mimic, Model
 from realitygap_engines.model.sdf_shapes import spheres_of
@@ -205,12 +205,12 @@ def link_frames(path: Path, packages: Mapping[str, Path] | None = None) -> dict[
     return {joint.child_body().name(): _pose(joint.frame_on_child()) for joint in moving}
 
 
-def _part(body: Any, pose: Array) -> Part:
+def _part(body: Any, pose: Array) -> FixedBody:
     """A body in the frame of the link that carries it."""
     if body.name() == "world":
-        return Part("world", None, np.zeros(3), np.zeros((3, 3)))
+        return FixedBody("world", None, np.zeros(3), np.zeros((3, 3)))
     inertial = body.default_spatial_inertia()
     mass, com, turn = float(inertial.get_mass()), np.array(inertial.get_com()), pose[:3, :3]
     about_origin = np.array(inertial.CalcRotationalInertia().CopyToFullMatrix3())
     about_com = about_origin - mass * (com @ com * np.eye(3) - np.outer(com, com))
-    return Part(body.name(), mass, turn @ com + pose[:3, 3], turn @ about_com @ turn.T)
+    return FixedBody(body.name(), mass, turn @ com + pose[:3, 3], turn @ about_com @ turn.T)

@@ -10,7 +10,7 @@ import yourdfpy
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import contact_spheres
-from realitygap_engines.model.inertia import Part, lump
+from realitygap_engines.model.inertia import FixedBody, lump
 from realitygap_engines.model.mimics import resolved
 from realitygap_engines.model.robot import (
     Array,
@@ -124,15 +124,15 @@ def _carried(
     return parts, branches
 
 
-def _part(part: yourdfpy.Link, pose: Array) -> Part:
+def _part(part: yourdfpy.Link, pose: Array) -> FixedBody:
     """A URDF link's inertial in the frame of the link that carries it."""
     inertial = part.inertial
     if inertial is None or inertial.mass is None:
-        return Part(part.name, None, np.zeros(3), np.zeros((3, 3)))
+        return FixedBody(part.name, None, np.zeros(3), np.zeros((3, 3)))
     origin = pose @ _pose(inertial.origin)
     tensor = np.zeros((3, 3)) if inertial.inertia is None else np.asarray(inertial.inertia, dtype=float)
     turned = origin[:3, :3] @ tensor @ origin[:3, :3].T
-    return Part(part.name, float(inertial.mass), origin[:3, 3], turned)
+    return FixedBody(part.name, float(inertial.mass), origin[:3, 3], turned)
 
 
 def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joint:

@@ -11,7 +11,7 @@ from realitygap.audit.check import Check
 from realitygap.audit.dynamics import checks_of
 from realitygap.audit.machines import tree
 from realitygap.audit.oracle import pinocchio
-from realitygap.audit.robot import Robot, load_robot
+from realitygap.audit.robot import AuditedRobot, load_robot
 from realitygap.files.progress import Progress
 from realitygap.scenario.engine_names import engine_names
 
@@ -37,7 +37,7 @@ def audit(path: Path | None, names: list[str], out: Path | None = None, *, quiet
     return certificate
 
 
-def certify(audited: list[Engine], robot: Robot | None = None, progress: Progress | None = None) -> Certificate:
+def certify(audited: list[Engine], robot: AuditedRobot | None = None, progress: Progress | None = None) -> Certificate:
     """The certificate of these engines."""
     rows: list[Row] = []
     found = groups(robot)
@@ -57,7 +57,7 @@ def certify(audited: list[Engine], robot: Robot | None = None, progress: Progres
     return Certificate(tuple(rows), {**versions, "pinocchio": pinocchio().__version__}, robot.facts if robot else {})
 
 
-def groups(robot: Robot | None = None) -> dict[str, tuple[Check, ...]]:
+def groups(robot: AuditedRobot | None = None) -> dict[str, tuple[Check, ...]]:
     """All checks of one engine, by what they are about."""
     found = {
         "machine": (*checks_of(tree(), "tree"), *checks_of(tree(False), "arm")),

@@ -22,7 +22,7 @@ TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class Robot:
+class AuditedRobot:
     """A robot to audit.
 
     Attributes:
@@ -75,7 +75,7 @@ def _row(name: str, error: float, judge: str) -> Row:
     return Row(name, "model", float(error), TOLERANCE, "1", verdict, f"against {judge}")
 
 
-def load_robot(path: Path) -> Robot:
+def load_robot(path: Path) -> AuditedRobot:
     """The robot of a scenario, or of a URDF or MJCF alone: its base then floats, unless it has no mass.
 
     Raises:
@@ -89,12 +89,12 @@ def load_robot(path: Path) -> Robot:
         except InputError as error:
             raise InputError(f"{path}: {error}") from None
         urdf = file.resolve(file.scenario.robot.urdf, "robot.urdf")
-        return Robot(urdf, plant.model, _unlimited(machine), file.scenario.timestep)
+        return AuditedRobot(urdf, plant.model, _unlimited(machine), file.scenario.timestep)
     try:
         model = read_model(path, floating=True)
     except ModelError:
         model = read_model(path, floating=False)
-    return Robot(path, model, _unlimited(model))
+    return AuditedRobot(path, model, _unlimited(model))
 
 
 def _unlimited(model: Model) -> Model:

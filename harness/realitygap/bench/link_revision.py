@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from realitygap_engines.model.inertia import Body
+from realitygap_engines.model.inertia import Inertial
 from realitygap_engines.model.inertial_editor import with_inertials
 from realitygap_engines.model.robot import rotation_from_rpy
 
@@ -96,5 +96,5 @@ def revised(link: UrdfLink, measured: Measured) -> tuple[UrdfLink, str]:
 
 def revised_text(urdf: UrdfFile, links: dict[str, UrdfLink]) -> str:
     """The text of the URDF with these links' inertials, which were measured to six digits at most."""
-    bodies: dict[str, Body | None] = {name: (k.mass, k.com, k.inertia) for name, k in links.items()}
+    bodies: dict[str, Inertial | None] = {name: (k.mass, k.com, k.inertia) for name, k in links.items()}
     return with_inertials(urdf.text, bodies, digits=6).written()

@@ -25,7 +25,7 @@ from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.section import Patterns, Section
 
 
-class Units(Section):
+class ServoUnits(Section):
     """Units of the table columns of these names."""
 
     torque: TorqueUnit
@@ -146,7 +146,7 @@ class ArmRecordings(Section):
 class ServoBench(Section):
     """A servo bench."""
 
-    units: Units | None = Field(default=None, description="units of the columns torque, speed, supply and load")
+    units: ServoUnits | None = Field(default=None, description="units of the columns torque, speed, supply and load")
     torque_speed: str | Sweep | None = Field(
         default=None,
         description="a table with the columns type, motor, supply, load, torque, speed and perhaps condition; or bags",

@@ -11,7 +11,7 @@ from pydantic_core import ErrorDetails
 from realitygap.files.errors import InputError, did_you_mean
 
 Checked = TypeVar("Checked", bound=BaseModel)
-Part = int | str
+Key = int | str
 WORDS = {
     "a valid dictionary or object to extract fields from": "a mapping",
     "a valid dictionary": "a mapping",
@@ -69,7 +69,7 @@ def _short(value: object) -> str:
     return text if len(text) < 80 else text[:77] + "..."
 
 
-def _key(raw: Any, loc: Sequence[Part]) -> str:
+def _key(raw: Any, loc: Sequence[Key]) -> str:
     """The key as a person wrote it: parts of a location that are not in the data name a choice of the schema."""
     out = ""
     for i, part in enumerate(loc):
@@ -82,7 +82,7 @@ def _key(raw: Any, loc: Sequence[Part]) -> str:
     return out
 
 
-def _sections_at(model: type[BaseModel], loc: Sequence[Part]) -> list[type[BaseModel]]:
+def _sections_at(model: type[BaseModel], loc: Sequence[Key]) -> list[type[BaseModel]]:
     """The sections of the schema that may stand at a location."""
     sections = [model]
     for part in loc:
@@ -97,7 +97,7 @@ def _sections_at(model: type[BaseModel], loc: Sequence[Part]) -> list[type[BaseM
     return sections
 
 
-def _meaning(model: type[BaseModel], loc: Sequence[Part]) -> str | None:
+def _meaning(model: type[BaseModel], loc: Sequence[Key]) -> str | None:
     names = [part for part in loc if isinstance(part, str)]
     for i in range(len(names), 0, -1):  # the last names may be choices of a union
         field = _fields(_sections_at(model, names[: i - 1])).get(names[i - 1])

@@ -17,7 +17,7 @@ RIDGE = 1e-6
 
 
 @dataclass(frozen=True)
-class Samples:
+class EffortSamples:
     """Samples of a missing effort on one joint.
 
     Attributes:
@@ -60,7 +60,9 @@ class Fitted:
         return float(self.left.mean())
 
 
-def fit(samples: Samples, splines: Sequence[Spline], penalties: Sequence[Sequence[float]] | None = None) -> Fitted:
+def fit(
+    samples: EffortSamples, splines: Sequence[Spline], penalties: Sequence[Sequence[float]] | None = None
+) -> Fitted:
     """A sum of splines with the penalties that leave least on the parts that were not fitted.
 
     Args:
@@ -93,7 +95,7 @@ def fit(samples: Samples, splines: Sequence[Spline], penalties: Sequence[Sequenc
     return Fitted(tuple(splines), tuple(np.split(values, np.cumsum(sizes)[:-1])), tuple(best[1]), best[0])
 
 
-def nothing(samples: Samples) -> Array:
+def nothing(samples: EffortSamples) -> Array:
     """What the mean of the other parts leaves on every part. Shape (folds,)."""
     left = np.empty(samples.folds)
     for part in range(samples.folds):

@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 
 from realitygap.missing.effort import BAND, MissingEffort
-from realitygap.missing.fit import Fitted, Samples, fit, nothing
+from realitygap.missing.fit import EffortSamples, Fitted, fit, nothing
 from realitygap.missing.splines import spline
 from realitygap.robot.effort_map import VARIABLES
 from realitygap.robot.law.effort_map import TURNING
@@ -121,7 +121,9 @@ def shape_of(runs: Sequence[MissingEffort], joint: str) -> Shape:
     )
 
 
-def _choose(samples: Samples, whole: Array) -> tuple[Fitted | None, dict[str, Fitted], tuple[tuple[str, ...], ...]]:
+def _choose(
+    samples: EffortSamples, whole: Array
+) -> tuple[Fitted | None, dict[str, Fitted], tuple[tuple[str, ...], ...]]:
     """The best sum of splines; all functions of one variable; and the other variables that predict as well."""
     known = [v for v in VARIABLES if v in samples.columns and np.ptp(samples.columns[v]) > 0]
     alone = {v: fit(samples, [spline((v,), samples.columns)]) for v in known}
@@ -162,7 +164,7 @@ def _shares(chosen: Fitted, alone: dict[str, Fitted], whole: Array) -> list[floa
     return [share, total - share] if stronger == 0 else [total - share, share]
 
 
-def _term(chosen: Fitted, k: int, share: float, samples: Samples, mean: float) -> Term:
+def _term(chosen: Fitted, k: int, share: float, samples: EffortSamples, mean: float) -> Term:
     """A term with values that stay within what was seen; each is about 0 in the mean, and the first has the mean."""
     one, values = chosen.splines[k], chosen.values[k]
     if len(chosen.splines) > 1 and k == 0:  # what one gains in the mean the other loses
@@ -194,7 +196,7 @@ def _periods(angle: Array, values: Array) -> float | None:
     return found if found is not None and best < 0.5 * bent else None
 
 
-def _samples(runs: Sequence[MissingEffort], joint: str) -> tuple[Samples, float, float]:
+def _samples(runs: Sequence[MissingEffort], joint: str) -> tuple[EffortSamples, float, float]:
     """The samples of all recordings, the mean effort, and the share of its variance that the band explains.
 
     At rest dry friction holds whatever is asked of it, which nothing that is measured tells: what moves is fitted.
@@ -230,4 +232,8 @@ def _samples(runs: Sequence[MissingEffort], joint: str) -> tuple[Samples, float,
     mean = float(np.average(effort, weights=weight))
     noise = float(min(np.average(error**2, weights=weight) / np.average((effort - mean) ** 2, weights=weight), 1.0))
     parts = np.unique(fold[keep], return_inverse=True)[1]
-    return Samples(effort - mean, weight / weight.mean(), {v: x[keep] for v, x in columns.items()}, parts), mean, noise
+    return (
+        EffortSamples(effort - mean, weight / weight.mean(), {v: x[keep] for v, x in columns.items()}, parts),
+        mean,
+        noise,
+    )

@@ -143,7 +143,7 @@ class Columns(Section):
 
 Unit = Literal["degrees", "radians", "normalized", "percent"]
 Episode = Annotated[int, Field(strict=True, ge=0)] | str
-Part = tuple[Finite, Finite]
+Span = tuple[Finite, Finite]
 
 
 class DataSet(Section):
@@ -172,7 +172,7 @@ class Run(Section):
         description="a bag, a bag folder, a table or the folder of a LeRobot data set; `*` and `?` stand for several"
     )
     episode: Episode | None = Field(default=None, description="of a data set: its number, or the name of its task")
-    part: Part | None = Field(
+    part: Span | None = Field(
         default=None, description="only this much is read and simulated [s from the first message]"
     )
     use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or kept back to judge on")
@@ -186,7 +186,7 @@ class Run(Section):
         return self
 
 
-def _check_ordered(name: str, span: Part | None) -> None:
+def _check_ordered(name: str, span: Span | None) -> None:
     if span is not None and not span[0] < span[1]:
         raise ValueError(f"{name} {list(span)} ends before it starts")
 
@@ -201,7 +201,7 @@ class Recordings(Section):
     columns: Columns = Field(default=Columns(), description="for tables")
     dataset: DataSet = Field(default=DataSet(), description="for LeRobot data sets")
     episode: Episode | None = Field(default=None, description="of a data set, where a run does not say its own")
-    part: Part | None = Field(default=None, description="what is read and simulated, where a run does not say its own")
+    part: Span | None = Field(default=None, description="what is read and simulated, where a run does not say its own")
     pose: str | None = Field(default=None, description="topic of the base pose (PoseStamped, Odometry)")
     imu: str | None = Field(default=None, description="topic of an Imu on the base")
     battery: str | None = Field(default=None, description="topic of the supply (BatteryState)")

@@ -26,7 +26,7 @@ from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
 from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
-from realitygap.simulate.rollout import Part, Rollout, rolled, steps_of
+from realitygap.simulate.rollout import Rollout, Stretch, rolled, steps_of
 from realitygap.simulate.start import start_state
 from realitygap.trace.sampled import Gather, sampled
 from realitygap.trace.trace import Trace
@@ -344,7 +344,7 @@ def simulate(
         return Rollout(trace, steps, sum(walls), simulation.settings)
 
 
-def _on_recording(part: Part, experiment: Experiment, walls: list[float]) -> Trace:
+def _on_recording(part: Stretch, experiment: Experiment, walls: list[float]) -> Trace:
     """A part of a simulation on the recording's clock; `walls` takes how long it took."""
     walls.append(part.wall)
     return replace(part.trace, time=part.trace.time + experiment.begin)

@@ -26,7 +26,7 @@ class Rollout:
 
 
 @dataclass
-class Part:
+class Stretch:
     """A stretch of a simulated motion on every step, and how long the steps took that ended in it: `wall` [s]."""
 
     trace: Trace
@@ -68,7 +68,7 @@ def rolled(
     supply: tuple[Array, Array] | None = None,
     joint_effort: bool = False,
     integral: Array | None = None,
-) -> Iterator[Part]:
+) -> Iterator[Stretch]:
     """Simulate from `start` for some steps, stretch after stretch, so that a long motion is never held as a whole.
 
     Args:
@@ -114,7 +114,7 @@ def rolled(
         if done == steps:
             arrive(drive, state, held.q[at], held.w[at], held.dry[at], h, held.log[at])
         trace, lagged = _trace(plant, h, held, at if done == steps else at - 1, command, lagged, joint_effort)
-        yield Part(trace, wall)
+        yield Stretch(trace, wall)
         if done < steps:
             held.keep(at - 1)
             at = 1

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.predict import Predictions
@@ -18,11 +19,9 @@ from realitygap.diagnose.result.story_figures import AFTER, BEFORE, INK, LINE, M
 from realitygap.page.style import unit_label
 from realitygap.robot.drive import Array
 
-UNITS = {"position": "deg", "velocity": "deg/s", "effort": "N·m"}
-PRISMATIC = {"position": "mm", "velocity": "mm/s", "effort": "N"}
 SIDES = (AFTER, BEFORE)
 """Colours of the two sides of a question."""
-CLOSE = 1.0
+CLOSE_UP = 1.0
 """Length of a close-up [s]."""
 
 
@@ -37,9 +36,8 @@ def figure(result: Proposal, proposed: Proposed, question: Question | None) -> s
     names = ("the named model",) if question is None else question.names
     joint, signal = _telling(result, predictions, proposed.case, numbers)
     prismatic = result.problem.plant.model.joints[joint].prismatic
-    unit = (PRISMATIC if prismatic else UNITS)[signal]
-    place, way = (1e3, "mm") if prismatic else (180 / np.pi, "deg")
-    scale = 1.0 if signal == "effort" else place
+    unit, scale = unit_of(signal, prismatic)
+    way, place = unit_of("position", prismatic)
     time, both, sigma = _sides(result, predictions, proposed.case, numbers, joint, signal)
     motion = proposed.motion
     apart = (
@@ -75,10 +73,10 @@ def figure(result: Proposal, proposed: Proposed, question: Question | None) -> s
 def _close_up(axes: Axes, time: Array, edges: Sequence[Array], apart: Array) -> None:
     """The second in which two sides part most."""
     middle = float(time[int(np.argmax(np.abs(apart)))])
-    start = min(max(middle - 0.5 * CLOSE, float(time[0])), float(time[-1]) - CLOSE)
-    inside = (time >= start) & (time <= start + CLOSE)
+    start = min(max(middle - 0.5 * CLOSE_UP, float(time[0])), float(time[-1]) - CLOSE_UP)
+    inside = (time >= start) & (time <= start + CLOSE_UP)
     low, high = min(float(e[inside].min()) for e in edges), max(float(e[inside].max()) for e in edges)
-    axes.set_xlim(start, start + CLOSE)
+    axes.set_xlim(start, start + CLOSE_UP)
     axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
     axes.set_title("close up", loc="left")
     axes.set_xlabel("time [s]")

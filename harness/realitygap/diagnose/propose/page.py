@@ -14,18 +14,10 @@ from realitygap.diagnose.propose.figure import figure
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import SURE, expected, half, now
 from realitygap.diagnose.rehearse.page import label, words
-from realitygap.diagnose.result.story_figures import AFTER, BEFORE
 from realitygap.diagnose.result.story_text import listed, suspect_label
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
-
-UNITS = {"position": "deg", "velocity": "deg/s", "effort": "N·m"}
-PRISMATIC = {"position": "mm", "velocity": "mm/s", "effort": "N"}
-SIDES = (AFTER, BEFORE)
-"""Colours of the two sides of a question."""
-CLOSE = 1.0
-"""Length of a close-up [s]."""
 
 
 def write_page(result: Proposal, content: dict[str, Any], out: Path) -> Path:

@@ -9,7 +9,7 @@ from pathlib import Path
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.contact import find_mesh
 from realitygap_engines.model.hold import own_body
-from realitygap_engines.model.inertia import Body
+from realitygap_engines.model.inertia import Inertial
 from realitygap_engines.model.inertial_editor import urdf_text, with_inertials
 from realitygap_engines.model.mjcf_revised import revised_mjcf
 from realitygap_engines.model.read import format_of
@@ -30,7 +30,7 @@ def revised_urdf(urdf: Path, folder: Path, links: Sequence[Link], packages: Mapp
         return revised_mjcf(urdf, folder, links)
     if format_of(urdf) == "sdf":
         return revised_sdf(urdf, folder, links)
-    bodies: dict[str, Body | None] = {name: None for link in links for name in link.merged[1:]}
+    bodies: dict[str, Inertial | None] = {name: None for link in links for name in link.merged[1:]}
     bodies |= {link.name: own_body(link) for link in links}
     text = with_inertials(urdf_text(urdf_source(urdf, packages or {})), bodies)
     root = text.root

@@ -145,14 +145,14 @@ POSES = {  # where pose and, if it has one, twist stand in a message type
 }
 
 
-def body_of(kind: str, *, imu: bool) -> "Body | None":
+def body_of(kind: str, *, imu: bool) -> "BodyMessages | None":
     """What takes the messages of a base pose or an IMU; None for other types."""
     if imu:
-        return Body(None, None) if kind == "sensor_msgs/msg/Imu" else None
-    return Body(*POSES[kind]) if kind in POSES else None
+        return BodyMessages(None, None) if kind == "sensor_msgs/msg/Imu" else None
+    return BodyMessages(*POSES[kind]) if kind in POSES else None
 
 
-class Body:
+class BodyMessages:
     """Poses (with the twist, for odometry) of a base, or readings of an IMU where `pose` is None."""
 
     nothing = "holds no messages"

@@ -19,7 +19,7 @@ from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.bag_limits import Limits, limited
 from realitygap.recording.readers.clock import choose_clock
-from realitygap.recording.readers.messages import Body, JointMessages, Refused, Supply, body_of
+from realitygap.recording.readers.messages import BodyMessages, JointMessages, Refused, Supply, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
 from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.recording.streams import Request, Samples, Streams
@@ -27,7 +27,7 @@ from realitygap.scenario import schema as scenario
 from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
-Collector = JointMessages | Trajectories | Body | Supply
+Collector = JointMessages | Trajectories | BodyMessages | Supply
 JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "effort": "recordings.effort.joints"}
 """Streams of joint values, and the key that names their joints where the messages do not."""
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
