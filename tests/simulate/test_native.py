@@ -1,6 +1,7 @@
 """Steps in compiled code are the steps in Python, to the last bit."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from realitygap.simulate import effect_bench
 from realitygap.simulate.effect_bench import bench, motion, planted
 from realitygap.trace.trace import Trace
 from realitygap_engines import Physics, Simulation
+from signals import Signals
 
 DURATION = 0.6
 
@@ -63,3 +65,18 @@ def test_a_blow_up_is_located_alike(engine: str, monkeypatch: pytest.MonkeyPatch
         told.append((error.value.time, error.value.joint))
     assert told[0] == told[1]
     assert math.isfinite(told[0][0])
+
+
+@pytest.mark.parametrize("engine", NATIVE)
+def test_simulations_in_threads_are_those_one_by_one(engine: str) -> None:
+    plants = [effect_bench.arm() for _ in range(4)]
+    for k, plant in enumerate(plants):
+        plant.drive["viscous"] = 0.1 * k
+
+    def simulated(plant: Plant) -> Trace:
+        return effect_bench.simulate(plant, engine, duration=DURATION)
+
+    one_by_one = [simulated(plant) for plant in plants]
+    with ThreadPoolExecutor(2) as threads:
+        for ours, theirs in zip(threads.map(simulated, plants), one_by_one, strict=True):
+            np.testing.assert_array_equal(Signals(ours).position, Signals(theirs).position)

@@ -13,11 +13,12 @@ import numba
 from numba.core.registry import CPUDispatcher
 
 
-def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+def compiled(function: Callable[..., Any], *, nogil: bool = False) -> Callable[..., Any]:
     """The function in machine code, division by zero as in numpy, cached on disk.
 
     The cache's key has a hash of what a function closes over, so the function is made to close over the digest of its
-    code and of all that it uses by name.
+    code and of all that it uses by name. With `nogil` other threads run while it does, which is worth it for long calls
+    only.
     """
     assert isinstance(function, FunctionType)
     code = function.__code__
@@ -26,10 +27,10 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         function.__globals__,
         function.__name__,
         function.__defaults__,
-        (*(function.__closure__ or ()), CellType(code_digest(function))),
+        (*(function.__closure__ or ()), CellType((code_digest(function), nogil))),
     )
     keyed.__doc__, keyed.__qualname__, keyed.__module__ = function.__doc__, function.__qualname__, function.__module__
-    out: Callable[..., Any] = numba.njit(cache=True, error_model="numpy")(keyed)
+    out: Callable[..., Any] = numba.njit(cache=True, nogil=nogil, error_model="numpy")(keyed)
     return out
 
 

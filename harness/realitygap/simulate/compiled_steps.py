@@ -1,4 +1,9 @@
-"""Steps of a simulation in compiled code: the same as the loop of `rollout`, where an engine's step is a C function."""
+"""Steps of a simulation in compiled code: the same as the loop of `rollout`, where an engine's step is a C function.
+
+Threads run several simulations side by side: Python is not held while steps are taken.
+"""
+
+from functools import partial
 
 from realitygap_engines.law.compiled import compiled
 
@@ -6,7 +11,7 @@ from realitygap.robot.drive_law import drive_effort
 from realitygap.robot.law.effort_map import add_mapped
 
 
-@compiled
+@partial(compiled, nogil=True)
 def stepped(  # type: ignore[no-untyped-def]
     step, model, data, effort, damping, friction, position, velocity, pose, twist,
     drive, state, inertia, maps, numbers, command, volts, dry, first, h, q, w, base, log,
