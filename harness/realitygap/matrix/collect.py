@@ -36,7 +36,7 @@ class Collected:
     def excess(self, budget: Mapping[str, float]) -> dict[str, list[str]]:
         """Sentences on the cells that exceed a budget, by the cell's key."""
         found = {}
-        for task, outcome in self.cells:
+        for task, outcome in self.cells if budget else ():
             lines = over_budget(table(outcome.rows), budget)
             if lines:
                 which = ", ".join(f"{key} {value}" for key, value in task.axes.items())

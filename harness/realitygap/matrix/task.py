@@ -94,12 +94,13 @@ def packed(task: Task, done: Comparison) -> bytes:
         "steps": rollout.steps if rollout else 0,
     }
     out = io.BytesIO()
-    with part_folder(Path(tempfile.gettempdir()), ELSEWHERE) as folder, zipfile.ZipFile(out, "w") as archive:
-        if task.traces:
-            write_traces(folder, done, task.motion.experiments[0].plant.model)
+    with zipfile.ZipFile(out, "w") as archive:
         _add(archive, RECORD, json.dumps(record, default=str, ensure_ascii=False).encode())
-        for path in sorted(p for p in folder.rglob("*") if p.is_file()):
-            _add(archive, path.relative_to(folder).as_posix(), path.read_bytes())
+        if task.traces:
+            with part_folder(Path(tempfile.gettempdir()), ELSEWHERE) as folder:
+                write_traces(folder, done, task.motion.experiments[0].plant.model)
+                for path in sorted(p for p in folder.rglob("*") if p.is_file()):
+                    _add(archive, path.relative_to(folder).as_posix(), path.read_bytes())
     return out.getvalue()
 
 
