@@ -62,16 +62,15 @@ def launch(model: Model, trace: Trace) -> Launch | None:
 
 def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[Rotation, Array]:
     """Orientation and angular velocity [rad/s] at the first time of a body free of torque, by Gauss and Newton."""
-    start = turned[0]
-
-    def rest(change: Array) -> Array:
-        """What is left of the turn [rad] after a small change of orientation and angular velocity. Shape (3 k,)."""
-        first = _quaternion(Rotation.from_rotvec(change[:3]) * start)
-        return np.ravel((turned * _rotation(tumble(time, first, spin + change[3:], inertia)).inv()).as_rotvec())
+    start, tries = turned[0], np.vstack([np.zeros(6), SMALL * np.eye(6)])
+    measured = turned[np.tile(np.arange(len(time)), len(tries))]
 
     for _ in range(TURNS):
-        here = rest(np.zeros(6))
-        slope = np.column_stack([(rest(SMALL * axis) - here) / SMALL for axis in np.eye(6)])
+        # what is left of the turn [rad] after small changes of orientation and angular velocity. Shape (7, 3 k)
+        firsts = _quaternion(Rotation.from_rotvec(tries[:, :3]) * start)
+        ways = [tumble(time, first, spin + t[3:], inertia) for first, t in zip(firsts, tries, strict=True)]
+        left = (measured * _rotation(np.concatenate(ways)).inv()).as_rotvec().reshape(len(tries), -1)
+        here, slope = left[0], ((left[1:] - left[0]) / SMALL).T
         change = np.linalg.lstsq(slope, -here, rcond=None)[0]
         start, spin = Rotation.from_rotvec(change[:3]) * start, spin + change[3:]
         if np.abs(change).max() < SMALL:
@@ -99,7 +98,7 @@ def _rotation(quaternion: Array) -> Rotation:
 
 
 def _quaternion(rotation: Rotation) -> Array:
-    return np.asarray(rotation.as_quat()[[3, 0, 1, 2]])
+    return np.ascontiguousarray(rotation.as_quat()[..., [3, 0, 1, 2]])
 
 
 @njit(cache=True)
