@@ -12,8 +12,10 @@ not parsed. It has no dry joint friction, which comes from `law.joints`, and it 
 there is no iteration count.
 """
 
+import gc
 from functools import cached_property
 from importlib.metadata import version
+from itertools import count
 from math import sqrt
 
 import numpy as np
@@ -52,6 +54,10 @@ RIGID = 1e8
 RELAXATION = 5.0
 """Steps in which a rigid point that got below the surface comes up again. Without, it comes up within one step, at the
 speed at which it fell: it bounces."""
+KEPT = 16
+"""Closed simulations after which they are freed: pydrake ties plant and diagram into a ring that only a full collection
+finds, and Python, which does not see the half megabyte that they weigh, lets hundreds of them wait for one."""
+CLOSED = count(1)
 
 
 class DrakeSimulation(Simulation):
@@ -170,6 +176,10 @@ class DrakeSimulation(Simulation):
         plant, context = self._plant, self._plant_context
         bias = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
         return np.asarray(bias)[self._world_order]
+
+    def close(self) -> None:
+        if next(CLOSED) % KEPT == 0:
+            gc.collect()
 
     def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
         plant, context = self._plant, self._plant_context

@@ -1,7 +1,9 @@
 """What the Drake adapter promises beyond the laws that every engine obeys."""
 
+import gc
 import importlib.util
 import logging
+import weakref
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere
 
 if importlib.util.find_spec("pydrake") is None:
     pytest.skip("drake is not installed", allow_module_level=True)
-from realitygap_engines.drake import ENGINE
+from realitygap_engines.drake import ENGINE, KEPT, DrakeSimulation
 
 H = 1e-3
 GRAVITY = 9.81
@@ -121,3 +123,17 @@ def test_a_ground_is_opened_in_silence(caplog: pytest.LogCaptureFixture) -> None
     with ENGINE.open(ball(), Physics(timestep=H, ground=Ground())):
         assert caplog.records == []
     assert logging.getLogger("drake").level == level
+
+
+def test_closed_simulations_do_not_wait_for_a_full_collection() -> None:
+    gc.collect()
+    gc.disable()
+    try:
+        opened = []
+        for _ in range(3 * KEPT):
+            with ENGINE.open(arm(), Physics(timestep=H)) as simulation:
+                assert isinstance(simulation, DrakeSimulation)
+                opened.append(weakref.ref(simulation._plant))
+        assert sum(plant() is not None for plant in opened) <= KEPT + 1
+    finally:
+        gc.enable()

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from realitygap_engines.model.robot import axis_rotation, rotation_between
 
+from realitygap.files.mapped import let_go
 from realitygap.recording.delay import MOVING
 from realitygap.recording.frames import angle_between, vertical
 from realitygap.trace.trace import Array, Trace
@@ -71,6 +72,7 @@ def moving_joints(model: Jointed, measured: Trace) -> list[bool]:
         column = column[np.isfinite(column)]
         reach = float(np.ptp(column)) if column.size else 0.0
         out.append(reach > (MOVING_LINEAR if model.joints[i].prismatic else MOVING))
+    let_go(source)
     return out
 
 
@@ -90,6 +92,7 @@ def differences(model: Jointed, simulated: Trace, measured: Trace) -> Iterator[D
             delta = np.abs(ours[:, i] - theirs[:, measured.index(joint.name)])
             group = "moving" if moves[i] else "unmoving"
             yield Difference(joint.name, signal, unit, group, scale, delta[np.isfinite(delta)] * scale)
+        let_go(theirs)  # of a long recording, one signal is as much as memory should hold
     yield from _base(sim, measured)
 
 

@@ -1,10 +1,13 @@
 """How large the traces of a motion are, and how thin they are kept where that is too much."""
 
 from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from realitygap.compare.comparison import WHOLE, RepeatedMotion, whole_size
+from realitygap.files.mapped import let_go
 from realitygap.trace.trace import Array, Trace
 
 THIN = 5e7
@@ -28,9 +31,17 @@ def told(motions: Iterable[RepeatedMotion], *, whole: bool) -> str | None:
 def thinned(traces: dict[str, Trace]) -> dict[str, Trace]:
     """Every so many samples of traces, all alike, so that they are not larger than `THIN`."""
     every = int(np.ceil(sum(map(_bytes, traces.values())) / THIN))
-    if every <= 1:
-        return traces
-    return {name: trace.rows(np.arange(0, len(trace.time), every)) for name, trace in traces.items()}
+    return traces if every <= 1 else {name: _thinner(trace, every) for name, trace in traces.items()}
+
+
+def _thinner(trace: Trace, every: int) -> Trace:
+    """One of so many samples; of signals that lie in files, one is in memory at a time."""
+    kept: dict[str, Any] = {}
+    for signal in Trace.SIGNALS:
+        value = getattr(trace, signal)
+        kept[signal] = None if value is None else value[::every].copy()
+        let_go(value)
+    return replace(trace, time=trace.time[::every].copy(), **kept)
 
 
 def _bytes(trace: Trace) -> int:

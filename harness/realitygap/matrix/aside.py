@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from realitygap.files.mapped import mapped
 from realitygap.files.unfinished import part_folder
 from realitygap.matrix.task import Task
 from realitygap.trace.trace import Array
@@ -41,11 +42,6 @@ def laid_aside(tasks: Sequence[Task], out: Path) -> Iterator[Aside]:
         aside = Aside(folder, tasks)
         del tasks  # what they hold in memory is not needed any more
         yield aside
-
-
-def mapped(path: str) -> Array:
-    """An array that was laid aside, to be read."""
-    return np.asarray(np.load(path, mmap_mode="r"))
 
 
 class _Pickler(pickle.Pickler):

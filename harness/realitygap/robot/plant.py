@@ -73,7 +73,8 @@ class Plant:
         been, it has no stop.
         """
         joints, notes = list(self.model.joints), []
-        reach = position[np.isfinite(position).all(axis=1)]
+        known = np.isfinite(position).all(axis=1)
+        reach = position if known.all() else position[known]
         for i, joint in enumerate(joints if len(reach) else []):
             if reach[:, i].min() < joint.lower - PAST:
                 joints[i] = replace(joints[i], lower=-np.inf)

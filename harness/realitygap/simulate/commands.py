@@ -32,8 +32,9 @@ def on_steps(commands: Commands, steps: int, h: float, delay: Array, first: int 
     is off in the steps whose middle has no command.
     """
     edges = edges_of(steps, h, first)
-    if first:  # of a long motion, what came before has no bearing
-        commands = _about(commands, edges[0] - float(delay.max(initial=0.0)), edges[-1] - float(delay.min(initial=0.0)))
+    # of a long motion, what comes later has no bearing, and what came before has none where one begins in the middle
+    begin = edges[0] - float(delay.max(initial=0.0)) if first else -np.inf
+    commands = _about(commands, begin, edges[-1] - float(delay.min(initial=0.0)))
     out = np.empty((steps, commands.value.shape[1]))
     for late in np.unique(delay):
         columns = np.flatnonzero(delay == late)

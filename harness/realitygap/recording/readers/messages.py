@@ -54,7 +54,9 @@ class JointMessages:
         self._given = layout.joints
         self._names = None if layout.names is None else attrgetter(layout.names)
         self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
-        self._rows = {signal: array("d") for signal in layout.signals}  # one long row each: small ones scatter memory
+        # one long row each, as small ones scatter memory, and empty until a message holds numbers
+        self._rows = {signal: array("d") for signal in layout.signals}
+        self._kept = 0
         self._present: list[NDArray[np.bool_]] = []  # (k, n) each, as the rows
         self._orders: dict[tuple[str, ...], tuple[NDArray[np.intp], NDArray[np.bool_]]] = {}
         self._other: set[str] = set()
@@ -77,6 +79,11 @@ class JointMessages:
             return False
         for signal, value in values.items():
             held = value.shape[1]
+            gathered = self._rows[signal]
+            if not gathered and held == 0:
+                continue
+            if not gathered:
+                gathered.frombytes(np.full((self._kept, len(self.joints)), np.nan).tobytes())
             if held == 0:
                 rows = np.broadcast_to(np.nan, (count, len(self.joints)))
             elif held == len(names):
@@ -85,7 +92,8 @@ class JointMessages:
                 raise Refused(f"holds {held} values, but {len(names)} joints are named: {', '.join(names)}")
             else:
                 raise Refused(f"names {len(names)} joints and holds {held} values of {signal}")
-            self._rows[signal].frombytes(np.asarray(rows, dtype=float).tobytes())
+            gathered.frombytes(np.asarray(rows, dtype=float).tobytes())
+        self._kept += count
         self._present.append(np.broadcast_to(present, (count, len(self.joints))))
         return True
 
