@@ -1,5 +1,7 @@
 """The likelihood: its closed forms, and what it says of noise that is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
@@ -63,6 +65,15 @@ def test_the_rest_is_what_lies_beyond_the_floors() -> None:
     residual = rng.standard_normal(40000) * np.sqrt(0.5**2 + 0.2**2 + 0.7**2)
     assert rest_of(watched, residual)[watched[0].key] == pytest.approx(0.7, rel=0.03)
     assert rest_of(watched, 0.3 * residual)[watched[0].key] == 0.0
+
+
+def test_a_high_floor_somewhere_hides_no_rest_elsewhere() -> None:
+    """As in a throw: the flight is exact to the sensor, and after the contact half a step decides where it goes."""
+    rng = np.random.default_rng(8)
+    slow = np.where(np.arange(20000) < 10000, 1e-3, 50.0)
+    watched = replace(channel(20000, noise=1e-3), slow=slow)
+    residual = 0.7 * rng.standard_normal(20000)
+    assert rest_of([watched], residual)[watched.key] == pytest.approx(0.7, rel=0.5)
 
 
 def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from realitygap_engines import Diverged, Simulation, State
+from scipy.signal import lfilter
 
 from realitygap.robot.drive import STATE, Array
 from realitygap.robot.drive_law import arrive
@@ -161,12 +162,16 @@ def sensed(velocity: Array, lag: Array, h: float | Array, before: Array | None =
     `h` is the time since the sample before [s], one for all or Shape (t,); `before` what the low-pass told there, shape
     (n,), None where there was none.
     """
-    if not lag.any():
+    if not lag.any() or not len(velocity):
         return velocity
-    out, steps = velocity.copy(), np.broadcast_to(h, len(velocity))
+    out = velocity.copy()
+    first = velocity[0] if before is None else before
     for j in np.flatnonzero(lag > 0):
-        keep = np.exp(-steps / lag[j])
-        state = velocity[0, j] if before is None else before[j]
+        keep = np.exp(-np.asarray(h) / lag[j])
+        if keep.ndim == 0:
+            out[:, j] = lfilter([1 - keep], [1.0, -keep], velocity[:, j], zi=[keep * first[j]])[0]
+            continue
+        state = first[j]
         for k in range(len(velocity)):
             state = keep[k] * state + (1 - keep[k]) * velocity[k, j]
             out[k, j] = state

@@ -22,6 +22,9 @@ from realitygap.robot.drive import Array
 OUTLIER = 3.0
 """An innovation beyond this many times their root mean square is trusted less (Cauchy; 0.3 % of normal ones are)."""
 
+STEPS, EXACT = 100, 1e-3
+"""Newton's steps at most, and how far from one a mean may stay."""
+
 
 @dataclass(frozen=True)
 class Metric:
@@ -90,15 +93,30 @@ def marginalised(whitening: Whitening, weight: Array, imperfections: Array, dete
 
 
 def rest_of(channels: Sequence[Channel], residual: Array) -> Rest:
-    """What lasts in a residual beyond the floors, by channel, over all motions: the moment estimate.
+    """What lasts in a residual beyond the floors, by channel, over all motions (Paule & Mandel 1982).
 
-    The root mean square of each channel beyond what its noise and its floors make; of all motions, the mean.
+    The standard deviation with which the mean square of what is left, each sample in its own deviation, is one: where
+    the floor is high, little is told of it. Motions count alike, however long.
     """
-    squares: dict[tuple[str, int], list[float]] = {}
+    parts: dict[tuple[str, int], list[tuple[Array, Array, Array]]] = {}
     for channel, span in spans(channels):
         part = residual[span]
         good = np.isfinite(part)
         if good.any():
-            excess = np.mean(part[good] ** 2 - channel.slow[good] ** 2) - channel.noise**2
-            squares.setdefault(channel.key, []).append(float(excess))
-    return {key: math.sqrt(max(sum(values) / len(values), 0.0)) for key, values in squares.items()}
+            variance = channel.noise**2 + channel.slow[good] ** 2
+            share = np.full(len(variance), 1.0 / len(variance))
+            parts.setdefault(channel.key, []).append((part[good] ** 2, variance, share))
+    return {key: math.sqrt(_beyond(*map(np.concatenate, zip(*of, strict=True)))) for key, of in parts.items()}
+
+
+def _beyond(square: Array, variance: Array, share: Array) -> float:
+    """The variance that has to be added for the mean of scaled squares to be one: Newton's method, from below."""
+    share = share / share.sum()
+    added = 0.0
+    for _ in range(STEPS):
+        scaled = share * square / (variance + added)
+        excess = float(scaled.sum()) - 1.0
+        if excess <= EXACT:
+            break
+        added += excess / float((scaled / (variance + added)).sum())
+    return added
