@@ -152,7 +152,8 @@ def diagnosed() -> None:
             seconds = time.perf_counter() - start
             print(f"{run}: {found.verdict}, held out {before:.2f} -> {after:.2f} floors, {seconds:.0f} s")
             for finding in found.findings:
-                print("   ", finding)
+                within = ", ".join(f"{n} {low:.4g} to {high:.4g}" for n, (low, high) in finding.intervals.items())
+                print(f"    {finding} 95 %: {within}")
             path = found.revised.save(Path(folder) / run)
 
 
