@@ -4,6 +4,8 @@ import pytest
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.locate import locate
+from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.search import search
 from realitygap.scenario.file import load_scenario
 from synthetic_tosses import write_tosses
@@ -25,3 +27,13 @@ def test_a_ground_that_is_slippery_is_named_from_a_rough_one(thrown: Problem) ->
     (first,) = found.best.fit.changes
     assert first.suspect.effect == "ground_friction"
     assert first.parameters["coefficient"] == pytest.approx(TRUE, rel=0.1)
+
+
+def test_where_a_throw_differs_is_said_of_the_base(thrown: Problem) -> None:
+    with Simulations(thrown, 2) as simulations:
+        floors = measure(simulations, [])
+        answers = simulations.of([], range(len(thrown.cases)))
+        places = locate(thrown, floors, {i: a for i, a in enumerate(answers) if a is not None})
+    first = places[0]
+    assert (first.joint, first.signal, first.unit) == ("base", "base_position", "m")
+    assert first.gap > 10 * first.noise_floor

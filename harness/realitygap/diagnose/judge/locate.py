@@ -26,10 +26,13 @@ STANDS_OUT = 1.3
 ABOVE = 1.5
 """A gap is above its floor where its root mean square residual exceeds this."""
 
+BASE = {"base_position": ("base_position", "m", 1.0), "base_quaternion": ("base_orientation", "deg", 180 / np.pi)}
+"""What is compared of a moving base: its name in tables, its unit there, and the factor from SI."""
+
 
 @dataclass(frozen=True)
 class Place:
-    """A joint and signal with a gap: mean absolute values in `unit`, and the phases in which it is large."""
+    """A joint, or the base, and signal with a gap: mean absolute values in `unit`, and the phases where it is large."""
 
     joint: str
     signal: str
@@ -42,7 +45,7 @@ class Place:
 
 
 def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
-    """Every joint and signal whose gap stands above its floors, the largest first.
+    """Every joint and signal, and the base's pose, whose gap stands above its floors, the largest first.
 
     Args:
         problem: the motions.
@@ -60,7 +63,28 @@ def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, A
                 place = _place(problem, floors, joint, j, signal, {i: simulated[i] for i in cases})
                 if place.weight > ABOVE:
                     out.append(place)
+    for signal in BASE:
+        cases = [i for i in simulated if signal in problem.signals(i)]
+        if cases:
+            place = _of_base(problem, floors, signal, {i: simulated[i] for i in cases})
+            if place.weight > ABOVE:
+                out.append(place)
     return sorted(out, key=lambda p: -p.weight)
+
+
+def _of_base(problem: Problem, floors: Floors, signal: str, simulated: Mapping[int, dict[str, Array]]) -> Place:
+    name, unit, scale = BASE[signal]
+    deltas = [problem.delta(i, signal, sim) for i, sim in simulated.items()]
+    noises = [problem.deviation(signal, floors.noise[i][signal][None, :]) for i in simulated]
+    slow = [problem.deviation(signal, floors.slow[i][signal]) for i in simulated]
+    sigma = [problem.deviation(signal, floors.sigma(i, signal)) for i in simulated]
+    scaled = np.nan_to_num(np.concatenate([d / s for d, s in zip(deltas, sigma, strict=True)]))
+
+    def far(values: Sequence[Array]) -> float:
+        return float(np.nanmean(np.concatenate([np.linalg.norm(v, axis=1) for v in values])) * scale)
+
+    whole = float(np.sqrt(np.mean(scaled**2)))
+    return Place("base", name, unit, far(deltas), far(noises), far(slow), ("throughout",), whole)
 
 
 def _place(

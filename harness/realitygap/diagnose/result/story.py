@@ -97,7 +97,7 @@ def _meta(result: Diagnosis) -> str:
 def _place(place: Place) -> dict[str, str]:
     return {
         "joint": place.joint,
-        "signal": f"{place.signal} [{unit_label(place.unit)}]",
+        "signal": f"{place.signal.removeprefix('base_')} [{unit_label(place.unit)}]",
         "gap": number(place.gap),
         "noise": number(place.noise_floor),
         "numerical": number(place.numerical_floor),
@@ -173,9 +173,10 @@ def _runs(result: Diagnosis) -> list[Pair]:
 def _curves(result: Diagnosis) -> list[dict[str, Any]]:
     """One held-out and one training run for each joint with a gap; where there is none, of the first joints."""
     places: dict[str, Place | None] = {}
-    for place in result.where:
-        places.setdefault(place.joint, place)
     problem = result.problem
+    for place in result.where:
+        if place.joint in problem.plant.model.joint_names:
+            places.setdefault(place.joint, place)
     if not places:
         names = problem.plant.model.joint_names
         places = {n: None for j, n in enumerate(names) if problem.judged[j]}

@@ -145,8 +145,9 @@ def _most(places: list[Place]) -> str:
     if not places:
         return ""
     worst = places[0]
+    where = "the base" if worst.joint == "base" else worst.joint
     when = "" if worst.when == ("throughout",) else f" while {listed([WHILE[w] for w in worst.when])}"
-    return f", most of all in the {worst.signal} of {worst.joint}{when}"
+    return f", most of all in the {worst.signal.removeprefix('base_')} of {where}{when}"
 
 
 WHILE = {
