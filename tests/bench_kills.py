@@ -204,6 +204,7 @@ def main() -> int:
                 assert not again(ran, {})
                 shutil.copytree(ran.out, place.out)
             said = again(place, {})  # the first one compiles
+            assert not said, said
             if command != "report":
                 shutil.rmtree(place.out)
             began = time.monotonic()

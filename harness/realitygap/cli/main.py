@@ -1,5 +1,7 @@
 """The command line. Engines and heavy libraries are imported when a command needs them."""
 
+import os
+import sys
 import traceback
 from collections.abc import Sequence
 from typing import Annotated, NoReturn
@@ -12,7 +14,7 @@ from realitygap.cli.diagnose_commands import diagnose, propose, rehearse
 from realitygap.cli.robot_commands import audit, effects, engines, init
 from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
-from realitygap.files.interrupted import Interrupted, listening
+from realitygap.files.interrupted import Interrupted, interruption, listening
 
 MOST = 1000
 """Characters of a sentence, paths and lists of names included."""
@@ -56,19 +58,31 @@ def main(arguments: Sequence[str] | None = None) -> None:
         with listening():
             app(arguments)
     except Interrupted as end:
-        typer.echo(f"realitygap: {end}", err=True)
-        raise SystemExit(end.status) from None
-    except OSError as error:  # a folder that cannot be written, a full disk
-        _fail(f"{error.filename or 'output'}: {error.strerror or error}")
-    except MemoryError as error:
-        _fail(f"the memory does not suffice ({error}); expected a lower physics.step_rate, or fewer cells at once")
+        _end(end)
     except Exception as error:
-        from realitygap_engines import RealityGapError  # imported here, because `--help` is to be quick
+        if (came := interruption()) is not None:
+            _end(came)
+        _tell(error)
 
-        if not isinstance(error, RealityGapError):
-            traceback.print_exc()
-            raise SystemExit(2) from None
-        _fail(str(error))
+
+def _tell(error: Exception) -> NoReturn:
+    if isinstance(error, OSError):  # a folder that cannot be written, a full disk
+        _fail(f"{error.filename or 'output'}: {error.strerror or error}")
+    if isinstance(error, MemoryError):
+        _fail(f"the memory does not suffice ({error}); expected a lower physics.step_rate, or fewer cells at once")
+    from realitygap_engines import RealityGapError  # imported here, because `--help` is to be quick
+
+    if not isinstance(error, RealityGapError):
+        traceback.print_exception(error)
+        raise SystemExit(2) from None
+    _fail(str(error))
+
+
+def _end(end: Interrupted) -> NoReturn:
+    """Leave at once: an engine whose import was cut short may bring down an interpreter that ends in order."""
+    typer.echo(f"realitygap: {end}", err=True)
+    sys.stdout.flush()
+    os._exit(end.status)
 
 
 def _fail(sentence: str) -> NoReturn:

@@ -28,10 +28,11 @@ class Interrupted(BaseException):
 
 
 class _Held:
-    """How many blocks hold signals back, and the signal that came meanwhile."""
+    """How many blocks hold signals back, the signal that came meanwhile, and the last that was told at once."""
 
     blocks = 0
     came: int | None = None
+    told: int | None = None
 
 
 @contextmanager
@@ -52,7 +53,13 @@ def _heard(number: int, _: FrameType | None) -> None:
     if _Held.blocks:
         _Held.came = number
     else:
+        _Held.told = number
         raise Interrupted(number)
+
+
+def interruption() -> Interrupted | None:
+    """What was told and became another error on its way, as in the import of a compiled module; None if no signal."""
+    return None if _Held.told is None else Interrupted(_Held.told)
 
 
 @contextmanager
