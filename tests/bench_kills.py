@@ -93,7 +93,12 @@ def made(folder: Path) -> Path:
     content["recordings"]["runs"] = [{"path": p, "use": use, "window": [0.0, 1.5]} for p, use in runs]
     content["suspects"] = ["coulomb_friction", "viscous_friction", "command_delay"]
     (folder / "scenario.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
-    matrix = {"scenarios": ["scenario.yaml"], "engines": ["mujoco"], "axes": {"step_rate": [1000, 2000]}}
+    matrix = {
+        "name": "kills",
+        "scenarios": ["scenario.yaml"],
+        "engines": ["mujoco"],
+        "axes": {"step_rate": [1000, 2000]},
+    }
     (folder / "matrix.yaml").write_text(yaml.safe_dump(matrix), encoding="utf-8")
     (folder / "tmp").mkdir()
     return folder
