@@ -30,9 +30,9 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.advice import SEPARATES
 from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import limits_of
-from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.pool import pool_of
 from realitygap.diagnose.propose.predict import predict
 from realitygap.diagnose.propose.proposal import Proposal
@@ -40,8 +40,8 @@ from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.told import opened
 from realitygap.diagnose.propose.words import MOST
-from realitygap.diagnose.search.model import Ground
 from realitygap.diagnose.search.search import search
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 
@@ -95,7 +95,7 @@ def quiet(_: str) -> None:
     """Says nothing."""
 
 
-def perform(case: Ambiguous, name: str, motions: Sequence[Motion]) -> Runs:
+def perform(case: Ambiguous, name: str, motions: Sequence[Excitation]) -> Runs:
     """The foreign plant performs motions under their conditions."""
     out = []
     for k, motion in enumerate(motions):
@@ -141,17 +141,17 @@ def odds(simulations: Simulations, base: Fit, fits: Sequence[Fit]) -> float | No
     off as at the model that was there before.
     """
     problem = simulations.problem
-    ground = Ground(simulations, base.changes)
-    first = residual(simulations, base.changes, ground.train)
+    yardstick = Yardstick(simulations, base.changes)
+    first = residual(simulations, base.changes, yardstick.train)
     if first is None:
         return None
-    ground.take_facts(Fit(base.changes, first))
-    near = ground.fit(base.changes) if base.changes else ground.score(Fit((), first))
+    yardstick.take_facts(Fit(base.changes, first))
+    near = yardstick.fit(base.changes) if base.changes else yardstick.score(Fit((), first))
     if near is None:
         return None
-    ground.take_facts(near.fit)
-    ground.take_imperfections(near.fit, ground.responses(near.fit, suspects(problem)))
-    one, other = (ground.fit(f.changes) if f.changes else ground.score(Fit((), first)) for f in fits)
+    yardstick.take_facts(near.fit)
+    yardstick.take_imperfections(near.fit, yardstick.responses(near.fit, suspects(problem)))
+    one, other = (yardstick.fit(f.changes) if f.changes else yardstick.score(Fit((), first)) for f in fits)
     return None if one is None or other is None else one.evidence - other.evidence
 
 
@@ -183,7 +183,7 @@ def others(case: Ambiguous, arm: str, open_: Open, floors: Floors, question: Que
     return [run for do in chosen or [lambda s: again(case, arm, s)] for run in do(seconds / max(len(chosen), 1))]
 
 
-def _filled(motions: Sequence[Motion], seconds: float) -> Motion:
+def _filled(motions: Sequence[Excitation], seconds: float) -> Excitation:
     """Segments one behind the other, as many as there is time for."""
     taken: list[Any] = []
     for m in motions:
@@ -192,11 +192,11 @@ def _filled(motions: Sequence[Motion], seconds: float) -> Motion:
     return replace(motions[0], segments=tuple(taken or [motions[0].segments[0]]))
 
 
-def _kind(motions: Sequence[Motion], kind: str, seconds: float) -> Motion:
+def _kind(motions: Sequence[Excitation], kind: str, seconds: float) -> Excitation:
     return _filled([m for m in motions if m.segments[0].kind == kind] or motions[:1], seconds)
 
 
-def _d_optimal(result: Proposal, pool: Sequence[Motion], floors: Floors, seconds: float) -> Motion:
+def _d_optimal(result: Proposal, pool: Sequence[Excitation], floors: Floors, seconds: float) -> Excitation:
     """The segments that sharpen the values of the first explanation with any most, by their precision's determinant."""
     problem, own = result.problem, len(result.problem.cases)
     model = next(e for e in result.open.explanations if e.fit.names)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
-from realitygap.diagnose.data.worker import Question, answer
+from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.place import targets
@@ -36,7 +36,7 @@ def assert_same(problem: Problem, changes: Sequence[Change], revised: ScenarioFi
     every = range(len(problem.cases))
     for i in every:
         theirs, ours, base = (
-            answer(p, Question(tuple(c), i, "mujoco")) for p, c in ((problem, changes), (again, ()), (problem, ()))
+            answer(p, Query(tuple(c), i, "mujoco")) for p, c in ((problem, changes), (again, ()), (problem, ()))
         )
         assert theirs is not None
         assert ours is not None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import realitygap_engines as engines
-from realitygap.audit import Certificate, Row, audit, certify
+from realitygap.audit import Certificate, Proof, audit, certify
 from realitygap.audit.audit import groups
 from realitygap.audit.check import Check, largest
 from realitygap.audit.machines import random_state, tree, velocities
@@ -189,7 +189,7 @@ def test_what_is_not_a_number_fails() -> None:
     assert Check("p", lambda _: float("nan"), 1.0).row(engines.load("mujoco")).verdict == "failed"
     assert largest(np.array([np.nan]), np.zeros(1)) == np.inf
     assert largest(np.zeros(2), np.zeros(3)) == np.inf
-    assert not Certificate((Row("p", "e", np.inf, 1.0, "1", "failed"),)).passed
+    assert not Certificate((Proof("p", "e", np.inf, 1.0, "1", "failed"),)).passed
 
 
 def test_the_machine_that_is_audited_has_what_engines_must_ignore() -> None:

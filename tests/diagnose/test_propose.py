@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 from one_joint import pendulum, wheel
 from realitygap.diagnose.propose.condition import Condition
 from realitygap.diagnose.propose.design import answer, chosen, separable, sharpened, worth
+from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import EXACT, animation, waypoints
 from realitygap.diagnose.propose.limits import MARGIN, Limits, limits_of
-from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.odds import Belief, expected
 from realitygap.diagnose.propose.segments import Builder
-from realitygap.diagnose.propose.told import start_of
+from realitygap.diagnose.propose.told import origin_of
 from realitygap.diagnose.propose.weak import _half
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import Array
@@ -144,7 +144,7 @@ def test_keyframes_play_the_motion_and_a_trajectory_is_written_whole(kind: Segme
     limits = Limits(*(np.array([x]) for x in (-1.2, 1.0, 5.0, np.inf)))
     segments = Builder(0, np.array([0.1]), limits, 0.005).every([kind])
     scenario: Condition = Condition("", {}, None, plant)
-    motion = Motion("move", tuple(segments[:2]), scenario, 0.005)
+    motion = Excitation("move", tuple(segments[:2]), scenario, 0.005)
     path = tmp_path / "move.json"
     path.write_text(json.dumps(animation(motion, ["joint0"])), encoding="utf-8")
     moves = read_animation(path)
@@ -177,13 +177,13 @@ def test_keyframes_play_the_motion_and_a_trajectory_is_written_whole(kind: Segme
 
 def test_what_is_no_diagnosis_and_what_has_lost_its_scenario_are_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"holds no diagnosis.json; expected a scenario file or the folder"):
-        start_of(tmp_path)
+        origin_of(tmp_path)
     file = tmp_path / "diagnosis.json"
     for content in ("{", "[]", '{"findings": 3}', '{"scenario_file": 1, "engines": [], "findings": []}'):
         file.write_text(content, encoding="utf-8")
         with pytest.raises(InputError, match="is no diagnosis that names its scenario"):
-            start_of(tmp_path)
+            origin_of(tmp_path)
     file.write_text('{"scenario_file": "gone.yaml", "engines": ["mujoco"], "findings": []}', encoding="utf-8")
     with pytest.raises(InputError, match=r"scenario_file: gone.yaml does not exist"):
-        start_of(file)
-    assert start_of(tmp_path / "scenario.yaml").findings is None
+        origin_of(file)
+    assert origin_of(tmp_path / "scenario.yaml").findings is None

@@ -13,10 +13,10 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.design import answer
+from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.files import ProposalFile, summary, write_proposal
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.pool import pool_of
 from realitygap.diagnose.propose.predict import predict
 from realitygap.diagnose.propose.proposal import Proposal
@@ -138,7 +138,7 @@ def test_a_segment_that_leaves_a_limit_is_found_in_every_engine(
     pool = pool_of(Proposal(problem, open_, wide, home), ProposeSpec(forbid=["chirp", "multisine"]))
     segments = {m.segments[0].label: m for m in pool}
     first = segments["tiny steps"]
-    both = Motion("both", (first.segments[0], segments["large steps"].segments[0]), first.condition, first.period)
+    both = Excitation("both", (first.segments[0], segments["large steps"].segments[0]), first.condition, first.period)
     assert left_in_engines(problem, both, open_.explanations, [engine], wide) == (None, (engine,))
     assert left_in_engines(problem, both, open_.explanations, [engine], narrow) == (1, ())
 

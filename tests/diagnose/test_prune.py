@@ -3,8 +3,8 @@
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.search.model import Ground
 from realitygap.diagnose.search.prune import straight_losses
+from realitygap.diagnose.search.yardstick import Yardstick
 
 
 def test_an_interval_tells_what_was_planted_and_not_what_is_as_the_model_has_it() -> None:
@@ -12,8 +12,8 @@ def test_an_interval_tells_what_was_planted_and_not_what_is_as_the_model_has_it(
     friction = suspect_of(problem, "coulomb_friction", "elbow")
     constant = suspect_of(problem, "constant_effort", "elbow")
     with Simulations(problem, 1) as simulations:
-        ground = Ground(simulations, [])
-        fitted = ground.fit([guess(problem, friction), guess(problem, constant)])
+        yardstick = Yardstick(simulations, [])
+        fitted = yardstick.fit([guess(problem, friction), guess(problem, constant)])
         assert fitted is not None
         losses = straight_losses(problem, fitted)
     assert losses[friction].told

@@ -10,13 +10,13 @@ from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.data.worker import Question, answer
+from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual, respond
 from realitygap.diagnose.search.evidence import stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, imperfections
 from realitygap.diagnose.search.linear import Linear
-from realitygap.diagnose.search.model import Ground
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 FRICTION = 0.6447
@@ -35,12 +35,12 @@ def simulations(problem: Problem) -> Iterator[Simulations]:
 
 
 @pytest.fixture(scope="module")
-def ground(simulations: Simulations) -> Ground:
-    return Ground(simulations, [])
+def yardstick(simulations: Simulations) -> Yardstick:
+    return Yardstick(simulations, [])
 
 
 def test_a_worker_says_what_this_process_says(problem: Problem, simulations: Simulations) -> None:
-    asked = [Question((), c, "mujoco", 0.5) for c in (1, 2)]
+    asked = [Query((), c, "mujoco", 0.5) for c in (1, 2)]
     for question, there in zip(asked, simulations.ask(asked), strict=True):
         here = answer(problem, question)
         assert here is not None
@@ -50,7 +50,7 @@ def test_a_worker_says_what_this_process_says(problem: Problem, simulations: Sim
 
 
 def test_what_was_simulated_is_remembered(simulations: Simulations) -> None:
-    asked = [Question((), 1, "mujoco", 0.5)]
+    asked = [Query((), 1, "mujoco", 0.5)]
     simulations.ask(asked)
     before = simulations.count
     simulations.ask(asked)
@@ -58,34 +58,34 @@ def test_what_was_simulated_is_remembered(simulations: Simulations) -> None:
 
 
 def test_the_true_value_has_more_evidence_than_its_neighbours(
-    problem: Problem, simulations: Simulations, ground: Ground
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
     evidence = {}
     for torque in (0.3, 0.5, FRICTION, 0.8):
-        left = residual(simulations, [friction.at({"torque": torque})], ground.train)
+        left = residual(simulations, [friction.at({"torque": torque})], yardstick.train)
         assert left is not None
-        evidence[torque] = ground.score(Fit((friction.at({"torque": torque}),), left)).evidence
+        evidence[torque] = yardstick.score(Fit((friction.at({"torque": torque}),), left)).evidence
     assert max(evidence, key=lambda torque: evidence[torque]) == FRICTION
 
 
-def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations, ground: Ground) -> None:
+def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations, yardstick: Yardstick) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    found = ground.fit([friction])
+    found = yardstick.fit([friction])
     assert found is not None
     assert found.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
     assert found.deviation[0] > 0.0
 
 
 def test_the_straight_line_promises_most_of_what_is_missing(
-    problem: Problem, simulations: Simulations, ground: Ground
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
-    left = residual(simulations, [], ground.train)
+    left = residual(simulations, [], yardstick.train)
     assert left is not None
-    base = ground.score(Fit((), left))
+    base = yardstick.score(Fit((), left))
     names = ("coulomb_friction", "viscous_friction", "joint_offset", "controller_gain")
     tried = [s for n in names for s in starts(problem, suspect_of(problem, n, "elbow"))]
-    blocks = respond(simulations, [], tried, ground.train, ground.floors.coarse, ground.channels)
+    blocks = respond(simulations, [], tried, yardstick.train, yardstick.floors.coarse, yardstick.channels)
     linear = Linear(base.metric, left, np.zeros((len(left), 0)), blocks)
     promised = linear.promises()
     assert promised[0].block.suspect.effect == "coulomb_friction"
@@ -96,24 +96,24 @@ def test_the_straight_line_promises_most_of_what_is_missing(
 
 
 def test_what_the_accepted_values_could_do_is_no_gain_of_another(
-    problem: Problem, simulations: Simulations, ground: Ground
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
     """The response of a suspect that is already in promises nothing: it is orthogonalised away."""
-    left = residual(simulations, [], ground.train)
+    left = residual(simulations, [], yardstick.train)
     assert left is not None
-    base = ground.score(Fit((), left))
+    base = yardstick.score(Fit((), left))
     tried = starts(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    blocks = respond(simulations, [], tried, ground.train, ground.floors.coarse, ground.channels)
+    blocks = respond(simulations, [], tried, yardstick.train, yardstick.floors.coarse, yardstick.channels)
     beside = Linear(base.metric, left, blocks[0].columns, blocks).promises()[0]
     alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).promises()[0]
     assert beside.gain < 0.05 * alone.gain
 
 
-def test_stretches_part_motions_and_seconds(ground: Ground) -> None:
-    number = stretches(ground.channels)
+def test_stretches_part_motions_and_seconds(yardstick: Yardstick) -> None:
+    number = stretches(yardstick.channels)
     at = 0
     of: dict[int, set[int]] = {}
-    for channel in ground.channels:
+    for channel in yardstick.channels:
         n = len(channel.time)
         own = set(number[at : at + n].tolist())
         assert len(own) == int((channel.time[-1] - channel.time[0]) / 1.0) + 1
@@ -124,38 +124,38 @@ def test_stretches_part_motions_and_seconds(ground: Ground) -> None:
 
 
 def test_a_law_is_off_by_a_share_of_what_the_model_has_of_it(
-    problem: Problem, simulations: Simulations, ground: Ground
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
     """The drive of the elbow as if its gain were off by its share, simulated; a delay, of which the model has none, by
     a share of a visible one."""
-    at = Fit((), _of(simulations, ground, []))
+    at = Fit((), _of(simulations, yardstick, []))
     gain, delay = (suspect_of(problem, e, "elbow") for e in ("controller_gain", "command_delay"))
-    blocks = ground.responses(at, [gain, delay])
-    wrong = imperfections(problem, at, blocks, ground.plain(at).metric)
+    blocks = yardstick.responses(at, [gain, delay])
+    wrong = imperfections(problem, at, blocks, yardstick.plain(at).metric)
     less = guess(problem, gain).at({"gain": neutral(problem.plant, gain)["gain"] * (1.0 - SHARE["drive"])})
-    off = np.nan_to_num(_of(simulations, ground, [less]) - at.residual)
+    off = np.nan_to_num(_of(simulations, yardstick, [less]) - at.residual)
     drive = np.nan_to_num(wrong.responses[:, wrong.laws.index("drive")])
     assert abs(drive @ off) == pytest.approx(float(off @ off), rel=0.1)
     later = np.nan_to_num(wrong.responses[:, wrong.laws.index("")])
     assert later == pytest.approx(OTHER * next(b for b in blocks if b.suspect == delay).columns[:, 0])
 
 
-def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(ground: Ground, problem: Problem) -> None:
+def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yardstick, problem: Problem) -> None:
     """Friction that was named is known to a share of itself; the model without it, to a share of its own."""
     friction = suspect_of(problem, "coulomb_friction", "elbow")
     named = guess(problem, friction).at({"torque": 0.6})
-    m = sum(len(c.time) for c in ground.channels)
+    m = sum(len(c.time) for c in yardstick.channels)
     slope = np.ones((m, 1))
     at = Fit((named,), np.zeros(m), ((0, "torque"),), slope, np.full(1, 0.3), np.zeros(1))
-    wrong = imperfections(problem, at, [], ground.plain(at).metric)
+    wrong = imperfections(problem, at, [], yardstick.plain(at).metric)
     assert wrong.responses[:, 0] == pytest.approx(SHARE["friction"] * 0.6 / 0.3 * slope[:, 0])
     own = neutral(problem.plant, friction)["torque"]
     assert wrong.shares(at)[0] == 1.0
     assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
 
 
-def _of(simulations: Simulations, ground: Ground, changes: list[Change]) -> Array:
+def _of(simulations: Simulations, yardstick: Yardstick, changes: list[Change]) -> Array:
     """The residual of the training motions."""
-    found = residual(simulations, changes, ground.train)
+    found = residual(simulations, changes, yardstick.train)
     assert found is not None
     return found

@@ -28,8 +28,8 @@ from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, 
 from realitygap.diagnose.result.story_text import quantity
 from realitygap.diagnose.result.workflow import summary
 from realitygap.diagnose.search.exchange import Rival
-from realitygap.diagnose.search.model import Ground
 from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.effects import EFFECTS
 from realitygap.scenario.file import load_scenario
 
@@ -45,12 +45,12 @@ def judged() -> Any:
     problem = build_problem(load_scenario(DEMO), "mujoco")
     change = Change(FRICTION, (("torque", 0.6447),), ("torque",))
     with Simulations(problem, 2) as simulations:
-        ground = Ground(simulations, [change])
-        base = ground.score(Fit((), residual(simulations, [], ground.train)))
-        done = ground.fit([change])
+        yardstick = Yardstick(simulations, [change])
+        base = yardstick.score(Fit((), residual(simulations, [], yardstick.train)))
+        done = yardstick.fit([change])
         every = range(len(problem.cases))
         signals = [dict(enumerate(simulations.of(c, every))) for c in (list[Change](), done.fit.changes)]
-    return problem, ground.floors, base, done, *signals
+    return problem, yardstick.floors, base, done, *signals
 
 
 @pytest.fixture(scope="module")

@@ -27,6 +27,11 @@ from realitygap_engines.ode.library import HI_STOP, LO_STOP, Feedback, Mass, rea
 
 ode = ode_library.open_library()
 
+MotorCalls = tuple[Callable[..., int], Callable[..., None], Callable[..., None]]
+ANGULAR: MotorCalls = (ode.dJointCreateAMotor, ode.dJointSetAMotorNumAxes, ode.dJointSetAMotorAxis)
+LINEAR: MotorCalls = (ode.dJointCreateLMotor, ode.dJointSetLMotorNumAxes, ode.dJointSetLMotorAxis)
+"""What makes a motor, gives it a number of axes, and sets one of them."""
+
 
 @dataclass(frozen=True)
 class OdeLink:
@@ -247,7 +252,7 @@ def _hinge(world: int, child: int, parent: int, axis: Array, anchor: Array) -> O
     ode.dJointAttach(joint, child, parent)
     ode.dJointSetHingeAnchor(joint, *anchor)
     ode.dJointSetHingeAxis(joint, *axis)
-    rotor, brake = (_motor("AMotor", world, child, parent, axis) for _ in range(2))
+    rotor, brake = (_motor(ANGULAR, world, child, parent, axis) for _ in range(2))
     return OdeJoint(
         joint,
         rotor,
@@ -264,7 +269,7 @@ def _slider(world: int, child: int, parent: int, axis: Array, _: Array) -> OdeJo
     joint = ode.dJointCreateSlider(world, None)
     ode.dJointAttach(joint, child, parent)
     ode.dJointSetSliderAxis(joint, *axis)
-    rotor, brake = (_motor("LMotor", world, child, parent, axis) for _ in range(2))
+    rotor, brake = (_motor(LINEAR, world, child, parent, axis) for _ in range(2))
     return OdeJoint(
         joint,
         rotor,
@@ -277,12 +282,13 @@ def _slider(world: int, child: int, parent: int, axis: Array, _: Array) -> OdeJo
     )
 
 
-def _motor(kind: str, world: int, child: int, parent: int, axis: Array) -> int:
-    """An angular or linear motor about or along an axis that the parent carries; `kind` is AMotor or LMotor."""
-    motor: int = getattr(ode, f"dJointCreate{kind}")(world, None)
+def _motor(kind: MotorCalls, world: int, child: int, parent: int, axis: Array) -> int:
+    """A motor about or along an axis that the parent carries."""
+    create, set_axes, set_axis = kind
+    motor: int = create(world, None)
     ode.dJointAttach(motor, child, parent)
-    getattr(ode, f"dJointSet{kind}NumAxes")(motor, 1)
-    getattr(ode, f"dJointSet{kind}Axis")(motor, 0, 1, *axis)
+    set_axes(motor, 1)
+    set_axis(motor, 0, 1, *axis)
     return motor
 
 

@@ -6,7 +6,7 @@ import realitygap_engines as engines
 from realitygap_engines import Engine
 
 from realitygap.audit import between, ground, joints, motion
-from realitygap.audit.certificate import Certificate, Row
+from realitygap.audit.certificate import Certificate, Proof
 from realitygap.audit.check import Check
 from realitygap.audit.dynamics import checks_of
 from realitygap.audit.machines import tree
@@ -39,7 +39,7 @@ def audit(path: Path | None, names: list[str], out: Path | None = None, *, quiet
 
 def certify(audited: list[Engine], robot: AuditedRobot | None = None, progress: Progress | None = None) -> Certificate:
     """The certificate of these engines."""
-    rows: list[Row] = []
+    rows: list[Proof] = []
     found = groups(robot)
     with (progress or Progress(quiet=True)).task("audit", len(found) * len(audited) + 1) as advance:
         for name, checks in found.items():

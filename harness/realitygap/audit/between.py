@@ -7,7 +7,7 @@ from realitygap_engines import Diverged, Engine, Failed, Ground, Physics, State,
 from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array, Model
 
-from realitygap.audit.certificate import Row, Verdict
+from realitygap.audit.certificate import Proof, Verdict
 from realitygap.audit.check import advance, read
 from realitygap.audit.machines import STEP, at_rest, chain, leg, random_state
 from realitygap.audit.oracle import Oracle
@@ -18,13 +18,13 @@ ARMATURE = 0.0266
 GAIN, BACK_EMF = 25.0, 1.4
 
 
-def chain_rows(engines: list[Engine]) -> list[Row]:
+def chain_rows(engines: list[Engine]) -> list[Proof]:
     """A skewed 3-joint chain that swings freely for 1000 steps of 1 ms."""
     start = State(np.array([0.5, -0.3, 0.8]), np.array([0.5, -1.0, 0.7]))
     return _rows("chain: 1000 free steps", engines, chain(), start, STEP, 1000, CHAIN_TOLERANCE)
 
 
-def free_rows(engines: list[Engine], model: Model, h: float) -> list[Row]:
+def free_rows(engines: list[Engine], model: Model, h: float) -> list[Proof]:
     """A tenth of a second of free flight of the user's own robot, from a state within its limits."""
     start = random_state(model, 1, fastest=0.3)
     return _rows("robot: 0.1 s of free motion", engines, model, start, h, round(0.1 / h), FREE_TOLERANCE)
@@ -32,7 +32,7 @@ def free_rows(engines: list[Engine], model: Model, h: float) -> list[Row]:
 
 def _rows(
     name: str, engines: list[Engine], model: Model, start: State, h: float, steps: int, tolerance: float
-) -> list[Row]:
+) -> list[Proof]:
     """One row per engine against Pinocchio under the same scheme (velocity first), one for the spread of all."""
     oracle, state, zero = Oracle(model), start, np.zeros(len(model.joints))
     for _ in range(steps):
@@ -44,7 +44,7 @@ def _rows(
                 simulation.reset(start)
                 end = advance(simulation, steps).position
         except (Diverged, Failed, Unsupported) as error:
-            rows.append(Row(name, engine.name, float("inf"), tolerance, "rad", "failed", str(error)))
+            rows.append(Proof(name, engine.name, float("inf"), tolerance, "rad", "failed", str(error)))
             continue
         capability = engine.capabilities()["forward_dynamics"]
         row = _row(name, engine.name, end - state.position, tolerance, "against Pinocchio, velocity first")
@@ -59,13 +59,13 @@ def _rows(
     return rows
 
 
-def _row(name: str, engine: str, error: Array, tolerance: float, note: str) -> Row:
+def _row(name: str, engine: str, error: Array, tolerance: float, note: str) -> Proof:
     worst = float(np.abs(error).max(initial=0.0))
     verdict: Verdict = "passed" if worst <= tolerance else "failed"
-    return Row(name, engine, worst, tolerance, "rad", verdict, note)
+    return Proof(name, engine, worst, tolerance, "rad", verdict, note)
 
 
-def contact_rows(engines: list[Engine]) -> list[Row]:
+def contact_rows(engines: list[Engine]) -> list[Proof]:
     """A servo-driven leg that squats on the ground: each engine against MuJoCo, with and without rotor inertia.
 
     Information: with contact, engines differ. What armature adds to that difference is the error of its emulation.
@@ -80,7 +80,7 @@ def contact_rows(engines: list[Engine]) -> list[Row]:
         for engine in others:
             error = float(np.sqrt(np.mean((_squat(engine, armature) - judge) ** 2)))
             note = "rms of hip, knee and ankle over 1 s against MuJoCo's native armature at the same step"
-            rows.append(Row(name, engine.name, error, np.inf, "rad", "information", note))
+            rows.append(Proof(name, engine.name, error, np.inf, "rad", "information", note))
     return rows
 
 

@@ -18,7 +18,7 @@ STYLE: dict[Verdict, str] = {"passed": "green", "failed": "bold red", "declared"
 
 
 @dataclass(frozen=True)
-class Row:
+class Proof:
     """One property of one engine.
 
     Attributes:
@@ -44,12 +44,12 @@ class Row:
 class Certificate:
     """The rows of an audit, the versions it holds for, and facts about the robot that was audited."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[Proof, ...]
     versions: Mapping[str, str] = field(default_factory=dict)
     facts: Mapping[str, object] = field(default_factory=dict)
 
     @property
-    def failures(self) -> list[Row]:
+    def failures(self) -> list[Proof]:
         """The rows that failed."""
         return [row for row in self.rows if row.verdict == "failed"]
 
@@ -67,7 +67,7 @@ class Certificate:
         for engine in engines:
             table.add_column(engine, justify="right", min_width=8)
         table.add_column("tolerance", justify="right")
-        by_property: dict[str, dict[str, Row]] = {}
+        by_property: dict[str, dict[str, Proof]] = {}
         for row in self.rows:
             by_property.setdefault(row.property, {})[row.engine] = row
         for name, found in by_property.items():
@@ -109,12 +109,12 @@ class Certificate:
         }
         (folder / "audit.json").write_text(json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
         with (folder / "audit.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, [f.name for f in fields(Row)], lineterminator="\n")
+            writer = csv.DictWriter(file, [f.name for f in fields(Proof)], lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
 
 
-def _cell(row: Row) -> str:
+def _cell(row: Proof) -> str:
     number = f"{row.measured:.1e}" if math.isfinite(row.measured) else "–"
     mark = {"failed": " FAILED", "declared": " declared"}.get(row.verdict, "")
     return f"[{STYLE[row.verdict]}]{number}{mark}[/]"

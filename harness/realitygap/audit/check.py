@@ -8,7 +8,7 @@ from realitygap_engines import Diverged, Engine, Failed, Simulation, State, Unsu
 from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
 
-from realitygap.audit.certificate import Row, Verdict
+from realitygap.audit.certificate import Proof, Verdict
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Check:
     note: str = ""
     capability: str | None = None
 
-    def row(self, engine: Engine) -> Row:
+    def row(self, engine: Engine) -> Proof:
         """Measure and judge."""
         note = self.note
         try:
@@ -47,7 +47,7 @@ class Check:
             capability = engine.capabilities()[self.capability]
             if capability.level == "no":
                 verdict, note = "declared", capability.how
-        return Row(self.property, engine.name, float(measured), self.tolerance, self.unit, verdict, note)
+        return Proof(self.property, engine.name, float(measured), self.tolerance, self.unit, verdict, note)
 
 
 def read(simulation: Simulation) -> State:

@@ -8,7 +8,7 @@ from realitygap_engines.model.read import format_of, read_model
 from realitygap_engines.model.robot import Model
 from realitygap_engines.model.xacro_file import is_xacro
 
-from realitygap.audit.certificate import Row, Verdict
+from realitygap.audit.certificate import Proof, Verdict
 from realitygap.audit.check import largest
 from realitygap.audit.described import described_inertia
 from realitygap.audit.machines import FAR, random_state
@@ -54,7 +54,7 @@ class AuditedRobot:
             "notes": list(self.described.notes) or ["none"],
         }
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[Proof]:
         """Our reading of the file against somebody else's: mass and joint-space inertia."""
         if is_xacro(self.urdf, self.urdf.read_bytes()) or format_of(self.urdf) == "sdf":
             return []  # there is no other reader of these
@@ -70,9 +70,9 @@ class AuditedRobot:
         ]
 
 
-def _row(name: str, error: float, judge: str) -> Row:
+def _row(name: str, error: float, judge: str) -> Proof:
     verdict: Verdict = "passed" if error <= TOLERANCE else "failed"
-    return Row(name, "model", float(error), TOLERANCE, "1", verdict, f"against {judge}")
+    return Proof(name, "model", float(error), TOLERANCE, "1", verdict, f"against {judge}")
 
 
 def load_robot(path: Path) -> AuditedRobot:

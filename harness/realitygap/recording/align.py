@@ -20,7 +20,7 @@ SAME_ANGLE = np.radians(2.0)  # rad: largest difference at the start of runs wit
 SAME_PLACE = 0.01  # m, likewise
 
 
-class Run(Protocol):
+class Windowed(Protocol):
     """A run of a scenario: what was recorded, and under which conditions."""
 
     @property
@@ -50,7 +50,7 @@ class Repetitions:
     shifts: tuple[float, ...]
 
 
-def group_repetitions(runs: Sequence[Run]) -> list[Repetitions]:
+def group_repetitions(runs: Sequence[Windowed]) -> list[Repetitions]:
     """The runs as motions, in the order given: those of one motion under the same conditions together.
 
     The same conditions are the same overrides and the same use; the same window of one file twice is not a repetition.
@@ -71,11 +71,11 @@ def group_repetitions(runs: Sequence[Run]) -> list[Repetitions]:
     return out
 
 
-def _path(run: Run) -> object:
+def _path(run: Windowed) -> object:
     return None if run.recording is None else run.recording.source
 
 
-def _shift(first: Run, run: Run) -> float | None:
+def _shift(first: Windowed, run: Windowed) -> float | None:
     """How much later the motion is on a run's clock [s]; None where it is another motion or other conditions."""
     a, b = first.recording, run.recording
     if a is None or b is None or (first.overrides, first.use) != (run.overrides, run.use):

@@ -31,7 +31,7 @@ def angle_between(a: Array, b: Array) -> Array:
     return np.asarray(4.0 * np.arcsin(np.clip(chord / 2.0, 0.0, 1.0)))
 
 
-def rotation_between(a: Array, b: Array) -> Array:
+def rotation_vector(a: Array, b: Array) -> Array:
     """The rotation vector [rad] that turns orientation a into b, in the axes of a. Shapes (t, 4), gives (t, 3)."""
     v = a[:, :1] * b[:, 1:] - b[:, :1] * a[:, 1:] - np.cross(a[:, 1:], b[:, 1:])
     w = np.sum(a * b, axis=1, keepdims=True)

@@ -14,7 +14,7 @@ from realitygap.diagnose.data.case import JOINT_SIGNALS, SIGNALS, Case, cases_of
 from realitygap.diagnose.data.changes import Change, changed
 from realitygap.diagnose.data.split import split
 from realitygap.files.errors import InputError
-from realitygap.recording.frames import rotation_between
+from realitygap.recording.frames import rotation_vector
 from realitygap.robot.drive import Array
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
@@ -78,7 +78,7 @@ class Problem:
 
     def difference(self, signal: str, a: Array, b: Array) -> Array:
         """b minus a, of what is judged, as `delta`. Shapes (t, n) -> (t, k)."""
-        return rotation_between(a, b) if signal == "base_quaternion" else self.columns(signal, b - a)
+        return rotation_vector(a, b) if signal == "base_quaternion" else self.columns(signal, b - a)
 
     def deviation(self, signal: str, sigma: Array) -> Array:
         """Standard deviations of a `delta` from those of its signal. Shape (t, n) -> (t, k).

@@ -13,7 +13,7 @@ from typing import cast
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.worker import Question, answer
+from realitygap.diagnose.data.worker import Query, answer
 from realitygap.robot.drive import Array
 
 KEPT = 256e6
@@ -26,7 +26,7 @@ class Simulations:
     def __init__(self, problem: Problem, workers: int | None = None) -> None:
         self.problem = problem
         self.count = 0
-        self._remembered: dict[Question, dict[str, Array] | None] = {}
+        self._remembered: dict[Query, dict[str, Array] | None] = {}
         self._bytes = 0.0
         self.workers = workers or len(os.sched_getaffinity(0))
         self._workers = [_Worker(problem) for _ in range(self.workers)] if self.workers > 1 else []
@@ -35,15 +35,15 @@ class Simulations:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers)) if self._workers else None
 
-    def ask(self, questions: Sequence[Question]) -> list[dict[str, Array] | None]:
-        """The signals of every question, in their order; None for a simulation that failed."""
-        new = [q for q in dict.fromkeys(questions) if q not in self._remembered]
+    def ask(self, queries: Sequence[Query]) -> list[dict[str, Array] | None]:
+        """The signals of every query, in their order; None for a simulation that failed."""
+        new = [q for q in dict.fromkeys(queries) if q not in self._remembered]
         self.count += len(new)
         if self._threads is None or len(new) == 1:
             fresh = dict(zip(new, [answer(self.problem, q) for q in new], strict=True))
         else:
             fresh = dict(zip(new, self._threads.map(self._send, new), strict=True))
-        out = [fresh[q] if q in fresh else self._remembered[q] for q in questions]
+        out = [fresh[q] if q in fresh else self._remembered[q] for q in queries]
         for q, signals in fresh.items():
             self._remember(q, signals)
         return out
@@ -57,28 +57,28 @@ class Simulations:
         coarse: Coarse | None = None,
     ) -> list[dict[str, Array] | None]:
         """The signals of some cases with changes, at the least faithful step rate where `coarse` says which that is."""
-        return self.ask([self.question(changes, c, engine=engine, coarse=coarse) for c in cases])
+        return self.ask([self.query(changes, c, engine=engine, coarse=coarse) for c in cases])
 
-    def question(
+    def query(
         self, changes: Sequence[Change], case: int, *, engine: str | None = None, coarse: Coarse | None = None
-    ) -> Question:
-        """The question of one case."""
+    ) -> Query:
+        """The query of one case."""
         finer = 1.0 if coarse is None else coarse[case]
-        return Question(tuple(changes), case, engine or self.problem.engine, finer)
+        return Query(tuple(changes), case, engine or self.problem.engine, finer)
 
-    def _remember(self, question: Question, signals: dict[str, Array] | None) -> None:
+    def _remember(self, query: Query, signals: dict[str, Array] | None) -> None:
         size = sum(v.nbytes for v in signals.values()) if signals else 0
         while self._remembered and self._bytes + size > KEPT:
             oldest = next(iter(self._remembered))
             gone = self._remembered.pop(oldest)
             self._bytes -= sum(v.nbytes for v in gone.values()) if gone else 0
-        self._remembered[question] = signals
+        self._remembered[query] = signals
         self._bytes += size
 
-    def _send(self, question: Question) -> dict[str, Array] | None:
+    def _send(self, query: Query) -> dict[str, Array] | None:
         worker = self._idle.get()
         try:
-            return worker.ask(question)
+            return worker.ask(query)
         finally:
             self._idle.put(worker)
 
@@ -101,13 +101,13 @@ Coarse = Sequence[float]
 
 
 class _Worker:
-    """One process; it starts with the first question."""
+    """One process; it starts with the first query."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         self._process: subprocess.Popen[bytes] | None = None
 
-    def ask(self, question: Question) -> dict[str, Array] | None:
+    def ask(self, query: Query) -> dict[str, Array] | None:
         if self._process is None:
             environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
             self._process = subprocess.Popen(
@@ -117,11 +117,11 @@ class _Worker:
                 env=environment,
             )
             self._write(self._problem)
-        self._write(question)
+        self._write(query)
         assert self._process.stdout is not None
         try:
             good, result = pickle.load(self._process.stdout)
-        except EOFError:  # an engine that takes its process down cannot simulate this; the next question has a new one
+        except EOFError:  # an engine that takes its process down cannot simulate this; the next query has a new one
             self.close()
             self._process = None
             return None

@@ -1,7 +1,7 @@
 """A process that simulates motions of a problem: `python -m realitygap.diagnose.data.worker`.
 
 It reads pickled messages from its standard input and answers on its standard output: first the problem, then one
-question after the other. It ends when its input ends, so that it never outlives the process that started it.
+query after the other. It ends when its input ends, so that it never outlives the process that started it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from realitygap.simulate.experiment import simulate
 
 
 @dataclass(frozen=True)
-class Question:
+class Query:
     """One simulation: of a case with changes, in an engine, at a multiple of the step rate.
 
     `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well.
@@ -37,21 +37,21 @@ class Question:
     jumps: bool = False
 
 
-def answer(problem: Problem, question: Question) -> dict[str, Array] | None:
+def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     """The signals at the measured stamps; None for a simulation that failed."""
-    case = problem.cases[question.case]
-    plant = problem.changed_plant(question.changes, question.case)
-    if question.push is not None:
-        question.push.on(plant, case.experiment)
+    case = problem.cases[query.case]
+    plant = problem.changed_plant(query.changes, query.case)
+    if query.push is not None:
+        query.push.on(plant, case.experiment)
     experiment = case.experiment.with_plant(plant)
-    rate = experiment.scenario.physics.step_rate * question.finer
+    rate = experiment.scenario.physics.step_rate * query.finer
     try:
-        trace = simulate(experiment, question.engine, step_rate=rate).trace
+        trace = simulate(experiment, query.engine, step_rate=rate).trace
     except (Diverged, Failed, Unsupported):
         return None
     at = trace.at(case.measured.time)
-    out = {s: np.asarray(getattr(at, s)) for s in problem.signals(question.case)}
-    if question.jumps and "effort" in out:
+    out = {s: np.asarray(getattr(at, s)) for s in problem.signals(query.case)}
+    if query.jumps and "effort" in out:
         h = experiment.scenario.timestep
         before, after = (np.asarray(trace.at(case.measured.time + d).effort) for d in (-h, h))
         out["jump"] = np.abs(after - before)
@@ -67,10 +67,10 @@ def main() -> None:
     try:
         problem = pickle.load(asked)
         while True:
-            question = pickle.load(asked)
+            query = pickle.load(asked)
             result: tuple[bool, object]
             try:
-                result = True, answer(problem, question)
+                result = True, answer(problem, query)
             except Exception as error:  # told to the one who asked
                 result = False, f"{type(error).__name__}: {error}"
             pickle.dump(result, told, pickle.HIGHEST_PROTOCOL)

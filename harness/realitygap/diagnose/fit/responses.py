@@ -45,7 +45,7 @@ def residuals(
     simulations: Simulations, variants: Sequence[Sequence[Change]], cases: Sequence[int], coarse: Sequence[float]
 ) -> list[Array | None]:
     """The same of many variants, as coarsely as is faithful, simulated side by side."""
-    asked = [simulations.question(changes, c, coarse=coarse) for changes in variants for c in cases]
+    asked = [simulations.query(changes, c, coarse=coarse) for changes in variants for c in cases]
     answers, size = simulations.ask(asked), len(cases)
     out: list[Array | None] = []
     for k in range(len(variants)):

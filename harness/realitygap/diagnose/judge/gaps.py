@@ -62,7 +62,7 @@ def shown(
     """
     judge = simulations.problem.of("held_out")
     prefixes = [tuple(changes[:k]) for k in range(len(changes) + 1)]
-    asked = [simulations.question(p, c, engine=e) for e in engines for p in prefixes for c in judge]
+    asked = [simulations.query(p, c, engine=e) for e in engines for p in prefixes for c in judge]
     simulations.ask(asked)  # side by side; remembered
     gaps = {
         (e, k): rms(costs(simulations, floors, p, judge, e), judge) for e in engines for k, p in enumerate(prefixes)

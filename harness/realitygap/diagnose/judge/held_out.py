@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import score
-from realitygap.diagnose.search.exchange import LEVEL, Rival, compare
+from realitygap.diagnose.search.exchange import ERRORS, Rival, compare
 from realitygap.diagnose.search.imperfections import Imperfections
 
 
@@ -28,7 +28,7 @@ class Verdict:
     @property
     def worse(self) -> bool:
         """Whether the chosen model predicts worse than the scenario's own, beyond the error."""
-        return self.gain < -LEVEL * self.error and self.gain < 0.0
+        return self.gain < -ERRORS * self.error and self.gain < 0.0
 
 
 def predicted(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> Verdict:

@@ -16,7 +16,7 @@ from realitygap.diagnose.data.noise import local_maximum
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.push import Push
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.data.worker import Question
+from realitygap.diagnose.data.worker import Query
 from realitygap.robot.drive import Array
 
 MANY = 6
@@ -47,7 +47,7 @@ def sensitivities(simulations: Simulations, changes: Sequence[Change], cases: Se
         return [{} for _ in problem.cases]
     push = [PUSH * _scale(problem.plant.drive["effort_limit"][j], problem.plant.drive[j]) for j in range(n)]
     tries = [Push(j, push[j], seed) for j in range(n) for seed in (None, *range(RANDOM))]
-    asked = [Question(tuple(changes), c, problem.engine, push=p) for c in cases for p in (None, *tries)]
+    asked = [Query(tuple(changes), c, problem.engine, push=p) for c in cases for p in (None, *tries)]
     answers = simulations.ask(asked)
     size = 1 + len(tries)
     out: list[Moved] = [{} for _ in problem.cases]

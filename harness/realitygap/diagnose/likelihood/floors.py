@@ -12,7 +12,7 @@ from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.noise import local_maximum
 from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.data.worker import Question
+from realitygap.diagnose.data.worker import Query
 from realitygap.diagnose.likelihood.disturbance import disturbances, sensitivities, spread
 from realitygap.robot.drive import Array
 
@@ -72,9 +72,7 @@ def _numerical(simulations: Simulations, changes: Sequence[Change], cases: Seque
     """
     problem = simulations.problem
     out: list[dict[str, Array]] = [{} for _ in problem.cases]
-    asked = [
-        Question(tuple(changes), c, problem.engine, finer, jumps=finer == 1.0) for c in cases for finer in (1.0, 2.0)
-    ]
+    asked = [Query(tuple(changes), c, problem.engine, finer, jumps=finer == 1.0) for c in cases for finer in (1.0, 2.0)]
     answers = simulations.ask(asked)
     for k, i in enumerate(cases):
         case, (coarse, fine) = problem.cases[i], answers[2 * k : 2 * k + 2]
@@ -93,7 +91,7 @@ def _coarse(
     """The least share of the step rate that hardly moves the traces, by case."""
     problem = simulations.problem
     full, *less = (
-        simulations.ask([Question(tuple(changes), c, problem.engine, share) for c in cases]) for share in (1.0, *COARSE)
+        simulations.ask([Query(tuple(changes), c, problem.engine, share) for c in cases]) for share in (1.0, *COARSE)
     )
     out = [1.0] * len(problem.cases)
     for k, c in enumerate(cases):

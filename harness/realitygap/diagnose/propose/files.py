@@ -15,9 +15,9 @@ import yaml
 from pydantic import BaseModel, ConfigDict
 
 from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import animation, waypoints
-from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.page import write_page
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import odds, settles
@@ -196,7 +196,7 @@ def _write_motion(result: Proposal, proposed: Proposed, out: Path) -> None:
     write_whole(out / f"{motion.name}.yaml", _scenario(result, motion, out))
 
 
-def _commands(motion: Motion, joints: Sequence[str]) -> str:
+def _commands(motion: Excitation, joints: Sequence[str]) -> str:
     """The command stream: time [s], every joint's command [rad or m], and whether its servo is on."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -207,7 +207,7 @@ def _commands(motion: Motion, joints: Sequence[str]) -> str:
     return text.getvalue()
 
 
-def _scenario(result: Proposal, motion: Motion, out: Path) -> str:
+def _scenario(result: Proposal, motion: Excitation, out: Path) -> str:
     """A scenario that plays the motion, and how its recording becomes a run of the one that was diagnosed."""
     raw = rebased(result.problem.file.override(motion.condition.overrides), out)
     for key in ("recordings", "budget", "propose", "accept", "certain", "suspects", "revisions"):

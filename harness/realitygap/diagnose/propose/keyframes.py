@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from realitygap.diagnose.propose.motion import Motion
+from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.robot.drive import Array
 from realitygap.simulate.motion import TICK
 
@@ -40,7 +40,7 @@ def corners(time: Array, value: Array, marks: Array) -> list[int]:
     return sorted(kept)
 
 
-def waypoints(motion: Motion, apart: float = 0.0) -> tuple[Array, Array, Array]:
+def waypoints(motion: Excitation, apart: float = 0.0) -> tuple[Array, Array, Array]:
     """Times (k,) [s], positions (k, n) and whether servos are on (k, n) up to there, at least `apart` [s] apart."""
     value = motion.path
     every = max(int(np.ceil(apart / motion.period - 1e-6)), 1)
@@ -51,7 +51,7 @@ def waypoints(motion: Motion, apart: float = 0.0) -> tuple[Array, Array, Array]:
     return time[chosen], value[chosen], on[chosen]
 
 
-def animation(motion: Motion, joints: Sequence[str]) -> dict[str, Any]:
+def animation(motion: Excitation, joints: Sequence[str]) -> dict[str, Any]:
     """The content of an animation file: goals in degrees, durations, servos that are off.
 
     A player takes at least a tick from one keyframe to the next, so that a step takes one, too.

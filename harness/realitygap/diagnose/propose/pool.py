@@ -11,8 +11,8 @@ import numpy as np
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.propose.condition import conditions
 from realitygap.diagnose.propose.design import Goal, chosen
+from realitygap.diagnose.propose.excitation import Excitation, period_of
 from realitygap.diagnose.propose.explanations import Open
-from realitygap.diagnose.propose.motion import Motion, period_of
 from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.safe import left_in_engines
@@ -20,11 +20,11 @@ from realitygap.diagnose.propose.segments import Builder
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
 
-Held = tuple[Motion, tuple[str, ...], Array]
+Held = tuple[Excitation, tuple[str, ...], Array]
 """A motion, the engines in which it stays within the limits, and the gram of its segments. Shape (c, c)."""
 
 
-def pool_of(result: Proposal, spec: ProposeSpec) -> list[Motion]:
+def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
     """Single segments of the joints that are in question, under every condition."""
     problem = result.problem
     period, every = period_of(problem), conditions(problem, spec)
@@ -33,7 +33,7 @@ def pool_of(result: Proposal, spec: ProposeSpec) -> list[Motion]:
     names = labels(problem)
     made = [Builder(j, result.home, result.limits, period, names[j]) for j in _joints(problem, result.open)]
     segments = [s for builder in made for s in builder.every(kinds)]
-    return [Motion(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
+    return [Excitation(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
 
 
 def labels(problem: Problem) -> list[str]:
@@ -63,7 +63,7 @@ def _joints(problem: Problem, open_: Open) -> list[int]:
 
 def motions_of(
     result: Proposal,
-    pool: Sequence[Motion],
+    pool: Sequence[Excitation],
     predictions: Predictions,
     goal: Goal,
     engines: Sequence[str],
@@ -96,7 +96,7 @@ def motions_of(
             todo[condition] = table.best(condition, without, bad | {motion.segments[at].label})
 
 
-Candidate = tuple[float, Motion, int, frozenset[str], frozenset[str], Array]
+Candidate = tuple[float, Excitation, int, frozenset[str], frozenset[str], Array]
 """A motion with its worth, the number of its condition, the kinds it does without, the labels of segments that leave a
 limit, and the gram of its own.
 """
@@ -110,7 +110,7 @@ class _Table:
     def __init__(
         self,
         result: Proposal,
-        pool: Sequence[Motion],
+        pool: Sequence[Excitation],
         predictions: Predictions,
         goal: Goal,
         seconds: float,

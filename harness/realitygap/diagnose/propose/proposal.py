@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.motion import Motion
 from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.files.interrupted import Interrupted
@@ -50,7 +50,7 @@ class Proposed:
         weak: how much better the values of the named model are told.
     """
 
-    motion: Motion
+    motion: Excitation
     case: int
     answers: tuple[Answer, ...]
     engines: tuple[str, ...]

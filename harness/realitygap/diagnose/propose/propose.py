@@ -15,9 +15,9 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.design import Answer, answer, separable, sharper, worth
+from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.limits import limits_of
-from realitygap.diagnose.propose.motion import Motion, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.odds import Belief
 from realitygap.diagnose.propose.pool import motions_of, pool_of
 from realitygap.diagnose.propose.predict import Predictions, predict
@@ -25,7 +25,7 @@ from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.refit import simulated
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.screening import screen
-from realitygap.diagnose.propose.told import found_changes, opened, start_of
+from realitygap.diagnose.propose.told import found_changes, opened, origin_of
 from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import wrong
 from realitygap.diagnose.result.workflow import SEARCH
@@ -64,10 +64,10 @@ def run_proposal(
     """
     if not seconds >= SHORTEST:
         raise InputError(f"--seconds: found {seconds:g}, expected at least {SHORTEST:g}")
-    start = start_of(path)
-    file = load_scenario(start.scenario)
+    origin = origin_of(path)
+    file = load_scenario(origin.scenario)
     engines = engine_names(names)
-    first = engines[0] if names else start.engine or (SEARCH if SEARCH in engines else engines[0])
+    first = engines[0] if names else origin.engine or (SEARCH if SEARCH in engines else engines[0])
     if file.scenario.robot.base != "fixed" or file.scenario.follows:
         what = "motion: {followed: true}" if file.scenario.follows else f"robot.base: {file.scenario.robot.base}"
         raise InputError(f"{file.path}: found {what}; motions are proposed for robots with servos and a fixed base")
@@ -75,7 +75,7 @@ def run_proposal(
         return screen(file, engines, first, seconds, motions, progress.say, workers)
     warnings = certain(file)
     problem = build_problem(file, first)
-    changes = None if start.findings is None else found_changes(problem, start.findings, path)
+    changes = None if origin.findings is None else found_changes(problem, origin.findings, path)
     with Simulations(problem, workers) as simulations:
         open_, floors = opened(simulations, changes, progress.say)
     result = propose(problem, open_, floors, engines, seconds, motions, progress.say, workers)
@@ -165,7 +165,7 @@ def _design(
 
 
 def _proposed(
-    result: Proposal, motion: Motion, held: tuple[str, ...], gram: Array, beliefs: Sequence[Belief], case: int = -1
+    result: Proposal, motion: Excitation, held: tuple[str, ...], gram: Array, beliefs: Sequence[Belief], case: int = -1
 ) -> Proposed:
     """A motion with what it does to every question, and to every value of the named model."""
     answers = tuple(answer(q, gram, beliefs) for q in result.open.questions)

@@ -11,8 +11,8 @@ from realitygap.diagnose.data.changes import changed
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.propose.excitation import SETTLE, Excitation, experiment_of
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.motion import SETTLE, Motion, experiment_of
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
@@ -29,7 +29,7 @@ def safe_cases(
 ) -> list[int]:
     """The cases that can be simulated under every explanation and stay within the limits at the judged stamps."""
     problem = simulations.problem
-    asked = [simulations.question(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
+    asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
     answers = simulations.ask(asked)
     number, out = len(explanations), []
     for k, case in enumerate(cases):
@@ -60,7 +60,7 @@ def _trace(time: Array, names: Sequence[str], signals: dict[str, Array]) -> Trac
 
 
 def left_in_engines(
-    problem: Problem, motion: Motion, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
+    problem: Problem, motion: Excitation, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
 ) -> tuple[int | None, tuple[str, ...]]:
     """The same as `left_limits`, of every explanation's plant."""
     experiment = experiment_of(motion, problem.cases[0].experiment)
@@ -69,7 +69,7 @@ def left_in_engines(
 
 
 def left_limits(
-    experiment: Experiment, motion: Motion, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
+    experiment: Experiment, motion: Excitation, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
 ) -> tuple[int | None, tuple[str, ...]]:
     """The number of the segment that leaves a limit first, in any engine and plant, None where none does; and the
     engines that can simulate the motion.

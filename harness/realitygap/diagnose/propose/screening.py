@@ -15,9 +15,9 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.propose.condition import conditions
+from realitygap.diagnose.propose.excitation import Excitation, case_of, experiment_of
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.limits import limits_of
-from realitygap.diagnose.propose.motion import Motion, case_of, experiment_of
 from realitygap.diagnose.propose.pool import labels
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import left_limits
@@ -72,7 +72,7 @@ def screen(
     for name, kinds in list(SETS.items())[:motions]:
         allowed = [k for k in kinds if k not in spec.forbid and (k != "release" or spec.release)]
         here = [Builder(j, result.home, limits, 1.0 / RATE, n).every(allowed) for j, n in enumerate(labels(empty))]
-        kept = Motion(name, tuple(_turns(here, seconds, 1.0 / RATE)), condition, 1.0 / RATE)
+        kept = Excitation(name, tuple(_turns(here, seconds, 1.0 / RATE)), condition, 1.0 / RATE)
         held: tuple[str, ...] = ()
         while kept.segments:
             at, held = left_limits(experiment_of(kept), kept, [plant], engines, limits)

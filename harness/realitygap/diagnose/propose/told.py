@@ -28,7 +28,7 @@ DIAGNOSIS = "diagnosis.json"
 
 
 @dataclass(frozen=True)
-class Start:
+class Origin:
     """What a proposal starts from.
 
     Attributes:
@@ -42,7 +42,7 @@ class Start:
     findings: list[dict[str, Any]] | None = None
 
 
-def start_of(path: Path) -> Start:
+def origin_of(path: Path) -> Origin:
     """The start that a path means: a scenario file, a `diagnosis.json`, or the folder of one.
 
     Raises:
@@ -50,7 +50,7 @@ def start_of(path: Path) -> Start:
     """
     file = path / DIAGNOSIS if path.is_dir() else path
     if file.suffix != ".json":
-        return Start(path)
+        return Origin(path)
     if not file.exists():
         raise InputError(f"{path}: holds no {DIAGNOSIS}; expected a scenario file or the folder of a diagnosis")
     try:
@@ -63,7 +63,7 @@ def start_of(path: Path) -> Start:
         ) from None
     if not scenario.is_file():
         raise InputError(f"{file}: scenario_file: {scenario} does not exist; expected the scenario that was diagnosed")
-    return Start(scenario, engine, findings)
+    return Origin(scenario, engine, findings)
 
 
 def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Path) -> list[Change]:
@@ -125,7 +125,7 @@ def _unnamed(round_: Round) -> dict[Suspect, Scored]:
     likely = {p.block.suspect: p for p in reversed(round_.promised) if p.gain > least}
     fitted = {}
     for p in sorted(likely.values(), key=lambda p: -p.gain)[:MOST]:
-        scored = round_.ground.fit([*now.fit.changes, p.block.start.first])
+        scored = round_.yardstick.fit([*now.fit.changes, p.block.start.first])
         if scored is not None and scored.evidence - now.evidence > least:
             fitted[p.block.suspect] = scored
     return fitted

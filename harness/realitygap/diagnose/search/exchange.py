@@ -24,7 +24,7 @@ from realitygap.diagnose.search.round import Round, linear_at
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 
-LEVEL = 1.64
+ERRORS = 1.64
 """Standard errors of a difference that keep a rival in the confidence set: 95 %, one-sided."""
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
@@ -52,7 +52,7 @@ class Rival:
     @property
     def open(self) -> bool:
         """Whether the recordings cannot tell it from the finding."""
-        return self.behind <= max(ODDS, LEVEL * self.error)
+        return self.behind <= max(ODDS, ERRORS * self.error)
 
 
 def compare(channels: Sequence[Channel], best: Scored, other: Scored, suspect: Suspect) -> Rival:
@@ -133,12 +133,12 @@ def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     quick = round_.adjusted(rest)
     if quick is not None and round_.now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
-    return round_.ground.fit(rest, None if quick is None else quick.fit, "compared")
+    return round_.yardstick.fit(rest, None if quick is None else quick.fit, "compared")
 
 
 def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
-    ground, rest = round_.ground, alone.fit.changes
+    yardstick, rest = round_.yardstick, alone.fit.changes
     gain = round_.now.evidence - alone.evidence
 
     def fits(suspect: Suspect) -> bool:
@@ -147,9 +147,9 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     here = [b for b in round_.blocks if fits(b.suspect)]
     known = {b.suspect for b in here}
     beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
-    here += ground.responses(alone.fit, [s for s in beside if fits(s)])
+    here += yardstick.responses(alone.fit, [s for s in beside if fits(s)])
     chosen: dict[Suspect, Promise] = {}
-    for p in linear_at(ground.sharp(alone.fit), here).promises():
+    for p in linear_at(yardstick.sharp(alone.fit), here).promises():
         worth = p.gain > (CLOSE * gain if chosen else 0.0)
         if worth and len(chosen) < EXCHANGED:
             chosen.setdefault(p.block.suspect, p)
@@ -161,9 +161,9 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit
-        scored = ground.fit(quick.fit.changes, quick.fit, "compared") if close else quick
+        scored = yardstick.fit(quick.fit.changes, quick.fit, "compared") if close else quick
         if scored is not None:
-            out.append(compare(ground.channels, round_.now, scored, suspect))
+            out.append(compare(yardstick.channels, round_.now, scored, suspect))
             if close:
                 round_.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
     return sorted(out, key=lambda r: r.behind)

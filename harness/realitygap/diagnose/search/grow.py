@@ -45,7 +45,7 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if better and promise - round_.now.evidence < most - EQUAL:
             break
-        scored = round_.ground.fit(near.changes, near, "compared")
+        scored = round_.yardstick.fit(near.changes, near, "compared")
         if scored is None:
             continue
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:

@@ -17,7 +17,7 @@ from realitygap.diagnose.search.round import Round
 
 DOUBTFUL = 2.0
 """A finding is tried without where a straight line says that it gains less than this many times what a name needs."""
-LEVEL = 0.95
+TOLD = 0.95
 """A finding whose interval at this level holds what a model without it has is none, whatever its evidence: stretches of
 the recordings scatter more than the likelihood says."""
 
@@ -73,5 +73,5 @@ def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, Loss]:
         information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
         occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
         far = float(away @ information @ away)
-        out[change.suspect] = Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(LEVEL, len(at))))
+        out[change.suspect] = Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(TOLD, len(at))))
     return out

@@ -16,7 +16,7 @@ from realitygap.diagnose.fit.responses import Block, residual, residuals
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import WORST
 from realitygap.diagnose.search.linear import Linear, Promise
-from realitygap.diagnose.search.model import Ground
+from realitygap.diagnose.search.yardstick import Yardstick
 
 BEAM = 4
 """Tries far from a straight line that are kept: those that promise most."""
@@ -48,7 +48,7 @@ class Round:
 
     Attributes:
         little: what a round has to gain, that ordinary laws leave of what is explained.
-        ground: what models are compared on.
+        yardstick: what models are compared on.
         now: the accepted model, fitted.
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
@@ -60,20 +60,20 @@ class Round:
         self, simulations: Simulations, at: Fit, everyone: Sequence[Suspect], limit: float, nothing: Fit, say: Say
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
-        self.ground = ground = Ground(simulations, at.changes)
-        first = residual(simulations, at.changes, ground.train)
+        self.yardstick = yardstick = Yardstick(simulations, at.changes)
+        first = residual(simulations, at.changes, yardstick.train)
         if first is None:
             raise RuntimeError("the model that the search stands at cannot be simulated")
-        ground.take_facts(Fit(at.changes, first))
-        start = ground.score(Fit(at.changes, first))
-        done = ground.fit(at.changes, at) if any(c.free for c in at.changes) else None
-        self.now = start if done is None else ground.elsewhere(done)
-        ground.take_facts(self.now.fit)
-        self.blocks = ground.responses(self.now.fit, everyone)
-        ground.take_imperfections(self.now.fit, self.blocks)
-        self.now = ground.score(self.now.fit)
-        self.little = LEFT * (self.now.evidence - ground.score(nothing).evidence)
-        self.look = ground.sharp(self.now.fit)
+        yardstick.take_facts(Fit(at.changes, first))
+        start = yardstick.score(Fit(at.changes, first))
+        done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
+        self.now = start if done is None else yardstick.elsewhere(done)
+        yardstick.take_facts(self.now.fit)
+        self.blocks = yardstick.responses(self.now.fit, everyone)
+        yardstick.take_imperfections(self.now.fit, self.blocks)
+        self.now = yardstick.score(self.now.fit)
+        self.little = LEFT * (self.now.evidence - yardstick.score(nothing).evidence)
+        self.look = yardstick.sharp(self.now.fit)
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
             + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
@@ -84,7 +84,7 @@ class Round:
 
     def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
-        return self.ground.fit(changes, known or self.now.fit, "quick")
+        return self.yardstick.fit(changes, known or self.now.fit, "quick")
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
@@ -96,11 +96,11 @@ class Round:
 
     def _jumps(self) -> list[Promise]:
         """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
-        still = self.ground.plain(self.now.fit).evidence
+        still = self.yardstick.plain(self.now.fit).evidence
         rough: dict[tuple[Suspect, tuple[str, ...]], tuple[float, Block]] = {}
         for block in self.blocks:
             if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
-                gain = self.ground.plain(self._beyond(block)).evidence - still
+                gain = self.yardstick.plain(self._beyond(block)).evidence - still
                 which = block.suspect, block.start.first.free
                 if gain > rough.get(which, (0.0, block))[0]:
                     rough[which] = gain, block
@@ -108,7 +108,7 @@ class Round:
         for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
             try_ = block.start.tries[0]
             whole = Start(try_, (try_,), block.start.zero, "whole")
-            gain = self.ground.sharp(self._beyond(block)).evidence - self.look.evidence
+            gain = self.yardstick.sharp(self._beyond(block)).evidence - self.look.evidence
             out.append(Promise(Block(whole, block.columns), (1.0,), gain))
         return sorted((p for p in out if p.gain > 0.0), key=lambda p: -p.gain)[:BEAM]
 
@@ -130,8 +130,8 @@ class Round:
         still, *answers = residuals(
             self.simulations,
             [accepted, *([*accepted, c] for c in changes)],
-            self.ground.train,
-            self.ground.floors.coarse,
+            self.yardstick.train,
+            self.yardstick.floors.coarse,
         )
         if still is None:
             return chosen

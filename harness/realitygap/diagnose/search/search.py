@@ -31,7 +31,7 @@ class Found:
     """What a search found.
 
     Attributes:
-        base: the scenario's own model, on the ground of the last round.
+        base: the scenario's own model, on the yardstick of the last round.
         best: the model with the best evidence.
         limit: what a finding has to gain.
         floors: of the best model.
@@ -85,7 +85,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             break
         at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)
         say("; ".join(told_change(c) for c in at.changes))
-    start = round_.ground.score(nothing)
+    start = round_.yardstick.score(nothing)
     floors = measure(simulations, round_.now.fit.changes)
     return Found(start, round_.now, limit, floors, last.gains, last.rivals, round_.promised)
 

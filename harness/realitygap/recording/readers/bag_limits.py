@@ -37,7 +37,7 @@ UNPACKERS: dict[str, Callable[[], Any]] = {
 
 
 @dataclass
-class Limits:
+class Allowance:
     """What is left of a bag's allowance."""
 
     path: Path
@@ -99,7 +99,7 @@ class Limits:
 class _Packed:
     """A packed file while it is copied, which reads as much as the limits leave; and the module that opens it."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Allowance) -> None:
         self._limits = limits
         self._file: Any = None
 
@@ -123,10 +123,10 @@ class _Packed:
 
 
 @contextmanager
-def limited(path: Path) -> Iterator[Limits]:
+def limited(path: Path) -> Iterator[Allowance]:
     """The limits of a bag, a file or a folder, which hold for as long as this is open."""
     files = [path] if path.is_file() else [p for p in path.iterdir() if p.is_file()]
-    limits = Limits(path, max(TIMES * sum(p.stat().st_size for p in files), LEAST))
+    limits = Allowance(path, max(TIMES * sum(p.stat().st_size for p in files), LEAST))
     any_reader = rosbags.highlevel.anyreader
     with ExitStack() as stack:
         for table in (rosbags.rosbag1.reader.decompressors, rosbags.rosbag2.storage_mcap.DECOMPRESSORS):

@@ -17,7 +17,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.alike import Taking
-from realitygap.recording.readers.bag_limits import Limits, limited
+from realitygap.recording.readers.bag_limits import Allowance, limited
 from realitygap.recording.readers.clock import choose_clock
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Refused, Supply, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
@@ -183,7 +183,7 @@ def short(kind: str) -> str:
 class Bag:
     """An open bag: its topics with their types and counts, when it begins [ns], and its messages."""
 
-    def __init__(self, path: Path, reader: AnyReader, limits: Limits) -> None:
+    def __init__(self, path: Path, reader: AnyReader, limits: Allowance) -> None:
         self.path, self._limits = path, limits
         self.begin = int(reader.start_time)
         self._reader = reader

@@ -26,7 +26,7 @@ BENT = 3
 """Up to so many new values are followed by their own slopes in a quick fit, anew in each pass: they bend most."""
 
 
-class Ground:
+class Yardstick:
     """What all models of one round are compared on: floors, training motions, and imperfections of every law.
 
     Attributes:

@@ -27,7 +27,7 @@ FASTEST, SLOWEST = 1e-3, 0.02
 
 
 @dataclass(frozen=True)
-class Motion:
+class Excitation:
     """Segments one behind the other.
 
     Attributes:
@@ -82,7 +82,7 @@ def pose_of(problem: Problem, pose: dict[str, float]) -> Array:
     return np.array([pose.get(name, float(home[i])) for i, name in enumerate(names)])
 
 
-def experiment_of(motion: Motion, like: Experiment | None = None) -> Experiment:
+def experiment_of(motion: Excitation, like: Experiment | None = None) -> Experiment:
     """The simulation of a motion; it begins before the motion, with the readings in the pose, so that the robot is at
     rest. `like` is what was recorded before, if anything was.
     """
@@ -110,7 +110,7 @@ def experiment_of(motion: Motion, like: Experiment | None = None) -> Experiment:
     )
 
 
-def with_motions(problem: Problem, motions: Sequence[Motion]) -> Problem:
+def with_motions(problem: Problem, motions: Sequence[Excitation]) -> Problem:
     """The problem with motions as further cases, behind its own; what would be measured is not known."""
     like = problem.cases[0]
     rate = (len(like.measured.time) - 1) / (like.measured.time[-1] - like.measured.time[0])
@@ -119,7 +119,7 @@ def with_motions(problem: Problem, motions: Sequence[Motion]) -> Problem:
     return replace(problem, cases=(*problem.cases, *cases))
 
 
-def case_of(motion: Motion, experiment: Experiment, noise: dict[str, Array], rate: float) -> Case:
+def case_of(motion: Excitation, experiment: Experiment, noise: dict[str, Array], rate: float) -> Case:
     """A motion as it would be recorded, so many times a second [Hz], with this noise by signal (n,)."""
     time = np.arange(0.0, motion.seconds, 1.0 / rate)
     names = tuple(motion.condition.plant.model.joint_names)
