@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from realitygap.check import Mistake, accepted, blamed_joints, certain, check
 from realitygap.check.mistake import merged
@@ -14,7 +15,7 @@ from realitygap.scenario.file import load_scenario
 sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 
 from spoil import scaled, start_elsewhere
-from teams import Team, demo
+from teams import Table, Team, demo
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +96,31 @@ def test_the_command_lists_them_and_says_how_sure_it_is(
         main(["check", str(path)])
     assert (ended.value.code or 0) == status
     assert capsys.readouterr().out.startswith(line)
+
+
+@pytest.mark.parametrize("signals", [("position",), ("position", "velocity")], ids=" and ".join)
+@pytest.mark.parametrize("rate", [50, 200, 1000])
+def test_a_servo_that_is_off_for_a_while_hides_nothing(
+    team: Team, tmp_path: Path, rate: int, signals: tuple[str, ...]
+) -> None:
+    """At the recorded rate, a quarter of it, and five times as often."""
+    paused = team.copy()
+    for name, table in paused.tables.items():
+        time = np.arange(table.time[0], table.time[-1], 1 / rate)
+        command, position, velocity = (
+            resampled(time, table.time, value) for value in (table.command, table.position, table.velocity)
+        )
+        command[(time < 0.5) | ((time > 2.0) & (time < 2.5))] = np.nan
+        paused.tables[name] = Table(time, command, position, velocity, None)
+    paused.scenario["recordings"]["effort"] = "none"
+    for signal in signals:
+        scaled(signal, -1.0)(paused, 1)
+    (found,) = check(load_scenario(paused.write(tmp_path)))
+    assert (found.kind, found.joints) == ("flipped_sign", ("elbow",))
+
+
+def resampled(time: np.ndarray, known: np.ndarray, value: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(time, known, column) for column in value.T])
 
 
 def test_run_stops_at_a_certain_mistake(team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

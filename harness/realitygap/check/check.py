@@ -90,15 +90,18 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
         angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
     found += angles
     usual = usual_slopes(rest)
-    for o in rest:
-        found += velocity_mistakes(o, _without(o, _joints(angles)), usual)
+    speeds = [m for o in rest for m in velocity_mistakes(o, _without(o, _joints(angles)), usual)]
+    named = _joints(m for m in speeds if m.kind != "velocity")  # in any of them
+    found += [m for m in speeds if m.kind != "velocity" or not named & set(m.joints)]
     if undriven_robot or late:
         return found
     held = [m for o in rest for m in constant_command(o)]
     found += [m for m in held if not _joints(found) & set(m.joints)]
     told = _joints(found)
     found += [m for o in rest for m in start_mistakes(o) if not told & set(m.joints)]
-    return found + _plainest([m for o in rest for m in effort_mistakes(o, _without(o, told))])
+    heavy = load_mistakes([o for o in rest if o.follows.any()])
+    believed = {id(o): not heavy and not link_mistakes(o.plant) for o in rest}
+    return found + _plainest([m for o in rest for m in effort_mistakes(o, _without(o, told), weighed=believed[id(o)])])
 
 
 def _plainest(mistakes: Sequence[Mistake]) -> list[Mistake]:

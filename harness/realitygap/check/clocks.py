@@ -36,7 +36,7 @@ def time_unit(o: Observed) -> list[Mistake]:
     The travel by the reported velocity over the travel of the position is then that factor, at all joints.
     """
     slopes = travel_slopes(o)
-    by_velocity = float(np.median(slopes)) if len(slopes) else 1.0
+    by_velocity = float(np.median(np.abs(slopes))) if len(slopes) else 1.0  # a sign is another mistake
     key = f"{o.key}.path"
     for factor, name in ((1e3, "ms"), (1e6, "µs"), (1e9, "ns")):
         seen = f"; the velocities confirm it: they sum up to {by_velocity:.3g} times the positions' travel"

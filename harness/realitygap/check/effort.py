@@ -32,6 +32,8 @@ ALONE = 3e-3
 """And the least share of an effort that nothing else explains: along one sine the speed does, up to rounding."""
 FITS = 0.8
 """And where an effort is told from that of another joint: the law is exact, up to what is clipped and noise."""
+EXACT = 0.98
+"""An effort that fits its own joint so well is looked for at no other: joints that move alike fit each other's."""
 BRAKING = 3.0
 """A dc servo that brakes at its no-load speed gives twice its stall torque; the rest is for its constants."""
 IMPOSSIBLE = 10.0
@@ -78,20 +80,23 @@ class EffortFit:
         return self.part > PART and 1 / IMPOSSIBLE < self.ratio < IMPOSSIBLE
 
 
-def effort_mistakes(o: Observed, judged: Mask) -> list[Mistake]:
-    """Efforts in another unit, with another sign, too large for any servo, or another joint's, where judged (n,)."""
+def effort_mistakes(o: Observed, judged: Mask, *, weighed: bool) -> list[Mistake]:
+    """Efforts in another unit, with another sign, too large for any servo, or another joint's, where judged (n,).
+
+    `weighed`: whether the links' masses are believed, so that what moving them takes tells something.
+    """
     if o.effort is None or len(o.clock) < 50:
         return []
     out: list[Mistake] = []
     wrong: list[int] = []
-    load = None if o.plant.model.floating else needed_effort(o)
+    load = needed_effort(o) if weighed and not o.plant.model.floating else None
     for j in np.flatnonzero(judged & np.isfinite(o.effort).any(axis=0)):
         by_load = _fit_load(o, int(j), load)
         fits = [_fit(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
         found = _size(o, int(j), fits, by_load) or _sign(o, int(j), fits, by_load)
         if found is not None:
             out.append(found)
-        if o.follows[j] and (found is not None or max(f.share for f in fits) < FITS):
+        if o.follows[j] and (found is not None or max(f.share for f in fits) < EXACT):
             wrong.append(int(j))
     swapped = _swapped(o, wrong)
     if swapped:

@@ -94,7 +94,9 @@ class Observed:
             return np.full((len(self.clock), len(self.joints)), np.nan)
         if self._width == 1:
             return held_at(r.command_time, r.command, self.clock)
-        return self._even(held_at(r.command_time, r.command, r.trace.time))
+        out = self._even(held_at(r.command_time, r.command, r.trace.time))
+        out[np.isnan(held_at(r.command_time, r.command, self.clock))] = np.nan
+        return out
 
     @cached_property
     def quantum(self) -> Array:
@@ -130,12 +132,13 @@ class Observed:
         width = self._width
         out = np.empty((len(self.clock), n))
         for j in range(n):
-            smooth = uniform_filter1d(value[:, j], width) if width > 1 else value[:, j]
-            known = np.isfinite(smooth)
+            known = np.isfinite(value[:, j])  # a running mean never gets rid of what is no number
             if known.sum() < 2:
                 out[:, j] = np.nan
-            else:
-                out[:, j] = np.interp(self.clock, time[known], smooth[known], left=np.nan, right=np.nan)
+                continue
+            own = value[known, j]
+            smooth = uniform_filter1d(own, width) if width > 1 else own
+            out[:, j] = np.interp(self.clock, time[known], smooth, left=np.nan, right=np.nan)
         return out
 
 
