@@ -1,79 +1,22 @@
 """A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
+from first_scenario import EPOCH, STATE, arm, messages, read_all
 from jsonschema import Draft202012Validator
 from lerobot_sets import data_set, motion
 from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
 from realitygap.init.draft import init, parse_packages
-from realitygap.recording import read_recording
-from realitygap.recording.recording import Recording
 from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import load_scenario
-from realitygap.scenario.schema import Scenario
 from realitygap.scenario.servos import DcServo, PidServo
 from realitygap_engines.errors import ModelError
 from signals import Signals, there
-
-STATE = "sensor_msgs/msg/JointState"
-EPOCH = 1.7e9
-
-
-def arm(
-    path: Path,
-    joints: Sequence[str] = ("shoulder", "elbow"),
-    effort: float = 3.0,
-    root: str = "base",
-    feet: bool = False,
-) -> Path:
-    """A URDF with joints in a chain; with feet, both hang from the base and end in a foot."""
-    links = [f'<link name="{root}">{INERTIAL}</link>']
-    parent = root
-    for joint in joints:
-        child = f"{joint}_foot" if feet else f"{joint}_link"
-        limit = f'<limit lower="-3" upper="3" effort="{effort}" velocity="6"/>'
-        links.append(f'<link name="{child}">{INERTIAL}</link>')
-        links.append(
-            f'<joint name="{joint}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
-            f'<axis xyz="0 1 0"/>{limit}</joint>'
-        )
-        parent = root if feet else child
-    path.write_text(f'<robot name="arm">{"".join(links)}</robot>')
-    return path
-
-
-INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
-
-
-def goal(t: Any) -> Any:
-    return np.sin(3 * t) + 0.3 * np.sin(7 * t)
-
-
-def messages(
-    state: str = "/joint_states", command: str = "/joint_commands", velocity: bool = True, lag: float = 0.05
-) -> list[tuple[str, float, str, dict[str, Any]]]:
-    out = []
-    for k in range(300):
-        t = 0.01 * k
-        names = ["elbow", "shoulder", "gripper"]
-        measured = {"stamp": EPOCH + t, "name": names, "position": [goal(t - lag)] * 3}
-        if velocity:
-            measured["velocity"] = [1.0] * 3
-        asked = {"stamp": EPOCH + t, "name": names, "position": [goal(t)] * 3}
-        out += [(state, EPOCH + t, STATE, measured), (command, EPOCH + t, STATE, asked)]
-    return out
-
-
-def read_all(path: Path, joints: Sequence[str]) -> tuple[Scenario, list[Recording]]:
-    loaded = load_scenario(path)
-    return loaded.scenario, [read_recording(c.path, c.scenario, joints, file=path) for c in loaded.cases()]
 
 
 @pytest.mark.parametrize("form", ["bag", "mcap", "db3"])
@@ -157,87 +100,6 @@ def test_a_root_called_world_is_fixed(tmp_path: Path, write_bag: Callable[..., P
     path = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out").path
     assert load_scenario(path).scenario.robot.base == "fixed"
     assert "the root link is called world" in path.read_text()
-
-
-def test_tables_with_other_column_names(tmp_path: Path) -> None:
-    time = np.arange(100) * 0.01
-    frame = pd.DataFrame({"t": time})
-    for joint in ("shoulder", "elbow"):
-        frame[f"goal_{joint}"], frame[f"q_{joint}"], frame[f"torque_{joint}"] = goal(time), goal(time - 0.05), 1.0
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out").path
-    _, (recording,) = read_all(path, ["shoulder", "elbow"])
-    np.testing.assert_allclose(Signals(recording.trace).command[:, 1], goal(time))
-    np.testing.assert_allclose(Signals(recording.trace).effort, 1.0)
-
-
-@pytest.mark.parametrize(
-    ("time", "position", "command", "effort"),
-    [
-        ("time", "pos_meas{n}", "pos_des{n}", "tau_meas{n}"),
-        ("t [s]", "q_{n}", "q_cmd_{n}", "tau_{n}"),
-        ("timestamp", "actual_q_{z}", "target_q_{z}", "actual_torque_{z}"),
-        ("Time", "{J}Position", "{J}PositionCommand", "{J}Torque"),
-        ("stamp", "{j}.angle_rad", "{j}.goal", "{j}.torque_nm"),
-        ("time_s", "joint_{n}_position", "joint_{n}_target", "joint_{n}_effort"),
-    ],
-)
-def test_columns_as_people_name_them(time: str, position: str, command: str, effort: str, tmp_path: Path) -> None:
-    clock = np.arange(100) * 0.01
-    frame = pd.DataFrame({time: clock})
-    joints = ("shoulder", "elbow")
-    for k, joint in enumerate(joints):
-        for form, value in ((command, goal(clock)), (position, goal(clock - 0.05)), (effort, np.sin(clock))):
-            frame[form.format(n=k + 1, z=k, j=joint, J=joint.capitalize())] = value + k
-        frame[f"temperature_{k}"] = 30.0
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
-    scenario, (recording,) = read_all(draft.path, joints)
-    np.testing.assert_allclose(
-        Signals(recording.trace).position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)])
-    )
-    np.testing.assert_allclose(Signals(recording.trace).command, np.column_stack([goal(clock) + k for k in (0, 1)]))
-    np.testing.assert_allclose(Signals(recording.trace).effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
-    assert there(scenario.motion).meaning == "position"
-    assert draft.told[0] == "not used: temperature_0, temperature_1"
-
-
-@pytest.mark.parametrize(
-    ("time", "position", "velocity", "factors"),
-    [
-        ("timestamp_ms", "q{n} [deg]", "dq{n} [deg/s]", (1e3, 180 / np.pi, 180 / np.pi)),
-        ("time_us", "q{n}", "qd{n}_deg", (1e6, 1.0, 180 / np.pi)),
-        ("t", "pos{n} (mm)", "vel{n}", (1.0, 1e3, 1.0)),
-    ],
-)
-def test_units_that_columns_name_are_taken(
-    time: str, position: str, velocity: str, factors: tuple[float, float, float], tmp_path: Path
-) -> None:
-    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
-    frame = pd.DataFrame({time: clock * factors[0]})
-    for n in (1, 2):
-        frame[position.format(n=n)] = goal(clock) * factors[1]
-        frame[velocity.format(n=n)] = np.gradient(goal(clock), clock) * factors[2]
-        frame[f"tau{n}"] = np.sin(clock)
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
-    scenario, (recording,) = read_all(draft.path, joints)
-    assert scenario.follows
-    np.testing.assert_allclose(recording.trace.time, clock, atol=1e-12)
-    np.testing.assert_allclose(Signals(recording.trace).position[:, 1], goal(clock))
-    np.testing.assert_allclose(Signals(recording.trace).velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
-
-
-def test_a_commanded_torque_drives_where_no_position_is_commanded(tmp_path: Path) -> None:
-    clock = np.arange(100) * 0.01
-    frame = pd.DataFrame({"time": clock})
-    for joint in ("shoulder", "elbow"):
-        frame[f"{joint}_pos"], frame[f"{joint}_torque_command"] = goal(clock), np.cos(clock)
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
-    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
-    assert there(scenario.motion).meaning == "effort"
-    np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
 
 
 def test_the_terminal_hears_what_was_guessed_not_used_and_missing(

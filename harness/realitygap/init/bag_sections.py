@@ -29,11 +29,23 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         )
     moving = next(iter(contents.poses + contents.imus), None)
     told = _told(contents, roles, joints)
-    return Sections(_motion(roles), _recordings(contents, roles), runs_of(paths, out), roles.meaning, moving, told=told)
+    return Sections(
+        _motion(roles),
+        _recordings(contents, roles),
+        runs_of(paths, out),
+        roles.meaning,
+        moving,
+        told=told,
+        followed=_followed(roles),
+    )
+
+
+def _followed(roles: Roles) -> bool:
+    return roles.command is None and roles.effort is not None
 
 
 def _motion(roles: Roles) -> list[str]:
-    if roles.command is None and roles.effort is not None:
+    if _followed(roles):
         return [FOLLOWED]
     if roles.command is None:
         return ["# No command was found: motion: {recorded: TOPIC} or {keyframes: FILE} says what the servos are told."]

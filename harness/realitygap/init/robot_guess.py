@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from realitygap_engines.model.robot import Joint, Model
@@ -14,6 +14,7 @@ FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
 LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
 FULL_ERROR = 0.1  # rad: a stiff position servo gives its full effort at about this error
 KP_UNKNOWN = 50.0  # N·m/rad, for a joint without effort limit
+GAIN_UNKNOWN = 1.0  # N·m·s/rad, for a joint without limits that is told velocities
 SUPPLY = 12.0  # V
 DAMPING_TIME = 0.005  # s: kd = kp times this, little enough for light links at 1 ms
 STS3215 = re.compile(r"so.?10[01]|lekiwi", re.IGNORECASE)
@@ -49,7 +50,7 @@ def servo_lines(model: Model, meaning: str, robot: str) -> list[str]:
 
     Args:
         model: the robot.
-        meaning: what a recorded command is: position, duty or effort.
+        meaning: what a recorded command is: position, velocity, duty or effort.
         robot: what the recordings call it.
     """
     if model.actuators:
@@ -74,7 +75,7 @@ def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
     for (effort, velocity), names in groups.items():
         pattern = '"*"' if len(groups) == 1 else f"[{', '.join(map(quoted, names))}]"
         lines.append(f"  - joints: {pattern}")
-        lines += _dc(effort, velocity) if meaning == "duty" else _pid(effort)
+        lines += KINDS[meaning](effort, velocity)
     return lines
 
 
@@ -92,7 +93,20 @@ def _sts3215(robot: str) -> list[str]:
     ]
 
 
-def _pid(effort: float) -> list[str]:
+def _effort(*_: float) -> list[str]:
+    """A motor that gives what it is told."""
+    return ["    kind: effort  # GUESS: the commanded effort is what the motor gives, in N·m or N"]
+
+
+def _velocity(effort: float, velocity: float) -> list[str]:
+    """A servo that is told velocities and gives the URDF's effort at a small share of its velocity."""
+    bounded = bool(np.isfinite([effort, velocity]).all()) and velocity > 0
+    gain = effort / (FULL_ERROR * velocity) if bounded else GAIN_UNKNOWN
+    why = f"the URDF's effort limit of {effort:g} at an error of {FULL_ERROR:g} of its velocity limit of {velocity:g}"
+    return ["    kind: velocity", f"    gain: {gain:.3g}  # GUESS: {why if bounded else 'the URDF has no limits'}"]
+
+
+def _pid(effort: float, _: float) -> list[str]:
     bounded = bool(np.isfinite(effort))
     kp = effort / FULL_ERROR if bounded else KP_UNKNOWN
     why = f"the URDF's effort limit of {effort:g} at {FULL_ERROR:g} rad of error" if bounded else "no effort limit"
@@ -116,3 +130,12 @@ def _dc(effort: float, velocity: float) -> list[str]:
         f"    torque_constant: {constant:.3g}  # GUESS: {why}",
         f"    resistance: {constant * SUPPLY / stall:.3g}  # GUESS: likewise",
     ]
+
+
+KINDS: dict[str, Callable[[float, float], list[str]]] = {
+    "position": _pid,
+    "velocity": _velocity,
+    "duty": _dc,
+    "effort": _effort,
+}
+"""A servo by what it is told, from the URDF's limits of effort and velocity."""

@@ -28,8 +28,8 @@ class Role:
 
 @dataclass(frozen=True)
 class Roles:
-    """The streams of a scenario; `meaning` is what the command is: position, duty or effort. `order` are the joints of
-    a command whose messages name none.
+    """The streams of a scenario; `meaning` is what the command is: position, velocity, duty or effort. `order` are the
+    joints of a command whose messages name none.
     """
 
     state: Role | None = None
@@ -71,8 +71,13 @@ def roles_of(contents: Contents) -> Roles:
     unnamed = unnamed_command(contents.unnamed, state)
     if unnamed is not None:
         return replace(roles, command=unnamed[0], order=unnamed[1])
-    for stream in streams:
-        if "position" not in stream.signals and "effort" in stream.signals and COMMAND.search(stream.topic):
+    asked_for = [s for s in streams if "position" not in s.signals and COMMAND.search(s.topic)]
+    for stream in asked_for:
+        if "velocity" in stream.signals:
+            return replace(
+                roles, command=Role(stream, "its name says command, and it holds velocities"), meaning="velocity"
+            )
+        if "effort" in stream.signals:
             within_one = float(np.nanmax(np.abs(stream.signals["effort"]))) <= 1.0
             meaning = "duty" if within_one and DUTY.search(stream.topic) else "effort"
             return replace(roles, command=Role(stream, "its name says command, and it holds efforts"), meaning=meaning)

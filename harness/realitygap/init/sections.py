@@ -6,6 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 FOLLOWED = "motion: {followed: true}  # GUESS: no command was found, so the model has to explain the measured effort"
+FOLLOWED_ASKED = (
+    "motion: {followed: true}  # GUESS: efforts were both asked for and measured; or {recorded: command, as: effort}"
+)
+ASKED_AND_MEASURED = (
+    "efforts were both asked for and measured: the measured motion is followed; `motion: {recorded: command, as: "
+    "effort}` with servos of `kind: effort` plays back what was asked for"
+)
 NOTHING_DRIVES = "no {} of commands was found: without motion, nothing drives the joints"
 AS_FOLLOWED = "no {} of commands was found: the measured motion is followed, and the effort that it takes is compared"
 
@@ -18,10 +25,11 @@ class Sections:
         motion: the lines of `motion`.
         recordings: the lines below `recordings`, without the runs.
         runs: the lines below `runs`.
-        meaning: what a recorded command is: position, duty or effort.
+        meaning: what a recorded command is: position, velocity, duty or effort.
         moving_base: the stream that only a robot with a moving base has.
         robot: what the recording calls the robot.
         told: sentences for the terminal: what was seen and not used, and what is missing.
+        followed: whether the measured motion is followed, for which there are no servos.
     """
 
     motion: list[str]
@@ -31,11 +39,7 @@ class Sections:
     moving_base: str | None = None
     robot: str = ""
     told: list[str] = field(default_factory=list)
-
-    @property
-    def followed(self) -> bool:
-        """Whether the measured motion is followed, for which there are no servos."""
-        return FOLLOWED in self.motion
+    followed: bool = False
 
 
 def runs_of(recordings: list[Path], out: Path) -> list[str]:

@@ -9,7 +9,16 @@ import pandas as pd
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
-from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
+from realitygap.init.sections import (
+    AS_FOLLOWED,
+    ASKED_AND_MEASURED,
+    FOLLOWED,
+    FOLLOWED_ASKED,
+    NOTHING_DRIVES,
+    Sections,
+    quoted,
+    runs_of,
+)
 from realitygap.recording.readers.table import FORMS, Frame, column_of, load
 from realitygap.scenario.schema import Columns, Units
 
@@ -40,6 +49,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         )
     columns = {"time": time} | chosen
     current = _current(chosen)
+    followed = "effort" in columns and ("command" not in columns or meaning == "effort")
     told = _told(labels, columns, joints)
     if current:
         told.append(
@@ -51,8 +61,10 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
             "where the controller is not known, `motion: {followed: true}` in place of motion and servos asks the "
             "model for the measured effort alone"
         )
-    if "command" not in columns and joints:
-        told.append(AS_FOLLOWED.format("column") if "effort" in columns else NOTHING_DRIVES.format("column"))
+    if followed and meaning == "effort":
+        told.append(ASKED_AND_MEASURED)
+    elif "command" not in columns and joints:
+        told.append(AS_FOLLOWED.format("column") if followed else NOTHING_DRIVES.format("column"))
     lines = _columns(columns)
     units = _units(columns)
     if units:
@@ -67,7 +79,8 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
             else "of the motor, before friction, in N·m or N"
         )
         lines.append(f"  effort: {unit}  # GUESS: {why}")
-    return Sections(_motion(columns, meaning), lines, runs_of(paths, out), meaning=meaning, told=told)
+    motion = _motion(columns, meaning, followed=followed)
+    return Sections(motion, lines, runs_of(paths, out), meaning=meaning, told=told, followed=followed)
 
 
 def _time(path: Path, frame: Frame) -> str:
@@ -99,14 +112,12 @@ def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Colu
         if found and (key != "current" or "effort" not in columns):
             best = max(found, key=lambda s: (s == (key,), roles[s][2], -len(s)))  # plain names, then what says measured
             columns["effort" if key == "current" else key] = _written(stems[best], labels, joints)
-    for kind, meaning in (("position", "position"), ("duty", "duty"), ("effort", "effort")):
-        if kind == "effort" and "effort" in columns:
-            break  # both asked for and measured: a motion to follow says more than a torque that is played back
+    for kind in ("position", "velocity", "duty", "effort"):
         found = [s for s, (k, command, _) in roles.items() if k == kind and (command or kind == "duty")]
         if found:
             best = min(found, key=len)
             columns["command"] = _written(stems[best], labels, joints)
-            return columns, meaning
+            return columns, kind
     return columns, "position"
 
 
@@ -127,9 +138,10 @@ def _written(found: dict[str, str], labels: Sequence[str], joints: Sequence[str]
     return found
 
 
-def _motion(columns: Mapping[str, Column], meaning: str) -> list[str]:
-    if "command" not in columns and "effort" in columns:
-        return [FOLLOWED]
+def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> list[str]:
+    """The motion; of an effort that was both asked for and measured, following says more than playing it back."""
+    if followed:
+        return [FOLLOWED if "command" not in columns else FOLLOWED_ASKED]
     if "command" not in columns:
         return [
             "# No command was found: motion: {recorded: COLUMN} or {keyframes: FILE} says what the servos are told."

@@ -1,0 +1,131 @@
+"""A first scenario of a table: columns by the names that people give them, and a servo for what is commanded."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from first_scenario import EPOCH, STATE, arm, goal, read_all
+from realitygap.init.draft import init
+from signals import Signals, there
+
+
+def test_tables_with_other_column_names(tmp_path: Path) -> None:
+    time = np.arange(100) * 0.01
+    frame = pd.DataFrame({"t": time})
+    for joint in ("shoulder", "elbow"):
+        frame[f"goal_{joint}"], frame[f"q_{joint}"], frame[f"torque_{joint}"] = goal(time), goal(time - 0.05), 1.0
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    path = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out").path
+    _, (recording,) = read_all(path, ["shoulder", "elbow"])
+    np.testing.assert_allclose(Signals(recording.trace).command[:, 1], goal(time))
+    np.testing.assert_allclose(Signals(recording.trace).effort, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "command", "effort"),
+    [
+        ("time", "pos_meas{n}", "pos_des{n}", "tau_meas{n}"),
+        ("t [s]", "q_{n}", "q_cmd_{n}", "tau_{n}"),
+        ("timestamp", "actual_q_{z}", "target_q_{z}", "actual_torque_{z}"),
+        ("Time", "{J}Position", "{J}PositionCommand", "{J}Torque"),
+        ("stamp", "{j}.angle_rad", "{j}.goal", "{j}.torque_nm"),
+        ("time_s", "joint_{n}_position", "joint_{n}_target", "joint_{n}_effort"),
+    ],
+)
+def test_columns_as_people_name_them(time: str, position: str, command: str, effort: str, tmp_path: Path) -> None:
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({time: clock})
+    joints = ("shoulder", "elbow")
+    for k, joint in enumerate(joints):
+        for form, value in ((command, goal(clock)), (position, goal(clock - 0.05)), (effort, np.sin(clock))):
+            frame[form.format(n=k + 1, z=k, j=joint, J=joint.capitalize())] = value + k
+        frame[f"temperature_{k}"] = 30.0
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, joints)
+    np.testing.assert_allclose(
+        Signals(recording.trace).position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)])
+    )
+    np.testing.assert_allclose(Signals(recording.trace).command, np.column_stack([goal(clock) + k for k in (0, 1)]))
+    np.testing.assert_allclose(Signals(recording.trace).effort, np.column_stack([np.sin(clock) + k for k in (0, 1)]))
+    assert there(scenario.motion).meaning == "position"
+    assert draft.told[0] == "not used: temperature_0, temperature_1"
+
+
+@pytest.mark.parametrize(
+    ("time", "position", "velocity", "factors"),
+    [
+        ("timestamp_ms", "q{n} [deg]", "dq{n} [deg/s]", (1e3, 180 / np.pi, 180 / np.pi)),
+        ("time_us", "q{n}", "qd{n}_deg", (1e6, 1.0, 180 / np.pi)),
+        ("t", "pos{n} (mm)", "vel{n}", (1.0, 1e3, 1.0)),
+    ],
+)
+def test_units_that_columns_name_are_taken(
+    time: str, position: str, velocity: str, factors: tuple[float, float, float], tmp_path: Path
+) -> None:
+    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
+    frame = pd.DataFrame({time: clock * factors[0]})
+    for n in (1, 2):
+        frame[position.format(n=n)] = goal(clock) * factors[1]
+        frame[velocity.format(n=n)] = np.gradient(goal(clock), clock) * factors[2]
+        frame[f"tau{n}"] = np.sin(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, joints)
+    assert scenario.follows
+    np.testing.assert_allclose(recording.trace.time, clock, atol=1e-12)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 1], goal(clock))
+    np.testing.assert_allclose(Signals(recording.trace).velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
+
+
+@pytest.mark.parametrize(("word", "meaning"), [("torque", "effort"), ("speed", "velocity")])
+def test_a_command_that_is_no_position_gets_a_servo_of_its_kind(word: str, meaning: str, tmp_path: Path) -> None:
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock})
+    for joint in ("shoulder", "elbow"):
+        frame[f"{joint}_pos"], frame[f"{joint}_{word}_command"] = goal(clock), np.cos(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    assert (there(scenario.motion).meaning, [s.kind for s in scenario.servos]) == (meaning, [meaning])
+    np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
+
+
+@pytest.mark.parametrize("meaning", ["effort", "velocity"])
+def test_a_topic_that_commands_no_positions_gets_a_servo_of_its_kind(
+    meaning: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    told = []
+    for k in range(100):
+        stamp = {"stamp": EPOCH + 0.01 * k, "name": ["shoulder", "elbow"]}
+        told.append(("/joint_states", EPOCH + 0.01 * k, STATE, {**stamp, "position": [goal(0.01 * k)] * 2}))
+        told.append(("/joint_commands", EPOCH + 0.01 * k, STATE, {**stamp, meaning: [0.5, 1.5]}))
+    bag = write_bag(tmp_path / "run", "mcap", told)
+    scenario, (recording,) = read_all(init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out").path, ["shoulder"])
+    assert (there(scenario.motion).meaning, [s.kind for s in scenario.servos]) == (meaning, [meaning])
+    np.testing.assert_allclose(recording.command, 0.5)
+
+
+def test_an_effort_that_was_asked_for_and_measured_is_followed_and_both_are_offered(tmp_path: Path) -> None:
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock})
+    for joint in ("shoulder", "elbow"):
+        frame[f"{joint}_pos"], frame[f"{joint}_torque_command"] = goal(clock), np.cos(clock)
+        frame[f"{joint}_current"] = np.sin(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    assert scenario.follows
+    np.testing.assert_allclose(Signals(recording.trace).effort, np.tile(np.sin(clock)[:, None], 2))
+    assert any("plays back what was asked for" in line for line in draft.told)
+    assert not any(line.startswith("not used") for line in draft.told)
+    motion = next(line for line in draft.path.read_text().splitlines() if line.startswith("motion:"))
+    draft.path.write_text(
+        draft.path.read_text().replace(
+            motion, 'servos: [{joints: "*", kind: effort}]\nmotion: {recorded: command, as: effort}'
+        )
+    )
+    _, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
