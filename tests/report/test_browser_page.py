@@ -8,6 +8,28 @@ import pytest
 import synthetic
 from invented_page import JOINTS
 from realitygap.report import write_page
+from realitygap_engines import ENGINES
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_names_and_values_of_all_engines_stay_in_their_columns(
+    shared: chromium.Browser, tmp_path: Path, width: int
+) -> None:
+    gaps = {(e, (), "position", g): 0.0699 + 0.01 * i for i, e in enumerate(ENGINES) for g in ("moving", "unmoving")}
+    synthetic.write_planted(tmp_path, synthetic.planted(gaps, noise=1e-3, numerical=1e-3))
+    shared.complaints.clear()
+    shared.resize(width, 900)
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelectorAll('.heat td[data-r]').length > 0")
+    overlaps = """[...document.querySelectorAll('.heat thead tr, .heat tbody tr')].flatMap(row => {
+      const text = [...row.querySelectorAll('th[scope=col], td[data-r]')].map(cell => {
+        const range = document.createRange(); range.selectNodeContents(cell); return range.getBoundingClientRect(); });
+      return text.slice(1).map((t, i) => t.left - text[i].right); }).filter(space => space < 1).length"""
+    assert shared.run("document.querySelectorAll('.heat thead th').length") == len(ENGINES)
+    assert shared.run(overlaps) == 0
+    assert shared.run("document.documentElement.scrollWidth") <= width
+    assert shared.complaints == []
+    shared.resize(1280, 900)
 
 
 def test_what_comes_with_the_recording_has_no_switch_and_is_not_compared(

@@ -29,7 +29,8 @@ function drawHeatmap() {
   const columns = element("colgroup", null, element("col", { class: "joint" }), engines.map(() => element("col")));
   const unit = unitLabel((([...stats.values()].flat().find((s) => s)) || { unit: "" }).unit);
   const label = `${data.signals[state.signal].label}, mean absolute difference in ${unit}`;
-  const table = element("table", { class: "heat", role: "grid", "aria-label": label, onkeydown: walk }, columns,
+  const table = element("table", { class: engines.length > 4 ? "heat many" : "heat", style: `--columns:${engines.length}`,
+    role: "grid", "aria-label": label, onkeydown: walk }, columns,
     element("thead", null, head), element("tbody", null, body));
   place.replaceChildren(element("p", { class: "hint" }, element("b", null, `${data.signals[state.signal].label} [${unit}]`),
     contextText() ? ` · ${contextText()}` : ""), table, heatLegend(top, unit));
