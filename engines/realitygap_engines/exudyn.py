@@ -100,6 +100,15 @@ class ExudynSimulation(Stepped):
             fall[:3] += self._gravity @ self._turn[:3, :3]
         return np.asarray(-self._turn @ (matrix @ fall + right))
 
+    def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
+        self.reset(start)
+        out = np.empty_like(position)
+        for k in range(len(position)):
+            self._position[:], self._velocity[:] = position[k], velocity[k]
+            matrix, right = self._realize()
+            out[k] = matrix @ acceleration[k] - right
+        return out
+
     def close(self) -> None:
         self._container.Reset()
 

@@ -19,7 +19,7 @@ from realitygap_engines.engine import Capability, Engine, Ground, Native, Physic
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
-from realitygap_engines.mujoco_steps import c_step, read_base, read_bases, undamp
+from realitygap_engines.mujoco_steps import INVERSE, c_functions, c_step, inverse, read_base, read_bases, undamp
 
 FRICTION_SOLREF = (0.002, 1.0)
 FRICTION_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
@@ -165,11 +165,15 @@ class MujocoSimulation(Simulation):
     def _inverse(self, start: State, position: Array, velocity: Array, acceleration: Array) -> Array:
         m, d, out = self._m, self._d, np.empty_like(position)
         self.reset(start)
-        for k in range(len(position)):  # recursive Newton-Euler alone: mj_inverse would add limits
-            self._qpos[:], self._qvel[:], d.qacc[:] = position[k], velocity[k], acceleration[k]
-            mujoco.mj_kinematics(m, d)
-            mujoco.mj_comPos(m, d)
-            mujoco.mj_comVel(m, d)
+        motion = [np.ascontiguousarray(value) for value in (position, velocity, acceleration)]
+        functions = c_functions(*INVERSE)
+        if functions is not None:
+            inverse(functions, m._address, d._address, self._qpos, self._qvel, d.qacc, *motion, out)
+            return out
+        for k in range(len(position)):
+            self._qpos[:], self._qvel[:], d.qacc[:] = (value[k] for value in motion)
+            for name in INVERSE[:-1]:
+                getattr(mujoco, name)(m, d)
             mujoco.mj_rne(m, d, 1, out[k])
         return out
 

@@ -11,18 +11,46 @@ from realitygap_engines.law.compiled import compiled
 
 
 @cache
-def c_step() -> Any | None:
-    """`mj_step` of the library that the bindings have loaded, as a C function of the addresses of model and data.
+def c_functions(*names: str) -> tuple[Any, ...] | None:
+    """Functions of the library that the bindings have loaded, in C, of the addresses of model and data.
 
-    None where the library does not lie beside the bindings.
+    `mj_rne` also takes a flag and the address of its result. None where the library does not lie beside the bindings.
     """
     beside = Path(mujoco.__file__).parent
     found = [p for form in ("libmujoco.so.*", "libmujoco.*.dylib", "mujoco.dll") for p in beside.glob(form)]
     if len(found) != 1:
         return None
-    step = ctypes.CDLL(str(found[0])).mj_step
-    step.argtypes, step.restype = [ctypes.c_int64, ctypes.c_int64], None
-    return step
+    library = ctypes.CDLL(str(found[0]))
+    functions = tuple(getattr(library, name) for name in names)
+    for name, function in zip(names, functions, strict=True):
+        more = [ctypes.c_int, ctypes.c_int64] if name == "mj_rne" else []
+        function.argtypes, function.restype = [ctypes.c_int64, ctypes.c_int64, *more], None
+    return functions
+
+
+def c_step() -> Any | None:
+    """`mj_step` in C; None where there is none."""
+    found = c_functions("mj_step")
+    return None if found is None else found[0]
+
+
+@compiled
+def inverse(functions, model, data, q, w, a, position, velocity, acceleration, out):  # type: ignore[no-untyped-def]
+    """Write the efforts of a motion, all Shape (t, n), to `out`; `functions` are those of `INVERSE`, in C.
+
+    `q`, `w` and `a` (n,) are the coordinates, velocities and accelerations at the addresses of model and data.
+    """
+    kinematics, places, rates, newton_euler = functions
+    for k in range(len(position)):
+        q[:], w[:], a[:] = position[k], velocity[k], acceleration[k]
+        kinematics(model, data)
+        places(model, data)
+        rates(model, data)
+        newton_euler(model, data, 1, out[k].ctypes.data)
+
+
+INVERSE = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")
+"""Recursive Newton-Euler alone: mj_inverse would add limits."""
 
 
 @compiled

@@ -14,6 +14,8 @@ STATE = re.compile(r"state|measured|feedback|actual|sensor|encoder", re.IGNORECA
 COMMAND = re.compile(r"command|cmd|goal|target|desired|reference|setpoint", re.IGNORECASE)
 DUTY = re.compile(r"duty|pwm", re.IGNORECASE)
 CURRENT = re.compile(r"current|amp", re.IGNORECASE)
+TOLD = {"velocity": re.compile(r"veloc|speed", re.IGNORECASE), "duty": DUTY}
+TOLD["effort"] = re.compile(r"effort|torque", re.IGNORECASE)
 NOT_POSITION = re.compile(r"effort|torque|velocity|current|pwm|duty", re.IGNORECASE)
 LONGEST_LEAD = 0.5  # s
 
@@ -71,17 +73,31 @@ def roles_of(contents: Contents) -> Roles:
     unnamed = unnamed_command(contents.unnamed, state)
     if unnamed is not None:
         return replace(roles, command=unnamed[0], order=unnamed[1])
-    asked_for = [s for s in streams if "position" not in s.signals and COMMAND.search(s.topic)]
-    for stream in asked_for:
+    told = other_command(contents, state)
+    return roles if told is None else replace(roles, command=told[0], meaning=told[1], order=told[2])
+
+
+def other_command(contents: Contents, state: JointStream) -> tuple[Role, str, tuple[str, ...]] | None:
+    """A stream whose name says that it commands something else than positions; what, and the joints in its order.
+
+    Where its messages name no joints, the order is the robot's, as nothing that was measured tells it.
+    """
+    for stream in contents.joint_streams:
+        if "position" in stream.signals or not COMMAND.search(stream.topic):
+            continue
         if "velocity" in stream.signals:
-            return replace(
-                roles, command=Role(stream, "its name says command, and it holds velocities"), meaning="velocity"
-            )
+            return Role(stream, "its name says command, and it holds velocities"), "velocity", ()
         if "effort" in stream.signals:
             within_one = float(np.nanmax(np.abs(stream.signals["effort"]))) <= 1.0
             meaning = "duty" if within_one and DUTY.search(stream.topic) else "effort"
-            return replace(roles, command=Role(stream, "its name says command, and it holds efforts"), meaning=meaning)
-    return roles
+            return Role(stream, "its name says command, and it holds efforts"), meaning, ()
+    for stream in contents.unnamed:
+        meant = [meaning for meaning, name in TOLD.items() if name.search(stream.topic)]
+        fits = stream.signals["position"].shape[1] == len(state.joints)
+        if meant and fits and COMMAND.search(stream.topic):
+            reason = f"its name says command and {meant[0]}; its values name no joints, and this is the robot's order"
+            return Role(stream, reason), meant[0], state.joints
+    return None
 
 
 def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Role, tuple[str, ...]] | None:
