@@ -235,3 +235,18 @@ def test_dynamic_states_alone_are_the_state(tmp_path: Path, write_bag: Callable[
     draft = init(urdf, [write_bag(tmp_path / "run", "mcap", sent, DEFINITIONS)], tmp_path / "out")
     assert there(load_scenario(draft.path).scenario.recordings).state == "/dynamic_joint_states"
     assert "note: no topic of commands was found: without motion, nothing drives the joints" in draft.lines()
+
+
+@pytest.mark.parametrize("meaning", ["effort", "velocity"])
+def test_the_commands_of_effort_and_velocity_controllers_are_offered(
+    meaning: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text(URDF)
+    sent = [*states(), *messages(ARRAY, f"/{meaning}_controller/commands")]
+    draft = init(urdf, [write_bag(tmp_path / "run", "mcap", sent)], tmp_path / "out")
+    found = load_scenario(draft.path).scenario
+    motion = there(found.motion)
+    assert (motion.recorded, motion.meaning) == (f"/{meaning}_controller/commands", meaning)
+    assert (motion.joints, [servo.kind for servo in found.servos]) == (["a", "b"], [meaning])
+    assert any("this is the robot's order" in line for line in draft.lines())

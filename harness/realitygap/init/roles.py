@@ -14,8 +14,12 @@ STATE = re.compile(r"state|measured|feedback|actual|sensor|encoder", re.IGNORECA
 COMMAND = re.compile(r"command|cmd|goal|target|desired|reference|setpoint", re.IGNORECASE)
 DUTY = re.compile(r"duty|pwm", re.IGNORECASE)
 CURRENT = re.compile(r"current|amp", re.IGNORECASE)
-TOLD = {"velocity": re.compile(r"veloc|speed", re.IGNORECASE), "duty": DUTY}
-TOLD["effort"] = re.compile(r"effort|torque", re.IGNORECASE)
+TOLD = {
+    "velocity": re.compile(r"veloc|speed", re.IGNORECASE),
+    "duty": DUTY,
+    "effort": re.compile(r"effort|torque", re.IGNORECASE),
+}
+"""What a command is, where its topic says so."""
 NOT_POSITION = re.compile(r"effort|torque|velocity|current|pwm|duty", re.IGNORECASE)
 LONGEST_LEAD = 0.5  # s
 
@@ -73,8 +77,8 @@ def roles_of(contents: Contents) -> Roles:
     unnamed = unnamed_command(contents.unnamed, state)
     if unnamed is not None:
         return replace(roles, command=unnamed[0], order=unnamed[1])
-    told = other_command(contents, state)
-    return roles if told is None else replace(roles, command=told[0], meaning=told[1], order=told[2])
+    other = other_command(contents, state)
+    return roles if other is None else replace(roles, command=other[0], meaning=other[1], order=other[2])
 
 
 def other_command(contents: Contents, state: JointStream) -> tuple[Role, str, tuple[str, ...]] | None:
