@@ -6,7 +6,10 @@ A kill is SIGKILL to the command, to its workers or to all of them at a random m
 the command. After every one no process of it may be left, and where the command was told to end, its folder is as
 before. The same command is run again then: its tables are those of an undisturbed run, byte by byte, and nothing
 unfinished lies in the folder or in that of the machine for temporary files. Signals are sent once the command listens
-to them, which it does before it does anything. The scenario is the bundled demo, shortened.
+to them, which it does before it does anything. The scenario is the bundled demo, shortened; a rehearsal has so little
+time that it tries no search that its clock could leave out, since tables are to be the same. Moments are shares of the
+time that the last run in peace took, for machines are busy and less so. What met nothing alive, because the command had
+ended or has no workers, is no trial: another one is drawn.
 """
 
 import argparse
@@ -33,14 +36,14 @@ GRACE = 5.0
 """s after which nothing of a killed command may be alive; its workers look every half second."""
 YOUNG = 1.2
 """s after which what a killed process left counts as left."""
-LATER = 1.1
-"""Share of an undisturbed run's time up to which it is disturbed."""
+LATER = 1.2
+"""Share of the last run in peace up to which the next is disturbed: one in a new folder takes longer."""
 COMMANDS = {  # command: what is said after it, and the files that must not differ
     "run": ("scenario.yaml --engine mujoco --engine dart", ("gaps.csv",)),
     "matrix": ("matrix.yaml -j 2", ("gaps.csv",)),
     "report": ("", ("gaps.csv", "report.html")),
     "diagnose": ("scenario.yaml --engine mujoco -j 2", ("diagnosis.json",)),
-    "rehearse": ("scenario.yaml -j 2", ("rehearsal.csv", "rehearsal.json")),
+    "rehearse": ("scenario.yaml --budget 1 -j 2", ("rehearsal.csv", "rehearsal.json")),
     "audit": ("arm.urdf --engine mujoco", ("audit.csv",)),
     "init": ("arm.urdf steps_1.mcap", ("scenario.yaml",)),
 }
@@ -53,6 +56,8 @@ class Place:
 
     name: str
     folder: Path
+    seconds: float = 0.0
+    """What the last run in peace took."""
 
     @property
     def out(self) -> Path:
@@ -134,18 +139,23 @@ def listens(pid: int) -> bool:
     return bool(caught >> (signal.SIGTERM - 1) & 1)
 
 
-def disturb(process: subprocess.Popen[str], mark: str, how: str) -> None:
-    """Kill the command, its workers or all."""
+def disturb(process: subprocess.Popen[str], mark: str, how: str) -> bool:
+    """Kill the command, its workers or all; whether any of them was alive."""
+    if process.poll() is not None:
+        return False
     victims = {"parent": [process.pid], "workers": [p for p in alive(mark) if p != process.pid], "all": alive(mark)}
     for pid in victims[how]:
         try:
             os.kill(pid, signal.SIGKILL)
         except ProcessLookupError:
             continue
+    return bool(victims[how])
 
 
-def trial(place: Place, reference: dict[str, str], moment: float, how: str | signal.Signals, mark: str) -> list[str]:
-    """What was wrong after one disturbance and after the run that followed."""
+def trial(
+    place: Place, reference: dict[str, str], moment: float, how: str | signal.Signals, mark: str
+) -> list[str] | None:
+    """What was wrong after one disturbance and after the run that followed; None where nothing alive was met."""
     before = place.content()
     process = place.start(mark)
     while isinstance(how, signal.Signals) and process.poll() is None and not listens(process.pid):
@@ -157,13 +167,17 @@ def trial(place: Place, reference: dict[str, str], moment: float, how: str | sig
         early = process.poll() is not None
         process.send_signal(how)
         said = process.communicate()[1]
-        if not early and process.returncode not in (SIGNALS[how], 0):
+        if early:
+            return None
+        if process.returncode not in (SIGNALS[how], 0):
             wrong.append(f"ended with {process.returncode}: {said[-500:]}")
         elif process.returncode == SIGNALS[how] and place.name != "init" and place.content() != before:
             wrong.append("told to end, it left the folder in another state")
     else:
-        disturb(process, mark, how)
+        met = disturb(process, mark, how)
         said = process.communicate()[1]
+        if not met:
+            return None
     if "Traceback" in said:
         wrong.append(f"a traceback: {said[-1500:]}")
     orphans = waited(mark)
@@ -176,24 +190,33 @@ def trial(place: Place, reference: dict[str, str], moment: float, how: str | sig
     if place.name == "init" and place.tables():  # what is done is not done again in the same place
         wrong += ["left another scenario"] * (place.tables() != reference)
         shutil.rmtree(place.out)
-    wrong += again(place, reference)
-    return wrong
+    return wrong + again(place, reference)
 
 
 def again(place: Place, reference: dict[str, str]) -> list[str]:
     """What is wrong after the same command was run in peace."""
+    began = time.monotonic()
     process = place.start("peace")
     said = process.communicate()[1]
+    place.seconds = time.monotonic() - began
     wrong = [f"the next run ended with {process.returncode}: {said[-800:]}"] * (process.returncode not in (0, 1))
     if reference and place.tables() != reference:
         wrong.append("the next run has other tables")
+    if orphans := waited("peace"):
+        wrong.append(f"the next run left {len(orphans)} processes")
     if place.left():
         wrong.append(f"the next run left {place.left()}")
     return wrong
 
 
+def say(line: str) -> None:
+    """A line, at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def main() -> int:
-    """A line per command; how many trials went wrong."""
+    """A line per trial and per command; how many trials went wrong."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--signals", type=int, default=40)
@@ -212,30 +235,28 @@ def main() -> int:
             assert not said, said
             if command != "report":
                 shutil.rmtree(place.out)
-            began = time.monotonic()
             said += again(place, {})
-            undisturbed, reference = time.monotonic() - began, place.tables()
+            reference = place.tables()
             assert not said, said
             assert reference, f"{command} wrote none of {COMMANDS[command][1]}"
             shares = [len(range(k, n, len(args.only))) for n in (args.kills, args.signals)]
-            hows: list[str | signal.Signals] = [draw.choice(["parent", "workers", "all"]) for _ in range(shares[0])]
-            hows += [draw.choice([*SIGNALS]) for _ in range(shares[1])]
-            for number, how in enumerate(hows):
-                if command != "report" and draw.random() < 0.5:
-                    shutil.rmtree(place.out)  # the folder is a new one
-                if command == "init":
-                    shutil.rmtree(place.out, ignore_errors=True)
-                moment = draw.uniform(0.0, LATER * undisturbed)
-                kind = "signals" if isinstance(how, signal.Signals) else "kills"
+            hows: dict[str, list[str | signal.Signals]] = {"kills": ["parent", "workers", "all"], "signals": [*SIGNALS]}
+            for kind, number in [(kind, n) for kind, share in zip(hows, shares, strict=True) for n in range(share)]:
+                wrong, tries = None, 0
+                while wrong is None:
+                    if command != "report" and draw.random() < 0.5:
+                        shutil.rmtree(place.out, ignore_errors=True)  # the folder is a new one
+                    if command == "init":
+                        shutil.rmtree(place.out, ignore_errors=True)
+                    how, moment = draw.choice(hows[kind]), draw.uniform(0.0, LATER * place.seconds)
+                    mark, tries = f"{args.seed}-{command}-{kind}-{number}-{tries}", tries + 1
+                    wrong = trial(place, reference, moment, how, mark)
                 done[kind] += 1
-                for what in trial(place, reference, moment, how, f"{args.seed}-{command}-{number}"):
-                    bad[kind] += 1
-                    sys.stdout.write(f"{command} {how} after {moment:.2f} s: {what}\n")
-                    sys.stdout.flush()
-            sys.stdout.write(f"{command}: undisturbed {undisturbed:.1f} s, {len(hows)} trials\n")
-            sys.stdout.flush()
+                bad[kind] += len(wrong)
+                told = f"{command} {kind} {number + 1}: {how} after {moment:.2f} of {place.seconds:.2f} s"
+                say(f"{told}: {'; '.join(wrong) or 'in order'}")
     for kind, count in done.items():
-        sys.stdout.write(f"seed {args.seed}: {count} {kind}, {bad[kind]} things wrong\n")
+        say(f"seed {args.seed}: {count} {kind}, {bad[kind]} things wrong")
     return sum(bad.values())
 
 
