@@ -1,16 +1,27 @@
 """Whatever happens while results are written, a folder shows one state, and nobody else's files are touched."""
 
+import contextlib
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from functools import partial
 from itertools import count
 from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
 
 import pytest
+from realitygap.files import result_folder
+from realitygap.files.interrupted import Interrupted, last, listening
 from realitygap.files.result_folder import settle, written_whole
 from realitygap.files.unfinished import part_folder, sweep
+
+if TYPE_CHECKING:
+    from _typeshed import TraceFunction
 
 WRITER = """
 import os, sys
@@ -72,6 +83,75 @@ def test_killed_at_any_moment_a_folder_shows_the_old_state_or_the_new(tmp_path: 
         assert not list(out.glob(".*"))
     assert changes > 8
     assert seen == {"old", "new"}
+
+
+def write_new(out: Path) -> None:
+    with written_whole(out) as part:
+        (part / "figures").mkdir()
+        (part / "figures" / "new.svg").write_text("new")
+        (part / "gaps.csv").write_text("new")
+        (part / "manifest.json").write_text('{"scenario": "s"}')
+
+
+def signalled(line: int, work: Callable[[], None]) -> tuple[bool, bool]:
+    """Whether work was sent SIGTERM at a line of its files' room, as it counts them, and whether that ended it."""
+    left = line
+
+    def look(frame: FrameType, event: str, _: object) -> "TraceFunction | None":
+        nonlocal left
+        if Path(frame.f_code.co_filename).parent != Path(result_folder.__file__).parent:
+            return None
+        left -= event == "line"
+        if event == "line" and left == 0:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return look
+
+    before = sys.gettrace()
+    with listening():
+        try:
+            sys.settrace(look)
+            work()
+        except Interrupted:
+            return True, True
+        finally:
+            sys.settrace(before)
+    return left <= 0, False
+
+
+@pytest.mark.parametrize("there", [True, False], ids=["earlier results", "a new folder"])
+def test_told_to_end_at_any_line_a_folder_is_as_before_or_the_work_is_done(there: bool, tmp_path: Path) -> None:
+    ends = set()
+    for line in count(1):
+        out = tmp_path / str(line) / "out"
+        if there:
+            (out / "figures").mkdir(parents=True)
+            (out / "figures" / "old.svg").write_text("old")
+            (out / "gaps.csv").write_text("old")
+            (out / "manifest.json").write_text('{"files": ["figures/old.svg", "gaps.csv"]}')
+        sent, ended = signalled(line, partial(write_new, out))
+        state = "old" if ended else "new"
+        if ended and not there:
+            assert not out.exists()
+        else:
+            assert content(out) == {"gaps.csv": state, f"figures/{state}.svg": state}
+            assert not list(out.glob(".*"))
+        ends.add(ended)
+        if not sent:
+            break
+    assert ends == {True, False}
+    assert line > 30
+
+
+def test_where_the_last_work_fails_signals_are_heard_again() -> None:
+    def told_to_end() -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(1)
+
+    with listening():
+        with contextlib.suppress(OSError), last():
+            raise OSError
+        with pytest.raises(Interrupted):
+            told_to_end()
 
 
 def test_a_list_that_somebody_altered_removes_nothing_of_anybody(tmp_path: Path) -> None:

@@ -49,6 +49,12 @@ def workers(parent: int) -> list[int]:
     return found
 
 
+def temporary_folder(pid: int) -> Path:
+    """Where a process puts temporary files."""
+    words = Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    return Path(next(word for word in words if word.startswith(b"TMPDIR=")).removeprefix(b"TMPDIR=").decode())
+
+
 def wait_for(what: Callable[[], T], seconds: float = 120.0) -> T:
     end = time.monotonic() + seconds
     while not (found := what()):
@@ -158,17 +164,23 @@ def test_killed_and_started_again_it_ends_with_the_same_files(matrix: Path, tmp_
 
 
 def test_interrupted_it_ends_at_once_and_goes_on_from_there(matrix: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    process = subprocess.Popen(command(matrix, out), stderr=subprocess.PIPE, text=True)
+    out, temporary = tmp_path / "out", tmp_path / "temporary"
+    temporary.mkdir()
+    environment = os.environ | {"TMPDIR": str(temporary)}
+    process = subprocess.Popen(command(matrix, out), stderr=subprocess.PIPE, text=True, env=environment)
     store = FolderStore(out / "cells")
     wait_for(lambda: store.keys())
     orphans = wait_for(lambda: workers(process.pid))
+    for place in map(temporary_folder, orphans):
+        assert place.parent == temporary
+        (place / "left").touch()  # as one leaves it that is ended in the middle of a file
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=15)
     assert process.returncode == 130
     assert said.splitlines()[-1].startswith("realitygap: interrupted; cells that are done are kept")
     assert "Traceback" not in said
     assert not any(Path(f"/proc/{pid}").exists() for pid in orphans)
+    assert not list(temporary.iterdir())
     assert not (out / "gaps.csv").exists()
     kept = store.keys()
     assert 1 <= len(kept) < 4

@@ -13,6 +13,9 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from realitygap.files.interrupted import last
+from realitygap.files.whole import write_whole
+
 Verdict = Literal["passed", "failed", "declared", "information"]
 STYLE: dict[Verdict, str] = {"passed": "green", "failed": "bold red", "declared": "yellow", "information": "dim"}
 
@@ -98,7 +101,6 @@ class Certificate:
 
     def write(self, folder: Path) -> None:
         """Write audit.json and audit.csv into a folder; numbers that are not finite are null and empty there."""
-        folder.mkdir(parents=True, exist_ok=True)
         rows = [{k: _finite(v) for k, v in asdict(row).items()} for row in self.rows]
         whole = {
             "schema": 1,
@@ -107,11 +109,13 @@ class Certificate:
             "facts": dict(self.facts),
             "rows": rows,
         }
-        (folder / "audit.json").write_text(json.dumps(whole, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-        with (folder / "audit.csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, [f.name for f in fields(Proof)], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        table = StringIO()
+        writer = csv.DictWriter(table, [f.name for f in fields(Proof)], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        with last():
+            write_whole(folder / "audit.json", json.dumps(whole, indent=1, ensure_ascii=False) + "\n")
+            write_whole(folder / "audit.csv", table.getvalue())
 
 
 def _cell(row: Proof) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,8 +28,7 @@ def servo(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.servo import run as procedure
 
-    folder = _bench_folder(file, out)
-    _tell(file, folder, procedure(file, folder))
+    _do(procedure, file, out)
 
 
 @bench.command()
@@ -39,8 +39,7 @@ def supply(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.supply import run as procedure
 
-    folder = _bench_folder(file, out)
-    _tell(file, folder, procedure(file, folder))
+    _do(procedure, file, out)
 
 
 @bench.command()
@@ -51,8 +50,7 @@ def links(file: Bench, out: Out = None) -> None:
     """
     from realitygap.bench.links import run as procedure
 
-    folder = _bench_folder(file, out)
-    _tell(file, folder, procedure(file, folder))
+    _do(procedure, file, out)
 
 
 @bench.command()
@@ -64,17 +62,17 @@ def ground(file: Bench, out: Out = None, jobs: Jobs = None) -> None:
     from realitygap.bench.ground import run as procedure
     from realitygap.files.progress import Progress
 
-    folder = _bench_folder(file, out)
-    _tell(file, folder, procedure(file, folder, Progress(), jobs))
+    _do(lambda bench, folder: procedure(bench, folder, Progress(), jobs), file, out)
 
 
-def _tell(file: Path, out: Path, summary: Summary) -> None:
-    """Print what was found and write its page."""
+def _do(procedure: Callable[[Path, Path], Summary], file: Path, out: Path | None) -> None:
+    """Follow a procedure, write its page and print what was found; interrupted, the folder stays as it was."""
     from realitygap.bench.page import write_page
+    from realitygap.files.result_folder import written_whole
 
-    page = write_page(summary, f"{file.resolve().parent.name} {file.stem}", out)
-    say([*summary.lines, *(f"wrote {written}" for written in summary.files), f"report: {page}"])
-
-
-def _bench_folder(file: Path, out: Path | None) -> Path:
-    return folder_for(out, f"{file.resolve().parent.name}_{file.stem}")
+    folder = folder_for(out, f"{file.resolve().parent.name}_{file.stem}")
+    with written_whole(folder) as aside:
+        summary = procedure(file, aside)
+        page = write_page(summary, f"{file.resolve().parent.name} {file.stem}", aside)
+    written = [folder / path.relative_to(aside) for path in summary.files]
+    say([*summary.lines, *(f"wrote {path}" for path in written), f"report: {folder / page.name}"])

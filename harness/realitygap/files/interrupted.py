@@ -41,6 +41,7 @@ def listening() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    _Held.blocks, _Held.came, _Held.told = 0, None, None
     before = {number: signal.signal(number, _heard) for number in WORDS}
     try:
         yield
@@ -73,8 +74,22 @@ def leaving(what: str) -> Iterator[None]:
 
 
 @contextmanager
+def last() -> Iterator[None]:
+    """What a command does at last: a signal that comes inside, or after it, comes too late.
+
+    The results are there; what is being written is written whole, and the command ends as one that is done.
+    """
+    _Held.blocks += 1
+    try:
+        yield
+    except BaseException:
+        _Held.blocks -= 1
+        raise
+
+
+@contextmanager
 def uninterrupted() -> Iterator[None]:
-    """A signal that comes inside is heard at the end, so that what is being written is written whole."""
+    """A signal that comes inside is heard at the end, so that what is made and what unmakes it go together."""
     _Held.blocks += 1
     try:
         yield

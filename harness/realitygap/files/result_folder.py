@@ -11,6 +11,7 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from realitygap.files.interrupted import last
 from realitygap.files.unfinished import UNFINISHED, hold, part_folder
 from realitygap.files.whole import made, write_whole
 
@@ -37,7 +38,8 @@ def written_whole(out: Path, keeps: tuple[str, ...] = ()) -> Iterator[Path]:
         settle(out)
         with part_folder(out) as part:  # inside: files are moved, never copied
             yield part
-            _finish(out, part, keeps)
+            with last():
+                _finish(out, part, keeps)
 
 
 def settle(out: Path) -> None:

@@ -9,6 +9,8 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from realitygap.files.interrupted import uninterrupted
+
 UNFINISHED = ".unfinished-"
 """How names of files and folders begin that are not whole yet."""
 ELSEWHERE = ".realitygap-"
@@ -21,11 +23,15 @@ YOUNG = 1.0
 def part_folder(parent: Path, prefix: str = UNFINISHED) -> Iterator[Path]:
     """A folder for work in progress, which goes away at the end; what killed processes left there goes first."""
     sweep(parent, prefix)
-    part = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
-    held = hold(part)
-    try:
+    with contextlib.ExitStack() as stack:
+        with uninterrupted():
+            part = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+            stack.callback(_remove, part, hold(part))
         yield part
-    finally:
+
+
+def _remove(part: Path, held: int | None) -> None:
+    with uninterrupted():
         shutil.rmtree(part, ignore_errors=True)
         if held is not None:
             os.close(held)

@@ -34,8 +34,8 @@ def check_writable(folder: Path, option: str = "--out") -> None:
 def made(folder: Path) -> Iterator[None]:
     """A folder that is there, and is gone again where the work in here fails and nothing else was put there."""
     absent = [f for f in (folder, *folder.parents) if not f.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
     try:
+        folder.mkdir(parents=True, exist_ok=True)
         yield
     except BaseException:
         for new in absent:

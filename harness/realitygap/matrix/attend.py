@@ -1,6 +1,7 @@
 """Getting one cell done, whatever happens to the process that does it."""
 
 import threading
+from pathlib import Path
 
 from realitygap.matrix.store import open_store
 from realitygap.matrix.task import Task, lost
@@ -15,9 +16,10 @@ class Closed(Exception):
 
 
 class Workers:
-    """The processes that compute cells: one for each thread that asks."""
+    """The processes that compute cells: one for each thread that asks. `temporary` is their folder for such files."""
 
-    def __init__(self) -> None:
+    def __init__(self, temporary: Path) -> None:
+        self._temporary = temporary
         self._own = threading.local()
         self._all: set[Worker] = set()
         self._closed = False
@@ -34,7 +36,7 @@ class Workers:
             if self._closed:
                 raise Closed
             if worker is None or not worker.alive:
-                worker = self._own.worker = Worker()
+                worker = self._own.worker = Worker(self._temporary)
                 self._all.add(worker)
         return worker
 

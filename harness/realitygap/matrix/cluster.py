@@ -1,8 +1,10 @@
 """The same cells on a Dask cluster that exists: every Dask worker thread attends to cells as a local one does."""
 
 import pickle
+import tempfile
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 from realitygap.files.errors import InputError
@@ -68,5 +70,5 @@ def _threads(client: Any, scheduler: str) -> int:
     return sum(client.nthreads().values())
 
 
-_workers = Workers()
+_workers = Workers(Path(tempfile.gettempdir()))
 """Those of a worker of the cluster, which end when it does."""

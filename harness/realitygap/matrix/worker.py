@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 from realitygap_engines.errors import in_a_line
 
@@ -38,9 +39,9 @@ class Hung(Exception):
 
 
 class Worker:
-    """A worker process, started at once and used by one thread."""
+    """A worker process, started at once and used by one thread; its temporary files lie in a folder of its parent's."""
 
-    def __init__(self) -> None:
+    def __init__(self, temporary: Path) -> None:
         self._ready = False
         ours, theirs = socket.socketpair()
         self._connection = Connection(ours.detach())
@@ -50,7 +51,7 @@ class Worker:
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,  # engines greet there
-                env=dict.fromkeys(THREADS, "1") | os.environ,
+                env=dict.fromkeys(THREADS, "1") | os.environ | {"TMPDIR": str(temporary)},
                 process_group=0,  # Ctrl-C is the parent's to handle
             )
 

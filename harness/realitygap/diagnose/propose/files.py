@@ -26,7 +26,7 @@ from realitygap.diagnose.rehearse.page import label, words
 from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.diagnose.result.revise import Plain, rebased
 from realitygap.files.errors import spared
-from realitygap.files.interrupted import uninterrupted
+from realitygap.files.interrupted import last
 from realitygap.files.whole import write_whole
 from realitygap.trace.trajectory import write_trajectory
 
@@ -100,7 +100,7 @@ class ProposalFile(BaseModel):
 def write_proposal(result: Proposal, out: Path) -> ProposalFile:
     """Write all files, last the page: a page that fails costs no result. Returns what `proposal.json` says."""
     content = to_file(result)
-    with uninterrupted():
+    with last():
         for proposed in result.proposed:
             _write_motion(result, proposed, out)
         write_whole(out / "proposal.json", content.model_dump_json(indent=1) + "\n")

@@ -18,7 +18,7 @@ from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, said
 from realitygap.diagnose.rehearse.visible import LARGEST, Confusable, Visible
 from realitygap.diagnose.result.story_text import listed
 from realitygap.files.errors import spared
-from realitygap.files.interrupted import uninterrupted
+from realitygap.files.interrupted import last
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS
 
@@ -31,7 +31,7 @@ COLUMNS = (
 def write_rehearsal(result: Rehearsal, out: Path) -> None:
     """Write the table, the data and, last, the page into a result folder: a page that fails costs no result."""
     content = to_json(result)
-    with uninterrupted():
+    with last():
         write_whole(out / "rehearsal.csv", _csv(content))
         text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
         write_whole(out / "rehearsal.json", text + "\n")

@@ -26,7 +26,7 @@ from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.round import told_change
 from realitygap.diagnose.search.search import Found, search
 from realitygap.files.errors import spared
-from realitygap.files.interrupted import uninterrupted
+from realitygap.files.interrupted import last
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.recording.faults import faults
@@ -59,7 +59,7 @@ def run_diagnosis(
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
     result = diagnosed(load_scenario(path), names, progress, workers)
-    with uninterrupted():
+    with last():
         write_diagnosis(result, out)
     return result
 
