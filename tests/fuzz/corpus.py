@@ -85,9 +85,9 @@ def chunk_bomb() -> bytes:
     return magic + header + record(6, chunk) + end + magic
 
 
-def long_definition() -> bytes:
-    """A message type whose definition has 200,000 lines."""
-    schema = struct.pack("<H", 1) + words(b"a/msg/B") + words(b"ros2msg") + words(b"# a comment\n" * 200_000)
+def definition(text: bytes, language: bytes = b"ros2msg") -> bytes:
+    """A MCAP file with one message of a type of this definition."""
+    schema = struct.pack("<H", 1) + words(b"a/msg/B") + words(language) + words(text)
     channel = struct.pack("<HH", 1, 1) + words(b"/joint_states") + words(b"cdr") + words(b"")
     header, end = record(1, words(b"ros2") + words(b"")), record(2, bytes(20))
     magic = b"\x89MCAP0\r\n"
@@ -98,6 +98,13 @@ def long_definition() -> bytes:
 TIMES = np.arange(template.SAMPLES) * template.PERIOD
 JUMPED = template.table().assign(time=np.where(TIMES < 0.3, TIMES, TIMES + 3600.0)).to_csv(index=False).encode()
 NAMES = list(JOINTS)
+STATES = dumped(
+    SCENARIO
+    | {
+        "recordings": {"state": "/joint_states", "effort": "none", "runs": [{"path": "run.mcap"}]},
+        "motion": {"recorded": "/joint_states"},
+    }
+)
 ONE: Message = (1.0, NAMES, [0.0, 0.0], [])
 
 CORPUS: dict[str, tuple[Make, str]] = {
@@ -129,8 +136,29 @@ CORPUS: dict[str, tuple[Make, str]] = {
     "a bomb": (table(bomb(), "run.csv.zst"), "unpacks to more than 256 MiB"),
     "a chunk that is a bomb": (mcap_file(chunk_bomb), "unpacks to more than 256 MiB"),
     "a definition that never ends": (
-        mcap_file(long_definition),
+        mcap_file(lambda: definition(200_000 * b"# a comment\n")),
         "its message definitions have more than 100,000 lines",
+    ),
+    "a definition of a hundred thousand fields": (
+        mcap_file(lambda: definition(b"".join(b"float64 x%d\n" % k for k in range(99_000)))),
+        "its message definitions have more than 100,000 lines, 5,000 in one",
+    ),
+    "a definition of parentheses": (
+        mcap_file(
+            lambda: definition(b"module a { const long C = %b1%b; };" % (20_000 * b"(", 20_000 * b")"), b"ros2idl")
+        ),
+        "the bag cannot be read (nested too deeply)",
+    ),
+    "stamps a nanosecond apart": (
+        bag(*((1.0 + 1e-9 * k, NAMES, [0.1 * k, 0.0], []) for k in range(30))),
+        "run.mcap: /joint_states: the samples are 1e-09 s apart, as those of no bus",
+    ),
+    "messages without names": (
+        lambda: (
+            files(run__mcap=mcap([(1.0 + 0.01 * k, [], [0.1, 0.0], []) for k in range(30)]), scenario__yaml=STATES),
+            CHECK,
+        ),
+        "has no joint shoulder, elbow; it has none",
     ),
     "a table of words without time": (table(b"a,b\nx,y\ny,z\nz,x\n"), "has no column of time"),
     "a table cut off": (table(template.parquet()[:500], "run.parquet"), "is not a table"),
@@ -142,6 +170,11 @@ CORPUS: dict[str, tuple[Make, str]] = {
     "a device as a robot": (scenario(robot={"urdf": "/dev/zero"}), "is a pipe, a socket or a device"),
     "a device as a scenario": (lambda: (files(), ["check", "/dev/zero"]), "is a pipe, a socket or a device"),
     "a device as a matrix": (lambda: (files(), ["matrix", "/dev/zero", *NEW]), "is a pipe, a socket or a device"),
+    # files that people write, but not so
+    "a list of two million values": (
+        lambda: (files(scenario__yaml=b"name: a\nsuspects:\n" + 2_000_000 * b"- x\n"), CHECK),
+        "scenario.yaml: holds more than 100000 values",
+    ),
     # names
     "a line end in a name": (scenario(effects=[{"effect": "a\nb\x1b[31m"}]), "unknown effect a\\nb\\x1b[31m"),
     "a key that is long": (scenario(**{"k" * 500: 1}), "unknown key"),

@@ -76,6 +76,7 @@ def judged(process: Zygote, folder: Path, arguments: list[str]) -> dict[str, Any
         assert len(lines) == 1, told
         assert done["said"].rstrip("\n").endswith(lines[0]), told
         assert len(lines[0]) <= LONGEST, told
+        assert "Warning: " not in done["said"], told
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f]", lines[0]), told
         assert snapshot(folder) == before, f"written: {snapshot(folder).keys() - before.keys()}\n{told}"
     return done

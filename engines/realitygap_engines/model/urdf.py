@@ -1,5 +1,6 @@
 """Reading a URDF into the canonical `Model`, and writing a `Model` as a plain URDF."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -170,7 +171,7 @@ def _joint(path: Path, joint: yourdfpy.Joint, origin: Array, parent: int) -> Joi
 
 def _length(joint: yourdfpy.Joint) -> float:
     """Of the axis, which is to be 1."""
-    return 1.0 if joint.axis is None else float(np.linalg.norm(joint.axis))
+    return 1.0 if joint.axis is None else math.hypot(*map(float, joint.axis))
 
 
 def _without_range(joint: yourdfpy.Joint) -> bool:

@@ -10,11 +10,21 @@ from realitygap.files.errors import InputError
 from realitygap.files.plain_file import read_written
 
 LARGEST = 100_000
-"""Values that a file may hold once its aliases are written out; a few lines of them can stand for billions."""
+"""Values that a file may hold, also once its aliases are written out; a few lines of them can stand for billions."""
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML in which a key that stands twice is an error, and text like 1e-3 is a number."""
+    """YAML in which a key that stands twice is an error, and text like 1e-3 is a number; it reads `LARGEST` values."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(read_written(path))
+        self.path, self.composed = path, 0
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        self.composed += 1
+        if self.composed > LARGEST:
+            raise InputError(f"{self.path}: holds more than {LARGEST} values, expected a file that people write")
+        return super().compose_node(parent, index)
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
@@ -48,7 +58,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
         InputError: for a file that cannot be read, is not YAML, holds something else, or grows without end.
     """
     try:
-        loader = _Loader(read_written(path))
+        loader = _Loader(path)
         node = loader.get_single_node()
         if node is not None:
             _check_size(path, node)

@@ -9,6 +9,7 @@ from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.interrupted import last
 from realitygap.files.unfinished import UNFINISHED
 from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
@@ -63,6 +64,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     packages = packages or {}
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
+    named = {path.resolve(): path for path in bags}  # as whoever reads a sentence knows them
     text = _text(urdf, out, packages, model, fixed, sections)
     with made(out):
         draft = out / f"{UNFINISHED}scenario.yaml"
@@ -70,9 +72,11 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             draft.write_text(text, encoding="utf-8")
             loaded = load_scenario(draft)
             for case in loaded.cases():
-                read_recording(case.path, case.scenario, model.joint_names, file=target)
-            write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
-            draft.rename(target)
+                path = named.get(case.path.resolve(), case.path)
+                read_recording(path, case.scenario, model.joint_names, file=target)
+            with last():
+                write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
+                draft.rename(target)
         finally:
             draft.unlink(missing_ok=True)
     return Draft(target, _guesses(text), sections.told)

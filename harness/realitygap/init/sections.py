@@ -48,8 +48,8 @@ def runs_of(recordings: list[Path], out: Path) -> list[str]:
 
 
 def relative(path: Path, folder: Path) -> str:
-    """A path as a scenario in a folder writes it."""
-    return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
+    """A path as a scenario in a folder writes it; where a link leads to the folder, from where it leads."""
+    return Path(os.path.relpath(path.parent.resolve() / path.name, folder.resolve())).as_posix()
 
 
 def quoted(text: str) -> str:

@@ -15,6 +15,8 @@ from realitygap.trace.trace import Array, Trace
 
 JUMP = 60.0
 """s: a pause that is longer, and longer than all the rest, is no pause."""
+CLOSEST = 1e-7
+"""s: samples of one stream are further apart on any bus; times of another unit are told by `check`."""
 
 
 def assemble(path: Path, streams: Streams, request: Request) -> Recording:
@@ -143,7 +145,9 @@ def _command(samples: Samples, kind: str, state_time: Array) -> tuple[Array, Arr
 
 
 def _steady(samples: Samples) -> None:
-    """Make sure that no clock jumped: no pause is longer than all the rest of a recording and than `JUMP`."""
+    """Make sure that a clock went on: no pause longer than all the rest of a recording and than `JUMP`, and no samples
+    as close to one another as no bus brings them.
+    """
     steps = np.diff(samples.time)
     if not len(steps):
         return
@@ -153,6 +157,12 @@ def _steady(samples: Samples) -> None:
         raise InputError(
             f"{samples.source}: the clock jumps from {samples.time[longest]:.3f} to {samples.time[longest + 1]:.3f} s, "
             f"which is longer than all the rest ({rest:.3g} s); expected a clock without jumps: cut the recording there"
+        )
+    spacing = float(np.median(steps))
+    if spacing < CLOSEST:
+        raise InputError(
+            f"{samples.source}: the samples are {spacing:.3g} s apart, as those of no bus; expected times in seconds, "
+            "stamped by a clock that runs"
         )
 
 

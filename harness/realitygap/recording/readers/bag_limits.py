@@ -5,6 +5,7 @@ open, its unpackers and its parsers are these, which have limits.
 """
 
 import bz2
+import re
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -23,6 +24,8 @@ from realitygap.files.unpacked import LEAST, TIMES
 
 LINES = 100_000
 """Lines of all definitions of messages together: some seconds. Those of a large robot have 20,000."""
+OF_ONE = 5_000
+"""Lines of one definition, whose cost grows with their square. The longest of ROS has some hundred."""
 CHARACTERS = 8 << 20
 """And their characters."""
 PARSERS = ("get_types_from_msg", "get_types_from_idl")
@@ -87,10 +90,11 @@ class Allowance:
         if key not in self.known:
             self.lines += text.count("\n") + 1
             self.characters += len(text)
-            if self.lines > LINES or self.characters > CHARACTERS:
+            longest = max(one.count("\n") for one in re.split(r"^=+$", text, flags=re.MULTILINE))
+            if self.lines > LINES or longest > OF_ONE or self.characters > CHARACTERS:
                 raise InputError(
-                    f"{self.path}: its message definitions have more than {LINES:,} lines or {CHARACTERS >> 20} MiB; "
-                    "expected those of messages: record it again"
+                    f"{self.path}: its message definitions have more than {LINES:,} lines, {OF_ONE:,} in one, or "
+                    f"{CHARACTERS >> 20} MiB; expected those of messages: record it again"
                 )
             self.known[key] = parser(text, *name)
         return self.known[key]

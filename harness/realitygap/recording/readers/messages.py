@@ -138,7 +138,9 @@ class JointMessages:
         wanted = ", ".join(self.joints)
         if not self._passed:
             return "holds no messages"
-        return f"has no joint {wanted}; it has {', '.join(sorted(self._other))}; expected names as in the URDF"
+        return (
+            f"has no joint {wanted}; it has {', '.join(sorted(self._other)) or 'none'}; expected names as in the URDF"
+        )
 
     @property
     def note(self) -> str:

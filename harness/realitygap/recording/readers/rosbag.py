@@ -300,7 +300,8 @@ def _reading(path: Path, action: Callable[[], Found]) -> Found:
     except InputError:
         raise
     except Exception as error:
-        what = " ".join(str(error).split()) or type(error).__name__
+        deep = isinstance(error, RecursionError)
+        what = "nested too deeply" if deep else " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"{path}: the bag cannot be read ({what}); expected a whole rosbag 1 or 2; one that was cut off is made "
             f"whole by {MAKE_WHOLE}"
