@@ -74,6 +74,12 @@ def offset(seconds: float) -> Spoil:
     return spoil
 
 
+def effort_commanded(team: Team, j: int) -> None:
+    for table in team.tables.values():
+        assert table.effort is not None
+        table.command[:, j] = np.where(np.isfinite(table.command[:, j]), table.effort[:, j], np.nan)
+
+
 def another(team: Team, _: int) -> None:
     """The measurements of the first two recordings change places."""
     first, second = list(team.tables.values())[:2]
@@ -248,6 +254,7 @@ MISTAKES = (
     Planted("velocity of zero", "velocity", velocity_zero),
     Planted("effort 30 times too large", "effort_size", scaled("effort", 30.0), with_effort=True),
     Planted("effort without sign", "effort_direction", effort_magnitude, with_effort=True),
+    Planted("an effort taken for a position command", "asked_effort", effort_commanded, with_effort=True),
     Planted("a joint without servo", "undriven_joint", without_servo, joints=(2, 6)),
     Planted("a joint never commanded", "undriven_joint", never_commanded, joints=(2, 6)),
     Planted("a command that never changes", "constant_command", stuck_command),

@@ -5,6 +5,7 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
+from realitygap.check.asked import asked_efforts
 from realitygap.check.clocks import clock_offset, no_overlap, time_unit
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
@@ -83,10 +84,12 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
         late = [m for o in rest for m in clock_offset(o, moving(o))]
         found += [*late, *(m for o in rest for m in undriven(o))]
     shifted = {run for m in late for run in m.runs}
-    angles: list[Mistake] = []
+    angles = [m for o in rest if not undriven_robot and not late for m in asked_efforts(o, moving(o))]
+    asked = _joints(angles)
     for o in rest:
         if not undriven_robot and o.name not in shifted:
-            angles += [m for m in motion_mistakes(o, rest) if not late or m.kind not in SHIFTED]
+            seen = [m for m in motion_mistakes(o, rest) if not late or m.kind not in SHIFTED]
+            angles += [m for m in seen if not asked & set(m.joints)]
         angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
     found += angles
     usual = usual_slopes(rest)

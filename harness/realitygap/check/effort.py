@@ -92,7 +92,7 @@ def effort_mistakes(o: Observed, judged: Mask, *, weighed: bool) -> list[Mistake
     load = needed_effort(o) if weighed and not o.plant.model.floating else None
     for j in np.flatnonzero(judged & np.isfinite(o.effort).any(axis=0)):
         by_load = _fit_load(o, int(j), load)
-        fits = [_fit(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
+        fits = [fit_servo(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
         found = _size(o, int(j), fits, by_load) or _sign(o, int(j), fits, by_load)
         if found is not None:
             out.append(found)
@@ -133,7 +133,7 @@ def _fit_load(o: Observed, j: int, load: Array | None) -> EffortFit:
     return _solved(o, beside, load[:, j], o.effort[:, j], known, 1.0)
 
 
-def _fit(o: Observed, j: int, i: int, delay: float) -> EffortFit:
+def fit_servo(o: Observed, j: int, i: int, delay: float) -> EffortFit:
     """The effort of joint j by the error, speed and gathered error of joint i."""
     assert o.effort is not None
     error = working_error(o, delay)[:, i]
@@ -255,9 +255,9 @@ def _swapped(o: Observed, joints: list[int]) -> list[Mistake]:
     """Efforts that fit one another's servos far better than their own."""
     source = {}
     for j in joints:
-        own = max((_fit(o, j, j, d) for d in DELAYS[:3]), key=lambda f: f.share if f.ratio > 0 else 0.0)
+        own = max((fit_servo(o, j, j, d) for d in DELAYS[:3]), key=lambda f: f.share if f.ratio > 0 else 0.0)
         base = own.share if own.ratio > 0 else 0.0
-        found = [(f.share, i) for i in joints if i != j for d in DELAYS[:3] if (f := _fit(o, j, i, d)).ratio > 0]
+        found = [(f.share, i) for i in joints if i != j for d in DELAYS[:3] if (f := fit_servo(o, j, i, d)).ratio > 0]
         share, i = max(found, default=(0.0, j))
         if share > FITS and 1.0 - base > FAR_BETTER * (1.0 - share):
             source[j] = i

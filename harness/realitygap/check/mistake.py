@@ -15,6 +15,7 @@ KINDS: dict[str, str] = {
     "flipped_sign": "a command, a state or an effort counts the other way round",
     "swapped_joints": "the signals of two or more joints stand under one another's names",
     "another_motion": "the measurement is not of the motion that was commanded",
+    "asked_effort": "commands that are efforts, where positions are expected",
     "no_overlap": "commands and states were recorded at different times",
     "clock_offset": "commands and states were stamped by clocks that differ",
     "velocity": "the reported velocity is not the derivative of the position",
