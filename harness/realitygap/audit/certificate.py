@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from realitygap.files.interrupted import last
+from realitygap.files.spreadsheet import as_words
 from realitygap.files.whole import write_whole
 
 Verdict = Literal["passed", "failed", "declared", "information"]
@@ -112,7 +113,7 @@ class Certificate:
         table = StringIO()
         writer = csv.DictWriter(table, [f.name for f in fields(Proof)], lineterminator="\n")
         writer.writeheader()
-        writer.writerows(rows)
+        writer.writerows({k: as_words(v) if isinstance(v, str) else v for k, v in row.items()} for row in rows)
         with last():
             write_whole(folder / "audit.json", json.dumps(whole, indent=1, ensure_ascii=False) + "\n")
             write_whole(folder / "audit.csv", table.getvalue())

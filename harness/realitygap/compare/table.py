@@ -13,6 +13,7 @@ import pandas as pd
 
 from realitygap.compare.gap import Difference
 from realitygap.files.errors import InputError
+from realitygap.files.spreadsheet import as_meant, as_words
 
 SIGNIFICANT = 6
 """Digits in tables: more than any sensor has, and few enough that rounding does not show as a change."""
@@ -122,11 +123,6 @@ def table(rows: Iterable[Row]) -> pd.DataFrame:
     return frame.sort_values(keys, kind="stable", na_position="first", ignore_index=True)
 
 
-FORMULA = ("=", "+", "-", "@")
-"""How a text begins that a spreadsheet would compute; with an apostrophe in front it does not."""
-QUOTED = r"^'(?=[=+\-@])"
-
-
 def to_csv(frame: pd.DataFrame) -> str:
     """The table as text: fixed digits, so that a difference between two files means that physics moved."""
     out = io.StringIO()
@@ -142,8 +138,7 @@ def _text(value: object) -> str:
         return ""
     if isinstance(value, float | np.floating):
         return "" if np.isnan(value) else f"{value:.{SIGNIFICANT}g}"
-    text = str(value)
-    return f"'{text}" if text.startswith(FORMULA) else text
+    return as_words(str(value))
 
 
 def read_gaps(path: Path) -> pd.DataFrame:
@@ -162,7 +157,7 @@ def read_gaps(path: Path) -> pd.DataFrame:
     missing = [c for c in COLUMNS if c not in frame]
     if missing:
         raise InputError(f"{path}: has no column {', '.join(missing)}; expected a table that realitygap wrote")
-    frame[list(text)] = frame[list(text)].fillna("").apply(lambda words: words.str.replace(QUOTED, "", regex=True))
+    frame[list(text)] = frame[list(text)].fillna("").map(as_meant)
     return frame
 
 

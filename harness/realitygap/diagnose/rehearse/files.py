@@ -19,6 +19,7 @@ from realitygap.diagnose.rehearse.visible import LARGEST, Confusable, Visible
 from realitygap.diagnose.result.story_text import listed
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last
+from realitygap.files.spreadsheet import as_words
 from realitygap.files.whole import write_whole
 from realitygap.robot.effects import EFFECTS
 
@@ -169,7 +170,7 @@ def _csv(content: dict[str, Any]) -> str:
         others = " ".join(f"{c['effect']}@{_joined(c['target'])}" for c in row["confused_with"])
         model = "" if told["model"] is None else told["model"]
         numbers = (change("seen_from"), change("told_apart_from"), others, row["searches"], change("searched_from"))
-        writer.writerow((row["effect"], target, name, told["unit"], model, *numbers))
+        writer.writerow((row["effect"], as_words(target), name, told["unit"], model, *numbers))
     return text.getvalue()
 
 
