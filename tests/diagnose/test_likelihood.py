@@ -15,7 +15,7 @@ def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal
 
 def measured_by(watched: Channel, rest: float, residual: Array, responses: Array) -> Metric:
     """The metric for what a residual leaves, of one channel."""
-    whitening, weight = trusted([watched], np.ones(1), {watched.key: rest}, residual)
+    whitening, weight = trusted([watched], np.ones(1), np.full(1, rest), residual)
     return marginalised(whitening, weight, *whitening(responses, weight))
 
 
@@ -63,8 +63,17 @@ def test_the_rest_is_what_lies_beyond_the_floors() -> None:
     rng = np.random.default_rng(6)
     watched = [channel(20000, case=c) for c in range(2)]
     residual = rng.standard_normal(40000) * np.sqrt(0.5**2 + 0.2**2 + 0.7**2)
-    assert rest_of(watched, residual)[watched[0].key] == pytest.approx(0.7, rel=0.03)
-    assert rest_of(watched, 0.3 * residual)[watched[0].key] == 0.0
+    assert rest_of(watched, np.ones(2), residual) == pytest.approx([0.7, 0.7], rel=0.03)
+    assert not rest_of(watched, np.ones(2), 0.3 * residual).any()
+
+
+def test_each_motion_has_a_rest_of_its_own_as_far_as_it_has_facts() -> None:
+    rng = np.random.default_rng(9)
+    watched = [channel(20000, case=c) for c in range(2)]
+    residual = rng.standard_normal(40000) * np.hypot(np.hypot(0.5, 0.2), np.repeat([0.1, 2.0], 20000))
+    assert rest_of(watched, np.ones(2), residual) == pytest.approx([0.1, 2.0], rel=0.15)
+    shared = rest_of(watched, np.full(2, 1e-6), residual)
+    assert shared == pytest.approx(np.full(2, np.sqrt(0.5 * (0.1**2 + 2.0**2))), rel=0.1)
 
 
 def test_a_high_floor_somewhere_hides_no_rest_elsewhere() -> None:
@@ -73,13 +82,13 @@ def test_a_high_floor_somewhere_hides_no_rest_elsewhere() -> None:
     slow = np.where(np.arange(20000) < 10000, 1e-3, 50.0)
     watched = replace(channel(20000, noise=1e-3), slow=slow)
     residual = 0.7 * rng.standard_normal(20000)
-    assert rest_of([watched], residual)[watched.key] == pytest.approx(0.7, rel=0.5)
+    assert rest_of([watched], np.ones(1), residual) == pytest.approx([0.7], rel=0.5)
 
 
 def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:
     residual = np.random.default_rng(7).standard_normal((50, 1))
     (full, determinant), (half, less) = (
-        Whitening((channel(50),), {}, np.full(1, share))(residual, np.ones(50)) for share in (1.0, 0.5)
+        Whitening((channel(50),), np.zeros(1), np.full(1, share))(residual, np.ones(50)) for share in (1.0, 0.5)
     )
     assert half == pytest.approx(np.sqrt(0.5) * full)
     assert less == pytest.approx(0.5 * determinant)

@@ -104,9 +104,12 @@ def fit(
             there = residual_near(simulations, near, space.at(x + step), train, coarse)
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
             box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else 0.4
+            good = gain > FALSE * promised
+            if there is not None and good:
+                slopes, here = slopes + secant(slopes, step, there - now), False
             if there is not None and gain > 0.0:
                 x, now, cost, here = x + step, there, cost - gain, False
-            if gain > FALSE * promised or quick:
+            if good or quick:
                 continue
         elif here or not whole:
             break
@@ -136,6 +139,11 @@ def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array
     low, high = np.maximum(low - x, -reach), np.minimum(high - x, reach)
     step = np.clip(lsq_linear(triangle[:-1, :-1], -triangle[:-1, -1], bounds=(low - TINY, high + TINY)).x, low, high)
     return step, float(np.sum(white[:, -1] ** 2) - np.sum((white[:, -1] + white[:, :-1] @ step) ** 2))
+
+
+def secant(slopes: Array, step: Array, change: Array) -> Array:
+    """What has to be added to slopes for them to tell what a step changed, and as they did across it (Broyden 1965)."""
+    return np.asarray(np.outer(np.nan_to_num(change) - slopes @ step, step / (step @ step)))
 
 
 def _cost(metric: Metric, space: Space, x: Array, residual: Array) -> float:

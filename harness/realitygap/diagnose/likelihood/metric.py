@@ -16,12 +16,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.likelihood.whitening import Channel, Rest, Whitening, spans
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
 from realitygap.robot.drive import Array
 
 OUTLIER = 3.0
 """An innovation beyond this many times their root mean square is trusted less (Cauchy; 0.3 % of normal ones are)."""
 
+SHARED = 4.0
+"""Facts of a motion that are worth as much as what the other motions say about what no law explains in it."""
 STEPS, EXACT = 100, 1e-3
 """Newton's steps at most, and how far from one a mean may stay."""
 
@@ -55,13 +57,13 @@ class Metric:
         return out[:, 0] if one else out
 
 
-def trusted(channels: Sequence[Channel], facts: Array, rest: Rest, residual: Array) -> tuple[Whitening, Array]:
+def trusted(channels: Sequence[Channel], facts: Array, rest: Array, residual: Array) -> tuple[Whitening, Array]:
     """The whitening for what a residual leaves, and the trust in every stacked sample (m,): outliers count less.
 
     Args:
         channels: of the stacked residual.
         facts: of a sample of each channel.
-        rest: what no law explains, by channel.
+        rest: what no law explains. Shape (channels,).
         residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
     """
     whitening = Whitening(tuple(channels), rest, facts)
@@ -92,21 +94,30 @@ def marginalised(whitening: Whitening, weight: Array, imperfections: Array, dete
     return Metric(whitening, weight, imperfections, factor, determinant)
 
 
-def rest_of(channels: Sequence[Channel], residual: Array) -> Rest:
-    """What lasts in a residual beyond the floors, by channel, over all motions (Paule & Mandel 1982).
+def rest_of(channels: Sequence[Channel], facts: Array, residual: Array) -> Array:
+    """What lasts in a residual beyond the floors, by channel of each motion (Paule & Mandel 1982). Shape (channels,).
 
     The standard deviation with which the mean square of what is left, each sample in its own deviation, is one: where
-    the floor is high, little is told of it. Motions count alike, however long.
+    the floor is high, little is told of it. What laws leave is larger in a fast motion than in a slow one; so each
+    motion has its own, of which all motions of the channel say as much as `SHARED` facts of it would, each as much as
+    the other, however long.
     """
-    parts: dict[tuple[str, int], list[tuple[Array, Array, Array]]] = {}
+    parts: dict[tuple[str, int], list[tuple[Array, Array]]] = {}
+    own: list[tuple[Array, Array] | None] = []
     for channel, span in spans(channels):
-        part = residual[span]
-        good = np.isfinite(part)
+        good = np.isfinite(residual[span])
+        part = residual[span][good] ** 2, channel.noise**2 + channel.slow[good] ** 2
+        own.append(part if good.any() else None)
         if good.any():
-            variance = channel.noise**2 + channel.slow[good] ** 2
-            share = np.full(len(variance), 1.0 / len(variance))
-            parts.setdefault(channel.key, []).append((part[good] ** 2, variance, share))
-    return {key: math.sqrt(_beyond(*map(np.concatenate, zip(*of, strict=True)))) for key, of in parts.items()}
+            parts.setdefault(channel.key, []).append(part)
+    out = np.zeros(len(own))
+    for k, (channel, mine) in enumerate(zip(channels, own, strict=True)):
+        if mine is None:
+            continue
+        shared = [(*p, np.full(len(p[0]), SHARED / (len(p[0]) * len(parts[channel.key])))) for p in parts[channel.key]]
+        every = [*shared, (*mine, np.full(len(mine[0]), facts[k]))]
+        out[k] = math.sqrt(_beyond(*map(np.concatenate, zip(*every, strict=True))))
+    return out
 
 
 def _beyond(square: Array, variance: Array, share: Array) -> float:

@@ -48,10 +48,6 @@ class Channel:
         return self.signal, self.column
 
 
-Rest = dict[tuple[str, int], float]
-"""The standard deviation of what no law explains, by channel: the same in all motions."""
-
-
 def channels(problem: Problem, floors: Floors, cases: Sequence[int]) -> list[Channel]:
     """The judged channels of some cases, in the order of `stacked`."""
     out = []
@@ -113,13 +109,23 @@ class Whitening:
 
     Attributes:
         channels: in their order.
-        rest: what no law explains, by channel.
+        rest: the standard deviation of what no law explains. Shape (channels,).
         facts: of each sample of a channel. Shape (channels,).
     """
 
     channels: tuple[Channel, ...]
-    rest: Rest
+    rest: Array
     facts: Array
+
+    def elsewhere(self, channels: Sequence[Channel]) -> Whitening:
+        """The same for channels of other motions too: what no law explains there is the mean square of its channel."""
+        facts = {c.key: fact for c, fact in zip(self.channels, self.facts, strict=True)}
+        squares: dict[tuple[str, int], list[float]] = {}
+        for c, rest in zip(self.channels, self.rest, strict=True):
+            squares.setdefault(c.key, []).append(float(rest) ** 2)
+        own = {(c.case, *c.key): rest for c, rest in zip(self.channels, self.rest, strict=True)}
+        rest = [own.get((c.case, *c.key), np.sqrt(np.mean(squares[c.key]))) for c in channels]
+        return Whitening(tuple(channels), np.array(rest), np.array([facts[c.key] for c in channels]))
 
     @cached_property
     def rows(self) -> NDArray[np.int64]:
@@ -137,8 +143,8 @@ class Whitening:
     def variance(self) -> Array:
         """The variance of each of them. Shape (k,)."""
         parts = [
-            c.noise**2 + c.slow[::every] ** 2 + self.rest.get(c.key, 0.0) ** 2
-            for c, every in zip(self.channels, self._every, strict=True)
+            c.noise**2 + c.slow[::every] ** 2 + rest**2
+            for c, rest, every in zip(self.channels, self.rest, self._every, strict=True)
         ]
         return np.concatenate(parts)
 

@@ -96,11 +96,10 @@ def predict(
     still = means[:, 0]
     plain = np.nan_to_num(np.column_stack([means - still[:, None], *slopes, laws]))
     first = explanations[0].metric.whitening
-    fact = dict(zip((c.key for c in first.channels), first.facts, strict=True))
     grams, whitenings = [], []
     for case in cases:
         own = tuple(c for c in found if c.case == case)
-        whitenings.append(Whitening(own, first.rest, np.array([fact[c.key] for c in own])))
+        whitenings.append(first.elsewhere(own))
         white = _white(whitenings[-1], plain[_rows(found, case)])
         grams.append(white.T @ white)
     beliefs = _beliefs(simulations, explanations, [s.shape[1] for s in slopes], wrong)

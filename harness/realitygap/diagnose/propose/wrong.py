@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.responses import residuals, respond, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.metric import marginalised
-from realitygap.diagnose.likelihood.whitening import Whitening, channels
+from realitygap.diagnose.likelihood.whitening import channels
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
@@ -72,9 +72,7 @@ def wrong(
     possible = [s for s in alone if not any(clash(s, a) for a in accepted)]
     tried = [start for s in possible for start in starts(problem, s) if start.kind == "linear"]
     blocks = respond(simulations, fit.changes, tried, both, floors.coarse, found)
-    first = named.metric.whitening
-    fact = dict(zip((c.key for c in first.channels), first.facts, strict=True))
-    whitening = Whitening(tuple(found), first.rest, np.array([fact[c.key] for c in found]))
+    whitening = named.metric.whitening.elsewhere(found)
     metric = marginalised(whitening, np.ones(len(now)), np.zeros((len(whitening.rows), 0)), 0.0)
     told = imperfections(problem, replace(fit, residual=now, slope=there), blocks, metric)
     rows = sum(len(c.time) for c in found if c.case in train)

@@ -145,7 +145,7 @@ class Look:
     def _white(self, column: Array, weight: Array) -> Array:
         """Whitened, and as long as what would be recorded has facts: the change and the sensors' noise."""
         few = facts(self.channels, column + self.noise)
-        plain = Whitening(self.channels, {}, np.ones(len(few)))(column[:, None], weight)[0][:, 0]
+        plain = Whitening(self.channels, np.zeros(len(few)), np.ones(len(few)))(column[:, None], weight)[0][:, 0]
         counted = plain * np.sqrt(np.repeat(few, [len(c.time) for c in self.channels]))
         return np.asarray(plain * np.linalg.norm(counted) / max(float(np.linalg.norm(plain)), 1e-30))
 

@@ -77,7 +77,8 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
     columns = [fit.residual[:, None], fit.slope.reshape(len(left), -1), responses]
     thin: Array | None = None
     for _ in range(PASSES if imperfections.laws else 1):
-        whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, left), fit.residual)
+        rest = rest_of(channels, imperfections.facts, left)
+        whitening, weight = trusted(channels, imperfections.facts, rest, fit.residual)
         thin = np.hstack([whitening.thinned(c) for c in columns]) if thin is None else thin
         white, determinant = whitening.scaled(thin, weight)
         odds = _Odds(white.T @ white, imperfections.laws)

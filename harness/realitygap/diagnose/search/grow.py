@@ -13,6 +13,7 @@ from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at, told_change
+from realitygap.robot.plant import Plant
 
 TRIED = 4
 """Suspects that are tried one by one: those that promise most."""
@@ -20,6 +21,8 @@ AT_ONCE = 3
 """Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
 """Ways that are fitted: those that gain most in a quick fit."""
+LOOSER = (1.0, 2.0, 4.0)
+"""What the first size of a limit is multiplied by beside another limit of its effect."""
 HOPEFUL = 0.5
 """A quick fit finds at least this share of what a way gains: two steps take most of the way (`fit.FEW`)."""
 SURE = 3.0
@@ -65,7 +68,7 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
 
 def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     """Models with more in them, and the evidence that each has to gain."""
-    accepted, limit = list(round_.now.fit.changes), round_.limit
+    accepted, limit, plant = list(round_.now.fit.changes), round_.limit, round_.simulations.problem.plant
     first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
     for p in round_.promised:
         start = p.block.start.first
@@ -91,20 +94,27 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     for effect in dict.fromkeys(c.suspect.effect for c in accepted if c.free):
         alike = [c for c in accepted if c.suspect.effect == effect and c.free]
         beside = [c for c in accepted if c not in alike]
-        shaped = [_shaped(round_, c) for c in alike]
-        number = sum(new is not old for new, old in zip(shaped, alike, strict=True))
-        if number:
-            ways.append(([*beside, *shaped], SURE * number))
+        tries = [tuple(with_shape(plant, c, looser) for c in alike) for looser in LOOSER]
+        for shaped in dict.fromkeys(tries):
+            number = sum(new is not old for new, old in zip(shaped, alike, strict=True))
+            if number:
+                ways.append(([*beside, *shaped], SURE * number))
         together = _together(round_, alike)
         if together is not None:
             ways.append(([*beside, together], limit * (1 - len(alike))))
     return ways
 
 
-def _shaped(round_: Round, change: Change) -> Change:
-    """A change with its shape freed too, or as it is where there is none to free."""
-    shaped = richer(round_.simulations.problem.plant, change)
-    return change if shaped is None or shaped.free == change.free else shaped
+def with_shape(plant: Plant, change: Change, looser: float) -> Change:
+    """A change with its shape freed too, or as it is where there is none to free.
+
+    A limit beside one that is there already begins at so many times its first size: from one that is too tight no fit
+    finds back, and one that is too loose does nothing.
+    """
+    shaped = richer(plant, change)
+    if shaped is None or shaped.free == change.free:
+        return change
+    return shaped.at({n: looser * shaped.parameters[n] for n in shaped.free if not np.isfinite(change.parameters[n])})
 
 
 def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
