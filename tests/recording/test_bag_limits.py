@@ -1,6 +1,8 @@
 """What a bag may unpack to: a packed one reads as a plain one, and one that unpacks beyond its allowance is refused."""
 
+import contextlib
 import os
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,6 +87,22 @@ def test_a_library_is_itself_again_when_a_bag_is_closed(packing: Callable[..., P
         assert own() != before
         assert len(list(bag.raw({"/joint_states"}))) == len(list(again.raw({"/joint_states"}))) == 100
     assert own() == before
+
+
+@pytest.mark.parametrize("column", ["timestamp", "data"])
+@pytest.mark.parametrize("value", ["yesterday", 1.5, b"abc", None])
+def test_a_database_that_holds_something_else_is_told(
+    column: str, value: object, write_bag: Callable[..., Path], tmp_path: Path
+) -> None:
+    path = write_bag(tmp_path / "run", "db3", two_joints())
+    with contextlib.closing(sqlite3.connect(next(path.glob("*.db3")))) as database:
+        database.execute("CREATE TABLE others AS SELECT * FROM messages")
+        database.execute("DROP TABLE messages")  # whose columns forbid what others allow
+        database.execute("ALTER TABLE others RENAME TO messages")
+        database.execute(f"UPDATE messages SET {column} = ? WHERE id = 3", [value])
+        database.commit()
+    with pytest.raises(InputError):
+        read_recording(path, scenario(), ["a", "b"], file=FILE)
 
 
 @pytest.mark.parametrize("name", ["metadata.yaml", "x.mcap"])

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from realitygap_engines.errors import in_a_line
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
@@ -30,6 +31,8 @@ Found = TypeVar("Found")
 Collector = JointMessages | Trajectories | BodyMessages | Supply
 JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "effort": "recordings.effort.joints"}
 """Streams of joint values, and the key that names their joints where the messages do not."""
+FARTHEST = 2**63
+"""ns: times that are kept are smaller, either way."""
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
 
 
@@ -216,7 +219,13 @@ class Bag:
         raw = self._reader.messages(connections=chosen)
         following = partial(next, raw, None)
         while (found := _reading(self.path, following)) is not None:
-            yield found[0].topic, found[1], found[2], found[0].msgtype
+            connection, received, data = found
+            if not (isinstance(received, int) and abs(received) < FARTHEST and isinstance(data, bytes)):
+                raise InputError(
+                    f"{self.path}: {connection.topic}: a message was received at {in_a_line(received, 40)} and holds "
+                    f"{type(data).__name__}; expected a whole number of nanoseconds and bytes: record it again"
+                )
+            yield connection.topic, received, data, connection.msgtype
 
     def taking(self, collector: Collector) -> Taking:
         """What gives the messages of a topic to a collector."""
