@@ -41,8 +41,8 @@ def yardstick(simulations: Simulations) -> Yardstick:
 
 def test_a_worker_says_what_this_process_says(problem: Problem, simulations: Simulations) -> None:
     asked = [Query((), c, "mujoco", 0.5) for c in (1, 2)]
-    for question, there in zip(asked, simulations.ask(asked), strict=True):
-        here = answer(problem, question)
+    for query, there in zip(asked, simulations.ask(asked), strict=True):
+        here = answer(problem, query)
         assert here is not None
         assert there is not None
         for signal in here:

@@ -103,8 +103,8 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
     told = _joints(found)
     found += [m for o in rest for m in start_mistakes(o) if not told & set(m.joints)]
     heavy = load_mistakes([o for o in rest if o.follows.any()])
-    believed = {id(o): not heavy and not link_mistakes(o.plant) for o in rest}
-    return found + _plainest([m for o in rest for m in effort_mistakes(o, _without(o, told), weighed=believed[id(o)])])
+    efforts = [(o, not heavy and not link_mistakes(o.plant)) for o in rest]
+    return found + _plainest([m for o, known in efforts for m in effort_mistakes(o, _without(o, told), weighed=known)])
 
 
 def _plainest(mistakes: Sequence[Mistake]) -> list[Mistake]:

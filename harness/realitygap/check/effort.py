@@ -14,7 +14,6 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from realitygap.check.follow import WEAK
-from realitygap.check.load import needed_effort
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Mask, Observed
 from realitygap.check.servo import limit, stiffness, working_error
@@ -89,7 +88,7 @@ def effort_mistakes(o: Observed, judged: Mask, *, weighed: bool) -> list[Mistake
         return []
     out: list[Mistake] = []
     wrong: list[int] = []
-    load = needed_effort(o) if weighed and not o.plant.model.floating else None
+    load = o.needed_effort if weighed and not o.plant.model.floating else None
     for j in np.flatnonzero(judged & np.isfinite(o.effort).any(axis=0)):
         by_load = _fit_load(o, int(j), load)
         fits = [fit_servo(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
@@ -117,7 +116,7 @@ def pushed(o: Observed, j: int) -> float:
     error = np.where(on, error, 0.0)
     side = np.tanh(error / (0.1 * error[on].std() + 1e-12))
     beside = [np.ones(len(side)), o.position[:, j], np.gradient(o.position[:, j], o.step)]
-    fit = _solved(o, beside, side, needed_effort(o)[:, j], on, 1.0)
+    fit = _solved(o, beside, side, o.needed_effort[:, j], on, 1.0)
     return fit.part if fit.ratio > 0 else 0.0
 
 

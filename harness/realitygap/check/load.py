@@ -3,15 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from realitygap_engines import GRAVITY
-from realitygap_engines.law.dynamics import Dynamics
-from realitygap_engines.model.robot import quaternion_from_rotation, rotation_from_rpy
-from scipy.signal import savgol_filter
 
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import limit, stiffness
-from realitygap.robot.plant import Plant
 from realitygap.trace.trace import Array
 
 HEAVY = 30.0
@@ -20,8 +15,6 @@ by less than `WEAK`, and friction only adds to what they gave."""
 LIGHT = 0.006
 """And one that needs this share of it or less, at all joints, is not either: gears of small arms take up to 30 times
 what their links do, not 170."""
-SMOOTHED = 0.15
-"""s: over which positions are smoothed for accelerations."""
 
 
 def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
@@ -33,8 +26,8 @@ def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
     for o in observed:
         if o.plant.model.floating or len(o.clock) < 50:
             continue
-        needed = np.sqrt(np.mean(needed_effort(o) ** 2, axis=0))
-        links = np.sqrt(np.mean(needed_effort(o, rotors=False) ** 2, axis=0))  # rotors are in no URDF
+        needed = np.sqrt(np.mean(o.needed_effort**2, axis=0))
+        links = np.sqrt(np.mean(o.needed_by_links**2, axis=0))  # rotors are in no URDF
         told = np.array([_measured(o), _by_law(o)])
         known = np.isfinite(told) & (told > 0)
         if not known.any():
@@ -59,24 +52,6 @@ def _mistake(o: Observed, j: int, needed: float, given: float, certainty: Certai
         f"{unit}: masses or inertias a thousand times too {how}, as it seems; expected kg and kg·m²"
     )
     return Mistake("grams", certainty, _suspects(o), sentence, "robot.urdf", (o.name,))
-
-
-def needed_effort(o: Observed, *, rotors: bool = True) -> Array:
-    """The joint efforts that a measured motion takes without friction [N·m or N], of a fixed base. Shape (k, n).
-
-    Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
-    """
-    width = min(max(5, 2 * round(0.5 * SMOOTHED / o.step) + 1), len(o.clock) // 2 * 2 - 1)
-    q, w, a = (savgol_filter(o.position, width, 3, deriv=k, delta=o.step, axis=0) for k in range(3))
-    dynamics, base = Dynamics(o.plant.model), np.zeros(13)
-    base[3:7] = _base_quaternion(o.plant)
-    gravity = np.array([0.0, 0.0, -GRAVITY])
-    return np.asarray(dynamics.inverse(q, w, a, base, gravity) + rotors * o.plant.drive["armature"] * a)
-
-
-def _base_quaternion(plant: Plant) -> Array:
-    roll, pitch = plant.base_tilt
-    return quaternion_from_rotation(rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0))
 
 
 def _measured(o: Observed) -> Array:

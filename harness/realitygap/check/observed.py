@@ -6,7 +6,11 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from realitygap_engines import GRAVITY
+from realitygap_engines.law.dynamics import Dynamics
+from realitygap_engines.model.robot import quaternion_from_rotation, rotation_from_rpy
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import savgol_filter
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
@@ -24,6 +28,8 @@ Mask = NDArray[np.bool_]
 SAMPLES, STEP = 20_000, 0.01
 """Samples of the even clock at most, and its least spacing [s]: a mistake shows in the whole motion and within the
 bandwidth of a servo, some Hz, and the checks are to take a moment."""
+SMOOTHED = 0.15
+"""s: over which positions are smoothed for accelerations."""
 FOLLOWERS = (DC, PID, CASCADE)
 """Servos that bring the position to the command."""
 
@@ -114,6 +120,30 @@ class Observed:
     def is_followed(self) -> bool:
         """Whether the joints follow the measured motion, so that nothing is commanded."""
         return self.scenario.follows
+
+    @property
+    def needed_effort(self) -> Array:
+        """The joint efforts that the measured motion takes without friction [N·m or N], of a fixed base. Shape (k, n).
+
+        Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
+        """
+        return np.asarray(self.needed_by_links + self.plant.drive["armature"] * self._smoothed[2])
+
+    @cached_property
+    def needed_by_links(self) -> Array:
+        """The same without what rotors take. Shape (k, n)."""
+        base = np.zeros(13)
+        roll, pitch = self.plant.base_tilt
+        base[3:7] = quaternion_from_rotation(rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0))
+        gravity = np.array([0.0, 0.0, -GRAVITY])
+        return np.asarray(Dynamics(self.plant.model).inverse(*self._smoothed, base, gravity))
+
+    @cached_property
+    def _smoothed(self) -> tuple[Array, Array, Array]:
+        """Position, velocity and acceleration, smoothed. Shapes (k, n)."""
+        width = min(max(5, 2 * round(0.5 * SMOOTHED / self.step) + 1), len(self.clock) // 2 * 2 - 1)
+        q, w, a = (savgol_filter(self.position, width, 3, deriv=k, delta=self.step, axis=0) for k in range(3))
+        return q, w, a
 
     def prismatic(self, joint: int) -> bool:
         """Whether a joint slides."""

@@ -103,21 +103,26 @@ def rest_of(channels: Sequence[Channel], facts: Array, residual: Array) -> Array
     the other, however long.
     """
     parts: dict[tuple[str, int], list[tuple[Array, Array]]] = {}
-    own: list[tuple[Array, Array] | None] = []
+    own: list[tuple[Array, Array]] = []
     for channel, span in spans(channels):
         good = np.isfinite(residual[span])
-        part = residual[span][good] ** 2, channel.noise**2 + channel.slow[good] ** 2
-        own.append(part if good.any() else None)
+        own.append((residual[span][good] ** 2, channel.noise**2 + channel.slow[good] ** 2))
         if good.any():
-            parts.setdefault(channel.key, []).append(part)
+            parts.setdefault(channel.key, []).append(own[-1])
+    shared = {key: _shared(of) for key, of in parts.items()}
     out = np.zeros(len(own))
-    for k, (channel, mine) in enumerate(zip(channels, own, strict=True)):
-        if mine is None:
-            continue
-        shared = [(*p, np.full(len(p[0]), SHARED / (len(p[0]) * len(parts[channel.key])))) for p in parts[channel.key]]
-        every = [*shared, (*mine, np.full(len(mine[0]), facts[k]))]
-        out[k] = math.sqrt(_beyond(*map(np.concatenate, zip(*every, strict=True))))
+    for k, (channel, (square, variance)) in enumerate(zip(channels, own, strict=True)):
+        if len(square):
+            mine = square, variance, np.full(len(square), facts[k])
+            out[k] = math.sqrt(_beyond(*map(np.concatenate, zip(shared[channel.key], mine, strict=True))))
     return out
+
+
+def _shared(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
+    """Squares and variances of all motions of a channel, and how many facts each counts for."""
+    squares, variances = zip(*parts, strict=True)
+    share = [np.full(len(square), SHARED / (len(square) * len(parts))) for square in squares]
+    return np.concatenate(squares), np.concatenate(variances), np.concatenate(share)
 
 
 def _beyond(square: Array, variance: Array, share: Array) -> float:
