@@ -11,12 +11,13 @@ pair is the harmonic mean, and a URDF's friction, effort limits and mimic joints
 not parsed. It has no dry joint friction, which comes from `law.joints`, and it iterates until converged, so that
 there is no iteration count.
 """
+# mypy: allow-untyped-defs
+# (the compiled functions take arrays and numbers only; their callers are typed)
 
 import gc
 from functools import cached_property
 from importlib.metadata import version
 from itertools import count
-from math import sqrt
 
 import numpy as np
 from pydrake.geometry import (
@@ -44,6 +45,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from realitygap_engines.engine import Capability, Engine, Physics, Simulation, State
 from realitygap_engines.errors import Diverged
+from realitygap_engines.law.compiled import compiled
 from realitygap_engines.law.joints import JointLaw
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.quiet import quiet
@@ -91,6 +93,7 @@ class DrakeSimulation(Simulation):
         row = np.zeros(2 * n + 13)
         self._position, self._velocity, self._base = row[:n], row[n : 2 * n], row[2 * n :]
         self._fetched = row[: len(self._order)]  # what is in Drake's state, in our order; a fixed base is not
+        self._turn = 2 * n + 3 if model.floating else len(row)
         self.settings = {
             "time_step": plant.time_step(),
             "gravity": plant.gravity_field().gravity_vector().tolist(),
@@ -146,13 +149,7 @@ class DrakeSimulation(Simulation):
         self._damped = damping.tobytes()
 
     def _fetch(self) -> None:
-        x = self._plant.GetPositionsAndVelocities(self._plant_context)
-        x.take(self._order, out=self._fetched, mode="clip")  # which does not buffer; no index is out of bounds
-        if self.model.floating:
-            turn = self._base[3:7]
-            w, a, b, c = turn.tolist()  # its norm drifts, and Drake does not mind
-            norm = sqrt(w * w + a * a + b * b + c * c)
-            turn[:] = w / norm, a / norm, b / norm, c / norm
+        _in_order(self._plant.GetPositionsAndVelocities(self._plant_context), self._order, self._turn, self._fetched)
 
     def _diverged(self, effort: Array, what: str) -> Diverged:
         wrong = np.flatnonzero(~np.isfinite(effort + self._position + self._velocity))
@@ -192,6 +189,18 @@ class DrakeSimulation(Simulation):
             plant.CalcForceElementsContribution(context, forces)  # gravity
             out[k] = plant.CalcInverseDynamics(context, rate, forces)[order]
         return out
+
+
+@compiled
+def _in_order(state, order, turn, out):
+    """Take the state over; the norm of the quaternion, from the element `turn` on, drifts, and Drake does not mind."""
+    for i in range(len(order)):
+        out[i] = state[order[i]]
+    if turn < len(out):
+        w, x, y, z = out[turn], out[turn + 1], out[turn + 2], out[turn + 3]
+        norm = np.sqrt(w * w + x * x + y * y + z * z)
+        for k in range(turn, turn + 4):
+            out[k] /= norm
 
 
 def _run(indices: list[int]) -> slice | Array:

@@ -52,6 +52,7 @@ class Stepped(Simulation):
         )
         self._position, self._velocity, self._base = np.zeros(n), np.zeros(n), np.zeros(13)
         self._force = np.zeros(first + n)
+        self._base_force, self._joint_force = self._force[:first], self._force[first:]
         self._steps = 0
         self.settings = {
             "timestep": physics.timestep,
@@ -81,14 +82,13 @@ class Stepped(Simulation):
 
     def step(self, effort: Array, damping: Array, friction: Array) -> None:
         self._steps += 1
-        force, law = self._force, self._law
-        force[self._first :] = law.effort(self._position, self._velocity, self._base, effort, damping, friction)
-        force[: self._first] = law.wrench
+        force, law, q, w, base = self._force, self._law, self._position, self._velocity, self._base
+        self._joint_force[:] = law.effort(q, w, base, effort, damping, friction)
+        self._base_force[:] = law.wrench
         if not isfinite(force.dot(force)):
-            raise self._diverged(force[self._first :], "effort is not finite")
-        fastest = _advance(self._position, self._velocity, self._base, self._acceleration(force), self.physics.timestep)
-        if not fastest < RUNAWAY:
-            raise self._diverged(self._velocity, "velocity runs away")
+            raise self._diverged(self._joint_force, "effort is not finite")
+        if not _advance(q, w, base, self._acceleration(force), self.physics.timestep) < RUNAWAY:
+            raise self._diverged(w, "velocity runs away")
 
     def _diverged(self, values: Array, what: str) -> Diverged:
         return diverged(self.model, self._steps * self.physics.timestep, values, what)
