@@ -7,7 +7,6 @@ from fnmatch import fnmatchcase
 from functools import cached_property
 
 import numpy as np
-import realitygap_engines as engines
 from realitygap_engines import GRAVITY, Physics, State
 from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
@@ -26,6 +25,7 @@ from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
 from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
+from realitygap.simulate.opened import opened
 from realitygap.simulate.rollout import Rollout, Stretch, rolled, steps_of
 from realitygap.simulate.start import start_state
 from realitygap.trace.sampled import Gather, sampled
@@ -326,7 +326,7 @@ def simulate(
     supply = supply_of(recording, experiment.begin)
     integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
     steps = steps_of(experiment.duration + physics.timestep, physics.timestep)
-    with as_its_outcome(engine), engines.load(engine).open(plant.machine(), physics) as simulation:
+    with as_its_outcome(engine), opened(engine, plant.machine(), physics) as simulation:
         parts = rolled(
             simulation,
             plant,

@@ -115,7 +115,7 @@ def tumble(time, start, spin, inertia):  # type: ignore[no-untyped-def]
         Quaternions. Shape (k, 4).
     """
     inverse = np.linalg.inv(inertia)
-    x = np.empty(7)
+    x, rates, there = np.empty(7), np.empty((4, 7)), np.empty(7)
     x[:4] = start
     w, v = start[0], start[1:]
     turned = 2.0 * np.cross(-v, spin)
@@ -126,21 +126,29 @@ def tumble(time, start, spin, inertia):  # type: ignore[no-untyped-def]
         count = int(np.ceil((time[i] - time[i - 1]) / SUBSTEP))
         h = (time[i] - time[i - 1]) / count
         for _ in range(count):
-            a = _rate(x, inertia, inverse)
-            b = _rate(x + 0.5 * h * a, inertia, inverse)
-            c = _rate(x + 0.5 * h * b, inertia, inverse)
-            d = _rate(x + h * c, inertia, inverse)
-            x = x + h / 6 * (a + 2 * b + 2 * c + d)
+            _rate(x, inertia, inverse, rates[0])
+            for stage in range(1, 4):
+                share = h if stage == 3 else 0.5 * h
+                for k in range(7):
+                    there[k] = x[k] + share * rates[stage - 1, k]
+                _rate(there, inertia, inverse, rates[stage])
+            for k in range(7):
+                x[k] += h / 6 * (rates[0, k] + 2 * rates[1, k] + 2 * rates[2, k] + rates[3, k])
         out[i] = x[:4] / np.linalg.norm(x[:4])
     return out
 
 
 @njit(cache=True)
-def _rate(x, inertia, inverse):  # type: ignore[no-untyped-def]
-    """Of quaternion and angular velocity in body axes. Shape (7,)."""
-    q, w = x[:4], x[4:]
-    out = np.empty(7)
-    out[0] = -0.5 * np.dot(q[1:], w)
-    out[1:4] = 0.5 * (q[0] * w + np.cross(q[1:], w))
-    out[4:] = inverse @ np.cross(inertia @ w, w)
-    return out
+def _rate(x, inertia, inverse, out):  # type: ignore[no-untyped-def]
+    """Of quaternion and angular velocity in body axes, into `out`. Shape (7,)."""
+    w, a, b, c, p, q, r = x
+    out[0] = -0.5 * (a * p + b * q + c * r)
+    out[1] = 0.5 * (w * p + b * r - c * q)
+    out[2] = 0.5 * (w * q + c * p - a * r)
+    out[3] = 0.5 * (w * r + a * q - b * p)
+    i = inertia[0, 0] * p + inertia[0, 1] * q + inertia[0, 2] * r
+    j = inertia[1, 0] * p + inertia[1, 1] * q + inertia[1, 2] * r
+    k = inertia[2, 0] * p + inertia[2, 1] * q + inertia[2, 2] * r
+    torque = (j * r - k * q, k * p - i * r, i * q - j * p)
+    for n in range(3):
+        out[4 + n] = inverse[n, 0] * torque[0] + inverse[n, 1] * torque[1] + inverse[n, 2] * torque[2]

@@ -230,6 +230,8 @@ class Table:
                 f"{self.path}: has no column {name}, named by recordings.columns.{key}; it has {self._listing()}"
             )
         column = self.frame[name]
+        if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
+            return column.to_numpy(dtype=float)
         numbers = pd.to_numeric(column, errors="coerce")
         wrong = np.flatnonzero(numbers.isna() & column.notna())
         if len(wrong):
