@@ -136,16 +136,16 @@ def test_an_integral_does_not_wind_up_at_the_limit() -> None:
     assert_allclose(out.position[-1], 0.2, atol=0.02)
 
 
-def test_what_the_first_step_has_to_start_up_is_not_in_the_time_it_takes() -> None:
+def test_what_the_first_step_has_to_start_up_is_not_in_the_time_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
     plant = bench()
+    with engines.load("dart").open(plant.machine(), Physics(1e-3)) as simulation:
+        at_once, waits = simulation.step, iter([0.5])
 
-    def slow(t: float, q: Array, w: Array) -> Array:
-        if t == 0.0:
-            time.sleep(0.5)
-        return np.zeros(1)
+        def slow(effort: Array, damping: Array, friction: Array) -> None:
+            time.sleep(next(waits, 0.0))
+            at_once(effort, damping, friction)
 
-    plant.efforts = [slow]
-    with engines.load("mujoco").open(plant.machine(), Physics(1e-3)) as simulation:
+        monkeypatch.setattr(simulation, "step", slow)
         still = Commands(np.zeros(1), np.zeros((1, 1)))
         out = rollout(simulation, plant, still, State(np.zeros(1), np.zeros(1)), 0.1)
     assert out.wall < 0.4

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from realitygap.robot.drive import CASCADE, DC, DUTY, EFFORT, PID, SPEED, TORQUE, VELOCITY, neutral_drive
 from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effort_map import EffortMap
 from realitygap.robot.mjcf import write_mjcf
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands, on_steps
@@ -158,6 +159,14 @@ def test_a_delay_of_whole_steps_agrees_and_another_nearly(delay: float) -> None:
     plant.drive["viscous"] = 0.4
     plant.delay[:] = delay
     assert difference(plant, swings()) < (AGREES if delay == 0.02 else 1e-3)
+
+
+def test_what_a_file_cannot_say_is_told() -> None:
+    plant = driven("pd")
+    plant.efforts = [lambda time: np.zeros((len(time), 3))]
+    plant.maps = [EffortMap(0, ("angle",), ((-1.0, 1.0),), (0.1, 0.2))]
+    told = write_mjcf(plant, Physics(STEP))[1]
+    assert [sentence.split(",")[0] for sentence in told] == ["efforts over time", "effort_map"]
 
 
 def test_the_file_is_the_machine_that_was_written(tmp_path: Path) -> None:

@@ -194,7 +194,9 @@ def _lost(plant: Plant) -> Iterator[str]:
     if mimics:
         yield f"how firmly {', '.join(mimics)} mimic: an equality gives way a little"
     if plant.efforts:
-        yield "effort_map, or another effort that depends on measured variables"
+        yield "efforts over time"
+    if plant.maps:
+        yield "effort_map, an effort that depends on measured variables"
     if plant.ground is not None and plant.ground.stiffness is not None:
         yield "soft_ground, as far as joint damping changes it: it is softer in the file"
 

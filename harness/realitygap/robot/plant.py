@@ -41,7 +41,7 @@ class Plant:
         delay: from recorded command to servo [s]. Shape (n,).
         velocity_lag, velocity_scale: low-pass time [s] and scale of the reported velocity. Shape (n,).
         base_tilt: roll and pitch of a fixed base [rad]. Shape (2,).
-        efforts: further joint efforts as functions of (t, q, w) -> Shape (n,), for effects with a law of their own.
+        efforts: further joint efforts over time, as functions of times (t,) [s] -> Shape (t, n).
         maps: efforts that depend on measured variables.
         payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
         reached: how fast each joint went where its motion was recorded [rad/s or m/s]; None where none was. Shape (n,).
@@ -54,7 +54,7 @@ class Plant:
     velocity_lag: Array
     velocity_scale: Array
     base_tilt: Array
-    efforts: list[Callable[[float, Array, Array], Array]] = field(default_factory=list)
+    efforts: list[Callable[[Array], Array]] = field(default_factory=list)
     maps: list[EffortMap] = field(default_factory=list)
     payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
     reached: Array | None = None

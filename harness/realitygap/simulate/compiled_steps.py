@@ -14,14 +14,14 @@ from realitygap.robot.law.effort_map import add_mapped
 @partial(compiled, nogil=True)
 def stepped(  # type: ignore[no-untyped-def]
     step, model, data, effort, damping, friction, position, velocity, pose, twist,
-    drive, state, inertia, maps, numbers, command, volts, dry, first, h, q, w, base, log,
+    drive, state, inertia, maps, numbers, command, volts, given, dry, first, h, q, w, base, log,
 ):  # fmt: skip
     """Take as many steps as there are volts, from time first·h on.
 
     The first ten arguments are those of `realitygap_engines.engine.Native`; `drive`, `state`, `inertia`, `maps` and
     `numbers` are as in `drive_effort` and `add_mapped`, `dry` is Shape (n,) of zeros. Rows that are given or written:
-    `command` (t + 1, n), `volts` (t,), `log` (t, n), and from the state on from which they start `q`, `w` (t + 1, n)
-    and `base` (t + 1, 13), which gets pose and velocity as the engine has them.
+    `command` (t + 1, n), `volts` (t,), further efforts `given` (t, n), `log` (t, n), and from the state on from which
+    they start `q`, `w` (t + 1, n) and `base` (t + 1, 13), which gets pose and velocity as the engine has them.
     """
     p, v = pose.size, pose.size + twist.size
     for k in range(volts.size):
@@ -31,6 +31,8 @@ def stepped(  # type: ignore[no-untyped-def]
         )
         if maps.size:
             add_mapped(maps, numbers, drive, state, now, w[k], inertia, volts[k], t, h, effort, damping, log[k])
+        for j in range(effort.size):
+            effort[j] += given[k, j]
         step(model, data)
         q[k + 1] = position
         w[k + 1] = velocity

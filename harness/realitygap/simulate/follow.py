@@ -125,7 +125,7 @@ def taken(engine: str, plant: Plant, followed: Followed, start: State, *, wider:
         settings = dict(simulation.settings)
     driven = load.copy()
     for law in plant.efforts:
-        driven -= np.array([law(float(t), q, w) for t, q, w in zip(motion.time, position, velocity, strict=True)])
+        driven -= law(motion.time)
     volts = np.zeros(len(motion.time)) if followed.supply is None else np.interp(motion.time, *followed.supply)
     map_along(*packed(plant.maps), motion.time - motion.time[0], reading, velocity, load, volts, driven)
     motor, joint, left = np.empty_like(load), np.empty_like(load), np.empty_like(load)

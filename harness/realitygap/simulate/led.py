@@ -70,8 +70,9 @@ def lead(
         plant.drive, maps, numbers, state, np.zeros(n, LOG), position, velocity, error, need, command, volts,
         plant.inertia(), h, out.smooth, out.dry, out.open,
     )  # fmt: skip
+    time = np.asarray(np.arange(steps) * h, dtype=np.float64)
     for law in plant.efforts:
-        out.smooth[:] += [law(k * h, q, w) for k, (q, w) in enumerate(zip(position, velocity[:-1], strict=True))]
+        out.smooth[:] += law(time)
     return out
 
 

@@ -74,7 +74,7 @@ class Steps:
         self.h, self.inertia, self.maps = simulation.physics.timestep, plant.inertia(), packed(plant.maps)
         self.wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
         self.wants_dry |= any("load" in one.variables for one in plant.maps)
-        self.native = None if self.wants_dry or plant.efforts else simulation.native()
+        self.native = None if self.wants_dry else simulation.native()
 
     def take(self, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
         """Take steps from row `at` on, until their end or a blow-up.
@@ -88,11 +88,17 @@ class Steps:
         Returns:
             The row of the last state, and how long the steps took after the motion's first one, which may compile [s].
         """
+        time = np.asarray((held.first + at + np.arange(len(volts))) * self.h, dtype=np.float64)
+        given: Array = np.zeros((len(volts), len(self.state)))
+        for law in self.plant.efforts:
+            given += law(time)
         if self.native is None:
-            return self._in_python(held, at, command, volts)
-        return self._compiled(self.native, held, at, command, volts)
+            return self._in_python(held, at, command, volts, given)
+        return self._compiled(self.native, held, at, command, volts, given)
 
-    def _compiled(self, native: Native, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
+    def _compiled(
+        self, native: Native, held: Held, at: int, command: Array, volts: Array, given: Array
+    ) -> tuple[int, float]:
         pose, twist = native.base
         told = np.concatenate([command, command[-1:]])
         began, row, end = clock.perf_counter(), at, at + len(volts)
@@ -103,7 +109,7 @@ class Steps:
                 native.step, native.model, native.data, native.effort, native.damping, native.friction,
                 native.position, native.velocity, pose, twist,
                 self.plant.drive, self.state, self.inertia, *self.maps, told[row : last + 1],
-                volts[row - at : last - at], held.dry[0], start, self.h,
+                volts[row - at : last - at], given[row - at : last - at], held.dry[0], start, self.h,
                 held.q[row : last + 1], held.w[row : last + 1], held.base[row : last + 1], held.log[row:last],
             )  # fmt: skip
             if pose.size:
@@ -115,12 +121,12 @@ class Steps:
                 began = clock.perf_counter()
         return row, clock.perf_counter() - began
 
-    def _in_python(self, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
+    def _in_python(self, held: Held, at: int, command: Array, volts: Array, given: Array) -> tuple[int, float]:
         q, w, base, log, dry = held.q, held.w, held.base, held.log, held.dry
         drive, state, inertia, h, (maps, numbers) = self.plant.drive, self.state, self.inertia, self.h, self.maps
         step, read, dry_friction = self.simulation.step, self.simulation.read, self.simulation.dry_friction
-        efforts, mapped, wants_dry = self.plant.efforts, bool(self.plant.maps), self.wants_dry
-        beside, n, look = mapped or bool(efforts), len(drive), held.first + at
+        pushed, mapped, wants_dry = bool(self.plant.efforts), bool(self.plant.maps), self.wants_dry
+        beside, n, look = mapped or pushed, len(drive), held.first + at
         effort, damping, friction = np.zeros(n), np.zeros(n), np.zeros(n)
         # what a step ends with the next one begins with: every row is taken out of its array once
         upcoming = chain(command[at + 1 :], command[-1:])
@@ -135,8 +141,8 @@ class Steps:
             if beside:
                 if mapped:
                     add_mapped(maps, numbers, drive, state, c, wk, inertia, v, t, h, effort, damping, lk)
-                for law in efforts:
-                    effort += law(t, qk, wk)
+                if pushed:
+                    effort += given[k - held.first - at]
             step(effort, damping, friction)
             read(q1, w1, b1)
             if wants_dry:

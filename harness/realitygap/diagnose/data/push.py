@@ -44,9 +44,9 @@ class _Effort:
     joint: int
     count: int
 
-    def __call__(self, t: float, _q: Array, _w: Array) -> Array:
-        out = np.zeros(self.count)
-        out[self.joint] = self.torque[min(round(t / self.h), len(self.torque) - 1)]
+    def __call__(self, time: Array) -> Array:
+        out = np.zeros((len(time), self.count))
+        out[:, self.joint] = self.torque[np.minimum(np.rint(time / self.h).astype(np.int64), len(self.torque) - 1)]
         return out
 
 

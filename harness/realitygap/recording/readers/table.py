@@ -231,7 +231,7 @@ class Table:
             )
         column = self.frame[name]
         if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
-            return column.to_numpy(dtype=float)
+            return np.asarray(column, dtype=np.float64)
         numbers = pd.to_numeric(column, errors="coerce")
         wrong = np.flatnonzero(numbers.isna() & column.notna())
         if len(wrong):
