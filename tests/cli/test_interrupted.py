@@ -1,7 +1,12 @@
 """A signal ends a command with its own status and sentence, wherever it falls."""
 
+import pickle
+import signal
 import subprocess
 import sys
+import time
+
+import pytest
 
 SCRIPT = """
 import os, signal, time, typer
@@ -26,3 +31,36 @@ def test_a_signal_that_became_an_error_of_an_import_is_told_as_the_signal() -> N
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 143
     assert done.stderr == "realitygap: ended by SIGTERM; nothing was written\n"
+
+
+LATE = """
+import sys, time
+from realitygap.files.interrupted import listening
+
+class Slow:
+    def __del__(self) -> None:
+        time.sleep(1)
+
+with listening():
+    sys.modules["slow"] = Slow()
+print("done", flush=True)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_while_the_interpreter_ends_is_too_late(number: int) -> None:
+    with subprocess.Popen([sys.executable, "-c", LATE], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(0.3)
+        process.send_signal(number)
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("length", [0, 1, 500])
+def test_a_worker_whose_question_is_cut_short_ends_in_silence(length: int) -> None:
+    """As it is where the process that asks is killed."""
+    question = pickle.dumps(list(range(1000)))[:length]
+    worker = [sys.executable, "-m", "realitygap.diagnose.data.worker"]
+    done = subprocess.run(worker, input=question, capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")

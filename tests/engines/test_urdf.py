@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio
 import pytest
 from realitygap_engines.errors import ModelError
+from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import link_poses
 from realitygap_engines.model.urdf import read_urdf, write_urdf
 
@@ -247,6 +248,21 @@ def test_files_that_are_no_urdf(case: str, tmp_path: Path) -> None:
         read_urdf(path, floating=True)
     assert str(error.value).startswith(f"{path}: ")
     assert sentence in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "begin", "one"),
+    [
+        ("r.urdf", '<robot name="r">', '<link name="a"/>'),
+        ("r.xml", "<mujoco><worldbody>", "<body/>"),
+        ("r.sdf", '<sdf version="1.9"><model name="r">', '<link name="a"/>'),
+    ],
+)
+def test_a_file_with_more_in_it_than_any_machine_is_told(name: str, begin: str, one: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text(begin + one * 2_000_000)
+    with pytest.raises(ModelError, match=f"{name}: holds .* tags, expected at most 20000"):
+        read_model(path, floating=True)
 
 
 @pytest.mark.parametrize(("name", "sentence"), [("none.urdf", "No such file"), (".", "Is a directory")])

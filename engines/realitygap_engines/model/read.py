@@ -1,5 +1,6 @@
 """Reading a robot's file, whatever its format, into the canonical `Model`."""
 
+import os
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -12,6 +13,8 @@ from realitygap_engines.model.urdf import read_urdf
 
 LARGEST = 64 << 20
 """Bytes of a robot's description; meshes lie beside it."""
+ELEMENTS = 20_000
+"""Beginnings and ends of elements; the files of machines have some thousands."""
 HEAD = 65536
 """Bytes in which the root element of an XML file begins, after whatever its authors wrote above it."""
 
@@ -43,6 +46,9 @@ def read_model(
         raise ModelError(f"{file}: is a pipe, a socket or a device; expected a robot's file")
     if file.is_file() and file.stat().st_size > LARGEST:
         raise ModelError(f"{file}: holds {file.stat().st_size >> 20} MiB, expected at most {LARGEST >> 20} MiB of XML")
+    count = file.read_bytes().count(b"<") if file.is_file() and os.access(file, os.R_OK) else 0
+    if count > ELEMENTS:
+        raise ModelError(f"{file}: holds {count} tags, expected at most {ELEMENTS} in a robot's file")
     if format_of(file) == "mjcf":
         return read_mjcf(file, floating=floating, contact_links=contact_links)
     if format_of(file) == "sdf":

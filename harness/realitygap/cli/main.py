@@ -16,7 +16,7 @@ from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
 from realitygap.files.interrupted import Interrupted, interruption, listening
 
-MOST = 1000
+MOST = 400
 """Characters of a sentence, paths and lists of names included."""
 COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, propose, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
@@ -54,6 +54,8 @@ def options(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: bad input is one sentence on standard error. Every error has status 2; 1 is a failed check."""
+    # no command draws in MuJoCo, whose import otherwise starts another interpreter that looks for a window system
+    os.environ.setdefault("MUJOCO_GL", "disable")
     try:
         with listening():
             app(arguments)

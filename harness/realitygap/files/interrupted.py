@@ -1,5 +1,6 @@
 """Ctrl-C and SIGTERM end every command alike: folders as they were, one sentence, the status that shells give."""
 
+import atexit
 import signal
 import threading
 from collections.abc import Iterator
@@ -48,6 +49,13 @@ def listening() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        atexit.register(_deaf)
+
+
+def _deaf() -> None:
+    """What the command had to do is done: a signal does not end the interpreter while it ends by itself."""
+    for number in WORDS:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _heard(number: int, _: FrameType | None) -> None:

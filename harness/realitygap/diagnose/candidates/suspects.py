@@ -88,7 +88,7 @@ def everyday(problem: Problem, suspect: Suspect) -> bool:
     if suspect.effect in SHARED:
         return suspect.target == "*"
     many = int(problem.judged.sum()) > FEW
-    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) == 1 or many)
+    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) > 1) == many
 
 
 def fitted(effect: Effect) -> list[Parameter]:

@@ -121,7 +121,10 @@ class _Worker:
         assert self._process.stdout is not None
         try:
             good, result = pickle.load(self._process.stdout)
-        except EOFError:  # an engine that takes its process down cannot simulate this; the next query has a new one
+        except (
+            EOFError,
+            pickle.UnpicklingError,
+        ):  # an engine that takes its process down cannot simulate this; the next query has a new one
             self.close()
             self._process = None
             return None

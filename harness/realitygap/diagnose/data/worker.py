@@ -75,7 +75,7 @@ def main() -> None:
                 result = False, f"{type(error).__name__}: {error}"
             pickle.dump(result, told, pickle.HIGHEST_PROTOCOL)
             told.flush()
-    except (EOFError, BrokenPipeError, KeyboardInterrupt):
+    except (EOFError, pickle.UnpicklingError, BrokenPipeError, KeyboardInterrupt):  # whoever asked is gone
         return
 
 
