@@ -80,7 +80,7 @@ industrial arms (Gautier 1997; Swevers 1997)."""
 SHARED = ("command_delay",)
 """The same for all joints: a bus has one latency."""
 FEW = 8
-"""With more joints than this, a plain fit has a value for every type of servo."""
+"""With more joints than this, a plain fit may have one value for every type of servo too."""
 
 
 def everyday(problem: Problem, suspect: Suspect) -> bool:
@@ -88,7 +88,7 @@ def everyday(problem: Problem, suspect: Suspect) -> bool:
     if suspect.effect in SHARED:
         return suspect.target == "*"
     many = int(problem.judged.sum()) > FEW
-    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) > 1) == many
+    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) == 1 or many)
 
 
 def fitted(effect: Effect) -> list[Parameter]:

@@ -19,7 +19,8 @@ from realitygap.diagnose.search.imperfections import Imperfections, imperfection
 from realitygap.robot.drive import Array
 
 ELSEWHERE = (0.8, 1.25)
-"""A free body's fit is tried again from these multiples of its values: contacts make it rough."""
+"""The fit of a body without joints is tried again from these multiples of its values: contacts, of which all is made
+that it does, make it rough."""
 SETTLE = 4
 """How often a model is fitted at most, each time in the metric of what the one before leaves."""
 BENT = 3
@@ -113,9 +114,9 @@ class Yardstick:
         return None if found is None else self.score(found)
 
     def elsewhere(self, found: Scored) -> Scored:
-        """The best of a model and of its fits from other values, where contacts make fits rough: of a free body."""
+        """The best of a model and of its fits from other values, where contacts make fits rough: without joints."""
         best = found
-        for factor in ELSEWHERE if self.problem.plant.model.floating else ():
+        for factor in ELSEWHERE if not self.problem.plant.model.joints else ():
             moved = [c.at({n: factor * c.parameters[n] for n in c.free}) for c in found.fit.changes]
             again = self.fit(moved)
             best = best if again is None else max(best, again, key=lambda s: s.evidence)
