@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from realitygap_engines.errors import in_a_line
 
 from realitygap.files.errors import InputError
 
@@ -28,8 +29,9 @@ def read_table(
         table = pd.read_parquet(path) if path.suffix == ".parquet" else pd.read_csv(path, comment="#")
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}); expected a table") from None
-    except (ValueError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: is not a CSV or Parquet table ({str(error).splitlines()[0]})") from None
+    except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
+        what = in_a_line(error) or type(error).__name__
+        raise InputError(f"{path}: is not a CSV or Parquet table ({what})") from None
     wanted = [c for c in [*text, *numbers] if c in table.columns or c not in optional]
     for column in wanted:
         if column not in table.columns:

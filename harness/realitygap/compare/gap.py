@@ -15,7 +15,12 @@ from realitygap.trace.trace import Array, Trace
 MOVING_LINEAR = 5e-4
 """What `MOVING` is for prismatic joints [m]."""
 JOINT_SIGNALS = ("position", "velocity", "effort")
-BASE_SIGNALS = ("base_position", "base_orientation", "base_angular_velocity")
+BASE = {
+    "base_position": ("base_position", "m", 1.0),
+    "base_quaternion": ("base_orientation", "deg", 180 / np.pi),
+    "base_angular": ("base_angular_velocity", "deg/s", 180 / np.pi),
+}
+"""What is compared of a moving base: what each signal is called in tables, its unit there, and the factor from SI."""
 
 
 class NamedJoint(Protocol):
@@ -110,27 +115,27 @@ def _base(sim: Trace, measured: Trace) -> list[Difference]:
     out = []
     if sim.base_position is not None and measured.base_position is not None:
         far = np.linalg.norm(sim.base_position - measured.base_position, axis=1)
-        out.append(_of_base("base_position", "m", far))
+        out.append(_of_base("base_position", far))
     if sim.base_quaternion is not None:
         if measured.base_quaternion is not None:
             angle = angle_between(sim.base_quaternion, measured.base_quaternion)
-            out.append(_of_base("base_orientation", "deg", angle))
+            out.append(_of_base("base_quaternion", angle))
         elif measured.imu_quaternion is not None:
-            out.append(_of_base("base_orientation", "deg", _tilt(sim.base_quaternion, measured.imu_quaternion)))
+            out.append(_of_base("base_quaternion", _tilt(sim.base_quaternion, measured.imu_quaternion)))
     if sim.base_angular is not None:
         if measured.base_angular is not None:
             rate = np.linalg.norm(sim.base_angular - measured.base_angular, axis=1)
-            out.append(_of_base("base_angular_velocity", "deg/s", rate))
+            out.append(_of_base("base_angular", rate))
         elif measured.imu_angular is not None:
             # a gyroscope measures in its own axes; the size does not depend on them
             rate = np.linalg.norm(sim.base_angular, axis=1) - np.linalg.norm(measured.imu_angular, axis=1)
-            out.append(_of_base("base_angular_velocity", "deg/s", np.abs(rate)))
+            out.append(_of_base("base_angular", np.abs(rate)))
     return out
 
 
-def _of_base(signal: str, unit: str, values: Array) -> Difference:
-    scale = 1.0 if unit == "m" else 180 / np.pi
-    return Difference("base", signal, unit, "base", scale, scale * values[np.isfinite(values)])
+def _of_base(signal: str, values: Array) -> Difference:
+    name, unit, scale = BASE[signal]
+    return Difference("base", name, unit, "base", scale, scale * values[np.isfinite(values)])
 
 
 def _tilt(simulated: Array, imu: Array) -> Array:

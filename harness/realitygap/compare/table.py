@@ -152,7 +152,7 @@ def read_gaps(path: Path) -> pd.DataFrame:
     types = text | numbers | {"solver_iterations": "Int64"}
     try:
         frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values=[""])
-    except (OSError, ValueError) as error:
+    except Exception as error:  # pandas raises many kinds for a broken file
         raise InputError(f"{path}: is not a table of gaps ({' '.join(str(error).split())})") from None
     missing = [c for c in COLUMNS if c not in frame]
     if missing:

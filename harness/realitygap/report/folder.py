@@ -133,7 +133,7 @@ def _cells(folder: Path, raw: pd.DataFrame, traces: dict[tuple[str, ...], Path])
     try:
         timings = pd.read_csv(path, dtype=text | numbers, keep_default_na=False, na_values=[""])
         timed = {cell_key(r): r for r in timings.to_dict("records")}
-    except (KeyError, ValueError) as error:
+    except Exception as error:  # pandas raises many kinds for a broken file
         raise InputError(f"{path}: is not a table of timings ({in_a_line(error)}); take it away or run again") from None
     for column in columns:
         cells[column] = [timed.get(cell_key(r), {}).get(column, float("nan")) for r in cells.to_dict("records")]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from realitygap.compare.gap import unit_of
+from realitygap.compare.gap import BASE, unit_of
 from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.likelihood.floors import Floors
@@ -25,9 +25,6 @@ STANDS_OUT = 1.3
 """A phase is named where its residual is this much larger than that of the whole."""
 ABOVE = 1.5
 """A gap is above its floor where its root mean square residual exceeds this."""
-
-BASE = {"base_position": ("base_position", "m", 1.0), "base_quaternion": ("base_orientation", "deg", 180 / np.pi)}
-"""What is compared of a moving base: its name in tables, its unit there, and the factor from SI."""
 
 
 @dataclass(frozen=True)
