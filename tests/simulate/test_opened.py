@@ -6,18 +6,16 @@ import numpy as np
 import pytest
 import realitygap_engines as engines
 from realitygap.simulate import opened as room
-from realitygap.simulate.opened import KEPT, opened
+from realitygap.simulate.opened import KEPT, kept_open, opened
 from realitygap_engines import Ground, Physics, Simulation, State
 from realitygap_engines.model.robot import Joint, Link, Model, Sphere
 
 
 @pytest.fixture(autouse=True)
-def _none_open() -> Iterator[None]:
-    """None from other tests."""
-    room._open.clear()
-    yield
-    while room._open:
-        room._open.popitem()[1].close()
+def _kept() -> Iterator[None]:
+    with kept_open():
+        yield
+    assert not room._Kept.simulations
 
 
 def hopper() -> Model:
@@ -56,7 +54,7 @@ def test_one_that_was_used_is_as_a_new_one(engine: str) -> None:
 def test_two_that_are_used_at_once_are_two() -> None:
     with opened("mujoco", hopper(), Physics()) as one, opened("mujoco", hopper(), Physics()) as other:
         assert one is not other
-    assert len(room._open) == 1
+    assert len(room._Kept.simulations) == 1
 
 
 def test_another_machine_or_physics_is_another() -> None:
@@ -71,7 +69,7 @@ def test_another_machine_or_physics_is_another() -> None:
 def test_one_in_which_something_was_raised_is_not_used_again() -> None:
     with pytest.raises(ZeroDivisionError), opened("mujoco", hopper(), Physics()):
         raise ZeroDivisionError
-    assert not room._open
+    assert not room._Kept.simulations
 
 
 def test_they_are_few() -> None:
@@ -79,4 +77,12 @@ def test_they_are_few() -> None:
         for engine in ("mujoco", "dart"):
             with opened(engine, hopper(), Physics(1e-3 / (k + 1))):
                 pass
-    assert len(room._open) == 2 * KEPT
+    assert len(room._Kept.simulations) == 2 * KEPT
+
+
+def test_elsewhere_none_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also MuJoCo's messages are the user's again."""
+    monkeypatch.setattr(room._Kept, "blocks", 0)
+    with opened("mujoco", hopper(), Physics()):
+        pass
+    assert not room._Kept.simulations

@@ -18,6 +18,7 @@ from realitygap_engines.errors import in_a_line
 from realitygap.files.lifeline import end_with
 from realitygap.matrix.store import open_store
 from realitygap.matrix.task import Task, compute
+from realitygap.simulate.opened import kept_open
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 START = 300.0
@@ -134,4 +135,5 @@ def serve(connection: Connection) -> None:
 
 if __name__ == "__main__":
     end_with(int(sys.argv[2]))
-    serve(Connection(int(sys.argv[1])))
+    with kept_open():
+        serve(Connection(int(sys.argv[1])))

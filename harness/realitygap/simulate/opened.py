@@ -13,11 +13,27 @@ from realitygap_engines import Physics, Simulation
 from realitygap_engines.model.robot import Model
 
 KEPT = 2
-"""Simulations of an engine that a process keeps open: one at the step rate, one at that of the numerical floors. In
-PyBullet each holds 34 MB."""
+"""Simulations of an engine that are kept open: one at the step rate, one at that of the numerical floors. In PyBullet
+each holds 34 MB."""
 
-_open: dict[tuple[str, bytes], Simulation] = {}
-"""By engine and machine, the one that was used last at the end."""
+
+class _Kept:
+    """How many blocks keep simulations open, and these by engine and machine, the one that was used last at the end."""
+
+    blocks = 0
+    simulations: dict[tuple[str, bytes], Simulation] = {}  # noqa: RUF012 (there is one of it)
+
+
+@contextmanager
+def kept_open() -> Iterator[None]:
+    """Inside, simulations stay open for the next motion of the same machine; at the end they are closed."""
+    _Kept.blocks += 1
+    try:
+        yield
+    finally:
+        _Kept.blocks -= 1
+        while _Kept.simulations and not _Kept.blocks:
+            _Kept.simulations.popitem()[1].close()
 
 
 @contextmanager
@@ -29,16 +45,16 @@ def opened(engine: str, model: Model, physics: Physics) -> Iterator[Simulation]:
     Raises:
         Unsupported: where the engine cannot express what the model or the physics ask for.
     """
-    key = engine, pickle.dumps((model, physics))
-    simulation = _open.pop(key, None) or engines.load(engine).open(model, physics)
+    key, kept = (engine, pickle.dumps((model, physics))), _Kept.simulations
+    simulation = kept.pop(key, None) or engines.load(engine).open(model, physics)
     try:
         yield simulation
     except BaseException:
         simulation.close()
         raise
-    if _open.setdefault(key, simulation) is not simulation:  # another thread was faster
+    if not _Kept.blocks or kept.setdefault(key, simulation) is not simulation:  # another thread was faster
         simulation.close()
-    for old in [k for k in list(_open) if k[0] == engine][:-KEPT]:
-        stale = _open.pop(old, None)
+    for old in [k for k in list(kept) if k[0] == engine][:-KEPT]:
+        stale = kept.pop(old, None)
         if stale is not None:
             stale.close()

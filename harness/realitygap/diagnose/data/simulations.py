@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from queue import SimpleQueue
 from typing import cast
 
@@ -15,6 +16,7 @@ from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.robot.drive import Array
+from realitygap.simulate.opened import kept_open
 
 KEPT = 256e6
 """Bytes of signals that are remembered."""
@@ -34,6 +36,7 @@ class Simulations:
         for worker in self._workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers)) if self._workers else None
+        self._ends = ExitStack()
 
     def ask(self, queries: Sequence[Query]) -> list[dict[str, Array] | None]:
         """The signals of every query, in their order; None for a simulation that failed."""
@@ -88,8 +91,10 @@ class Simulations:
             self._threads.shutdown(cancel_futures=True)
         for worker in self._workers:
             worker.close()
+        self._ends.close()
 
     def __enter__(self) -> Simulations:
+        self._ends.enter_context(kept_open())
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -20,6 +20,7 @@ from realitygap.diagnose.data.push import Push
 from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
 from realitygap.simulate.experiment import simulate
+from realitygap.simulate.opened import kept_open
 
 
 @dataclass(frozen=True)
@@ -80,4 +81,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with kept_open():
+        main()
