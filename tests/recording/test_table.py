@@ -12,6 +12,7 @@ from bags import FILE
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.recording.frames import rotate
+from realitygap.recording.readers.parquet_columns import ParquetColumns
 from realitygap.scenario.schema import Scenario
 from signals import Signals, there
 
@@ -278,3 +279,18 @@ def test_what_is_packed_in_another_way_is_told(tmp_path: Path) -> None:
     (tmp_path / "run.csv.zip").write_bytes(b"PK")
     with pytest.raises(InputError, match=r"run.csv.zip: is packed in a way that is not read here; expected .gz, .zst"):
         read_recording(tmp_path / "run.csv.zip", scenario(), ["elbow"], file=FILE)
+
+
+def test_a_damaged_parquet_column_is_told_or_whole(tmp_path: Path) -> None:
+    """Bits of its pages' headers: a column may seem to end before the first row."""
+    path = tmp_path / "run.parquet"
+    pd.DataFrame({"time": 0.01 * np.arange(20)}).to_parquet(path)
+    whole, told = path.read_bytes(), set()
+    for place in range(4, 400):
+        for bit in (0x01, 0x80):
+            path.write_bytes(whole[:place] + bytes([whole[place] ^ bit]) + whole[place + 1 :])
+            try:
+                assert len(ParquetColumns(path, path)["time"]) == 20
+            except InputError as error:
+                told.add(str(error).split(": ")[-1])
+    assert "it is damaged" in told

@@ -48,4 +48,6 @@ class ParquetColumns:
         except Exception as error:  # pyarrow raises many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"{self._path}: is not a table ({what}); expected columns with a header line") from None
+        if len(found) != len(self):
+            raise InputError(f"{self._path}: {name} holds {len(found)} values, expected {len(self)}: it is damaged")
         return found
