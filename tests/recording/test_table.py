@@ -12,7 +12,7 @@ from bags import FILE
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
 from realitygap.recording.frames import rotate
-from realitygap.recording.readers.parquet_columns import ParquetColumns
+from realitygap.recording.readers.table import load
 from realitygap.scenario.schema import Scenario
 from signals import Signals, there
 
@@ -290,7 +290,7 @@ def test_a_damaged_parquet_column_is_told_or_whole(tmp_path: Path) -> None:
         for bit in (0x01, 0x80):
             path.write_bytes(whole[:place] + bytes([whole[place] ^ bit]) + whole[place + 1 :])
             try:
-                assert len(ParquetColumns(path, path)["time"]) == 20
+                assert len(load(path)["time"]) == 20
             except InputError as error:
                 told.add(str(error).split(": ")[-1])
     assert "it is damaged" in told

@@ -20,7 +20,7 @@ class ParquetColumns:
         attrs: in which line the rows begin, as a table of text tells it.
 
     Raises:
-        InputError: for more values than a few bytes should say.
+        InputError: for more values than a few bytes should say, and for a file that is damaged.
     """
 
     attrs: ClassVar[dict[str, int]] = {"first_line": 2}
@@ -28,6 +28,8 @@ class ParquetColumns:
     def __init__(self, path: Path, plain: Path) -> None:
         self._path, self._file = path, pq.ParquetFile(plain)
         about = self._file.metadata
+        if about.num_rows < 0:
+            raise InputError(f"{path}: says that it holds {about.num_rows} rows: it is damaged")
         if about.num_rows * about.num_columns > LARGEST:
             raise InputError(
                 f"{path}: holds {about.num_rows} rows of {about.num_columns} columns, expected at most {LARGEST:.2g} "
