@@ -30,6 +30,11 @@ AWAY = 0.5
 """The same of a value that is about zero, in its size."""
 TRUE, FALSE = 0.75, 0.25
 """A step that gains this share of what it promised may be followed by a longer one, or was too long (Moré 1983)."""
+SHORTER = 0.4
+"""How much shorter the step is that follows one that was too long."""
+CHEAP, PATIENCE = 8, 2
+"""Derivatives are simulated anew where a step fails: at once where there are fewer values than this, for then they cost
+little more than a step; else after so many shorter steps that fail as well."""
 TINY = 1e-12
 """A box has an inside."""
 LITTLE = 0.2
@@ -98,23 +103,26 @@ def fit(
         return None
     x, (slopes, here) = space.first, _slopes(simulations, known, space, train, coarse)
     cost, box = _cost(metric, space, x, now), FIRST
+    failed, patience = 0, PATIENCE if len(x) >= CHEAP else 0
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, promised = _step(metric, space, x, now, slopes, box)
         if promised >= 2.0 * LITTLE:
             there = residual_near(simulations, near, space.at(x + step), train, coarse)
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
-            box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else 0.4
+            box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else SHORTER
             good = gain > FALSE * promised
             if there is not None and good:
                 slopes, here = slopes + secant(slopes, step, there - now), False
             if there is not None and gain > 0.0:
                 x, now, cost, here = x + step, there, cost - gain, False
-            if good or quick:
+            failed = 0 if good else failed + 1
+            if good or quick or failed <= patience:
                 continue
-        elif here or not whole:
+        elif here or not (whole or failed):
             break
         if not here:
             slopes, here = slope(simulations, space, x, train, coarse), True
+            box, failed = box / SHORTER ** max(failed - 1, 0), 0
     if whole:
         slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
         now = residual(simulations, space.at(x), train)
