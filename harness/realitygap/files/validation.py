@@ -7,11 +7,14 @@ from typing import Any, TypeVar, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
+from realitygap_engines.errors import in_a_line
 
 from realitygap.files.errors import InputError, did_you_mean
 
 Checked = TypeVar("Checked", bound=BaseModel)
 Key = int | str
+LONGEST = 120
+"""Characters of a key that a sentence has room for."""
 WORDS = {
     "a valid dictionary or object to extract fields from": "a mapping",
     "a valid dictionary": "a mapping",
@@ -39,7 +42,7 @@ def validate(path: Path, model: type[Checked], raw: dict[str, Any]) -> Checked:
 
 def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) -> str:
     loc, kind, found = error["loc"], error["type"], error["input"]
-    key = _key(raw, loc)
+    key = in_a_line(_key(raw, loc), LONGEST)
     if kind == "extra_forbidden":
         known = sorted(_fields(_sections_at(model, loc[:-1])))
         return f"{key}: unknown key; known here: {', '.join(known)}{did_you_mean(str(loc[-1]), known)}"
