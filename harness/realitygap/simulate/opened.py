@@ -1,7 +1,7 @@
 """Simulations that stay open: what a process simulates next is often the same machine.
 
-To open one takes an engine 1 to 45 ms; to reset it, which is the same to the last bit (a law of `tests/engines`), takes
-microseconds.
+To open one takes an engine 0.2 to 10 ms, and PyBullet 34 MB besides, so that a toss of a cube took 38 ms longer in it
+and 9 in Drake. To reset it, which is the same to the last bit (a law of `tests/engines`), takes microseconds.
 """
 
 import pickle
