@@ -68,6 +68,13 @@ class Plant:
         out.efforts, out.maps, out.payloads = list(self.efforts), list(self.maps), dict(self.payloads)
         return out
 
+    def given(self, time: Array) -> Array:
+        """The further joint efforts at times (t,) [s], all together [N·m or N]. Shape (t, n)."""
+        out = np.zeros((len(time), len(self.drive)))
+        for law in self.efforts:
+            out += law(time)
+        return out
+
     def passing(self, position: Array) -> tuple[Plant, list[str]]:
         """This plant without the limits that measured positions (t, n) pass, and a sentence on each: where a robot has
         been, it has no stop.

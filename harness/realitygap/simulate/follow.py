@@ -123,9 +123,7 @@ def taken(engine: str, plant: Plant, followed: Followed, start: State, *, wider:
     with engines.load(engine).open(model, Physics()) as simulation:
         load = simulation.inverse_dynamics(start, position, velocity, acceleration)
         settings = dict(simulation.settings)
-    driven = load.copy()
-    for law in plant.efforts:
-        driven -= law(motion.time)
+    driven = load - plant.given(motion.time)
     volts = np.zeros(len(motion.time)) if followed.supply is None else np.interp(motion.time, *followed.supply)
     map_along(*packed(plant.maps), motion.time - motion.time[0], reading, velocity, load, volts, driven)
     motor, joint, left = np.empty_like(load), np.empty_like(load), np.empty_like(load)

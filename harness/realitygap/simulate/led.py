@@ -70,9 +70,7 @@ def lead(
         plant.drive, maps, numbers, state, np.zeros(n, LOG), position, velocity, error, need, command, volts,
         plant.inertia(), h, out.smooth, out.dry, out.open,
     )  # fmt: skip
-    time = np.asarray(np.arange(steps) * h, dtype=np.float64)
-    for law in plant.efforts:
-        out.smooth[:] += law(time)
+    out.smooth[:] += plant.given(np.asarray(np.arange(steps) * h, dtype=np.float64))
     return out
 
 

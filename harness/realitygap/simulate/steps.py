@@ -89,9 +89,7 @@ class Steps:
             The row of the last state, and how long the steps took after the motion's first one, which may compile [s].
         """
         time = np.asarray((held.first + at + np.arange(len(volts))) * self.h, dtype=np.float64)
-        given: Array = np.zeros((len(volts), len(self.state)))
-        for law in self.plant.efforts:
-            given += law(time)
+        given = self.plant.given(time)
         if self.native is None:
             return self._in_python(held, at, command, volts, given)
         return self._compiled(self.native, held, at, command, volts, given)
