@@ -84,16 +84,19 @@ class Native:
     read `position` and `velocity`. The numbers are the same to the last bit.
 
     Attributes:
-        step: a C function of two addresses, by ctypes.
+        functions: two C functions by ctypes: the step, of two addresses; and one that copies numbers, of an address to,
+            an address from, and how many. In one tuple, because compiled code takes single ones for one another.
         model: the address of the engine's model.
         data: the address of its state.
         effort, damping, friction: of the joint law, written before a step. Shape (n,) each.
         position, velocity: of the joints. Shape (n,) each.
         base: pose and velocity of a floating base in the engine's own form; of none, empty. Shapes (p,), (v,).
         in_world: turns rows of them, Shape (t, 13), into what `Simulation.read` writes, in place.
+        dry: holds the address of what dry friction gave in the last step, one number for every joint that has any, in
+            their order. Shape (1,), of int.
     """
 
-    step: Any
+    functions: tuple[Any, Any]
     model: int
     data: int
     effort: Array
@@ -103,6 +106,7 @@ class Native:
     velocity: Array
     base: tuple[Array, Array]
     in_world: Callable[[Array], None]
+    dry: NDArray[np.int64]
 
 
 class Simulation(ABC):

@@ -19,7 +19,17 @@ from realitygap_engines.engine import Capability, Engine, Ground, Native, Physic
 from realitygap_engines.errors import Diverged
 from realitygap_engines.law.mimic import MIMIC_JOINTS, coupled
 from realitygap_engines.model.robot import Array, Model, quaternion_from_rotation, rotation_from_quaternion
-from realitygap_engines.mujoco_steps import INVERSE, c_functions, c_step, inverse, read_base, read_bases, undamp
+from realitygap_engines.mujoco_steps import (
+    INVERSE,
+    STEP,
+    c_functions,
+    force_word,
+    inverse,
+    read_base,
+    read_bases,
+    undamp,
+    word,
+)
 
 FRICTION_SOLREF = (0.002, 1.0)
 FRICTION_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
@@ -134,12 +144,13 @@ class MujocoSimulation(Simulation):
             read_base(self._base_pose, self._base_velocity, base)
 
     def native(self) -> Native | None:
-        step = None if self._soft else c_step()  # of soft ground, contacts are changed in the middle of a step
-        if step is None:
+        functions, force = c_functions(*STEP), force_word()
+        if self._soft or functions is None or force is None:  # on soft ground contacts are changed amid a step
             return None
         return Native(
-            step, self._m._address, self._d._address, self._applied, self._damping, self._friction,
+            functions, self._m._address, self._d._address, self._applied, self._damping, self._friction,
             self._qpos, self._qvel, (self._base_pose, self._base_velocity), read_bases,
+            word(self._d, force),
         )  # fmt: skip
 
     def dry_friction(self) -> Array:

@@ -6,15 +6,22 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from realitygap_engines.law.compiled import compiled
+
+ADDRESS = ctypes.c_int64
+MORE: dict[str, list[Any]] = {"mj_rne": [ctypes.c_int, ADDRESS], "mju_copy": [ctypes.c_int]}
+"""What functions take besides two addresses."""
 
 
 @cache
 def c_functions(*names: str) -> tuple[Any, ...] | None:
     """Functions of the library that the bindings have loaded, in C, of the addresses of model and data.
 
-    `mj_rne` also takes a flag and the address of its result. None where the library does not lie beside the bindings.
+    `mj_rne` also takes a flag and the address of its result; `mju_copy` takes addresses to and from, and a number. None
+    where the library does not lie beside the bindings.
     """
     beside = Path(mujoco.__file__).parent
     found = [p for form in ("libmujoco.so.*", "libmujoco.*.dylib", "mujoco.dll") for p in beside.glob(form)]
@@ -23,15 +30,37 @@ def c_functions(*names: str) -> tuple[Any, ...] | None:
     library = ctypes.CDLL(str(found[0]))
     functions = tuple(getattr(library, name) for name in names)
     for name, function in zip(names, functions, strict=True):
-        more = [ctypes.c_int, ctypes.c_int64] if name == "mj_rne" else []
-        function.argtypes, function.restype = [ctypes.c_int64, ctypes.c_int64, *more], None
+        function.argtypes, function.restype = [ADDRESS, ADDRESS, *MORE.get(name, [])], None
     return functions
 
 
-def c_step() -> Any | None:
-    """`mj_step` in C; None where there is none."""
-    found = c_functions("mj_step")
-    return None if found is None else found[0]
+STEP = ("mj_step", "mju_copy")
+"""What a step takes, and reading what dry friction gave in it."""
+
+
+def word(data: "mujoco.MjData", number: int) -> NDArray[np.int64]:
+    """A word of an `mjData` itself, as it is in memory. Shape (1,)."""
+    return np.ctypeslib.as_array((ctypes.c_int64 * 1).from_address(data._address + 8 * number))
+
+
+@cache
+def force_word() -> int | None:
+    """Which word of an `mjData` is its pointer `efc_force`, which moves as contacts come and go.
+
+    Found in one whose only constraint is a dry joint. None where the words up to the last one, the signature, do not
+    tell.
+    """
+    spec = mujoco.MjSpec()
+    body = spec.worldbody.add_body(mass=1.0, inertia=[1.0, 1.0, 1.0])
+    body.add_joint(frictionloss=1.0)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    address, found, k = data.efc_force.ctypes.data, list[int](), 0
+    while (value := ctypes.c_uint64.from_address(data._address + 8 * k).value) != data.signature:
+        found += [k] if value == address else []
+        k += 1
+    return found[0] if len(found) == 1 else None
 
 
 @compiled

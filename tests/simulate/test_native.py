@@ -6,10 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 import realitygap_engines as engines
+from bench_overhead import case, humanoid
 from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.plant import Plant
 from realitygap.simulate import effect_bench
 from realitygap.simulate.effect_bench import bench, motion, planted
+from realitygap.simulate.rollout import rollout
 from realitygap.trace.trace import Trace
 from realitygap_engines import Physics, Simulation
 from signals import Signals
@@ -48,6 +50,29 @@ def test_the_traces_are_the_same_bit_for_bit(effect: Effect, engine: str, monkey
         assert (ours is None) == (theirs is None)
         if ours is not None:
             np.testing.assert_array_equal(ours, theirs, err_msg=signal)
+
+
+@pytest.mark.parametrize("engine", NATIVE)
+def test_dry_friction_is_that_of_the_joints_that_have_any(engine: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a robot that falls onto its feet, whose contacts come and go beside friction in every other joint."""
+    served = case(humanoid(), DURATION, servo=True)
+    for name in ("coulomb", "static"):
+        served.plant.drive[name][::2] = 0.0
+    start = served.start()
+    start.base_position[2] += 0.02
+
+    def simulated() -> Trace:
+        plant = served.plant
+        with engines.load(engine).open(plant.machine(), Physics(1e-3, ground=plant.ground)) as simulation:
+            return rollout(simulation, plant, served.commands(), start, DURATION, joint_effort=True).trace
+
+    compiled = simulated()
+    slow = offered(engine, served.plant)
+    assert slow is not None
+    monkeypatch.setattr(slow, "native", lambda _: None)
+    in_python = simulated()
+    np.testing.assert_array_equal(Signals(compiled).effort, Signals(in_python).effort)
+    np.testing.assert_array_equal(Signals(compiled).position, Signals(in_python).position)
 
 
 @pytest.mark.parametrize("engine", NATIVE)

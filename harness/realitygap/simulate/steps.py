@@ -74,7 +74,7 @@ class Steps:
         self.h, self.inertia, self.maps = simulation.physics.timestep, plant.inertia(), packed(plant.maps)
         self.wants_dry = joint_effort or any(drive[name].any() for name in ("load", "load_static", "backlash"))
         self.wants_dry |= any("load" in one.variables for one in plant.maps)
-        self.native = None if self.wants_dry else simulation.native()
+        self.native = simulation.native()
 
     def take(self, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
         """Take steps from row `at` on, until their end or a blow-up.
@@ -104,11 +104,12 @@ class Steps:
             start = held.first + row
             last = row + 1 if start == 0 else min(row + CHECK_EVERY, end)
             stepped(
-                native.step, native.model, native.data, native.effort, native.damping, native.friction,
-                native.position, native.velocity, pose, twist,
+                native.functions, native.model, native.data, native.effort, native.damping, native.friction,
+                native.position, native.velocity, pose, twist, native.dry,
                 self.plant.drive, self.state, self.inertia, *self.maps, told[row : last + 1],
-                volts[row - at : last - at], given[row - at : last - at], held.dry[0], start, self.h,
-                held.q[row : last + 1], held.w[row : last + 1], held.base[row : last + 1], held.log[row:last],
+                volts[row - at : last - at], given[row - at : last - at], self.wants_dry, start, self.h,
+                held.q[row : last + 1], held.w[row : last + 1], held.base[row : last + 1], held.dry[row : last + 1],
+                held.log[row:last],
             )  # fmt: skip
             if pose.size:
                 native.in_world(held.base[row + 1 : last + 1])
