@@ -93,7 +93,27 @@ def test_windows_elsewhere_in_the_motion_are_not_repetitions() -> None:
     assert [g.indices for g in group_repetitions([first, again, other])] == [(0, 1), (2,)]
 
 
-def test_runs_without_commands_are_repetitions_where_they_start_alike() -> None:
+def test_without_commands_the_measured_motion_says_what_is_a_repetition() -> None:
+    """An arm's excitations begin in one pose and last as long as one another: that makes them no repetitions."""
+
+    def led(name: str, seed: int, late: float = 0.0, goal: Callable[[Array], Array] = motion) -> Recording:
+        whole = recording(name, late=late, goal=goal)
+        measured = there(whole.trace.position) + np.random.default_rng(seed).normal(size=(800, 2)) * 1e-3
+        trace = replace(whole.trace, position=measured, command=None)
+        return replace(whole, trace=trace, command_time=np.empty(0), command=np.empty((0, 2)), command_kind=None)
+
+    runs = [
+        Run("sweep_1", led("1", 1)),
+        Run("pick", led("2", 2, goal=lambda t: motion(0.9 * t))),
+        Run("sweep_2", led("3", 3, late=0.3)),
+        Run("higher", led("4", 4, goal=lambda t: 1.2 * motion(t))),
+    ]
+    groups = group_repetitions(runs)
+    assert [g.indices for g in groups] == [(0, 2), (1,), (3,)]
+    np.testing.assert_allclose(groups[0].shifts, [0.0, 0.3], atol=1e-3)
+
+
+def test_bodies_without_joints_are_repetitions_where_they_start_alike() -> None:
     def toss(name: str, height: float) -> Recording:
         time = np.arange(0, 0.5, PERIOD)
         place = np.column_stack([time, 0 * time, height + 0 * time])

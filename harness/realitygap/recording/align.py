@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Protocol
 
@@ -16,7 +16,8 @@ from realitygap.recording.recording import Recording
 from realitygap.trace.trace import Array, Trace
 
 SAME_COMMAND = 0.05  # largest difference of commands of one motion, as a share of their standard deviation
-SAME_ANGLE = np.radians(2.0)  # rad: largest difference at the start of runs without commands
+SAME_MOVE = 0.1  # the same of measured positions where nothing was commanded: what swings freely repeats less exactly
+SAME_ANGLE = np.radians(2.0)  # rad: largest difference at the start of bodies that nothing drives
 SAME_PLACE = 0.01  # m, likewise
 
 
@@ -82,7 +83,8 @@ def _shift(first: Windowed, run: Windowed) -> float | None:
         return None
     if a.trace.joints != b.trace.joints or a.command_kind != b.command_kind:
         return None
-    late = delay(a, b) if a.command_kind is not None else 0.0
+    a, b = _led(a), _led(b)
+    late = delay(a, b)
     if first.window != run.window:
         length = min(first.window[1] - first.window[0], run.window[1] - run.window[0])
         if not abs(first.window[0] + late - run.window[0]) <= 0.1 * length:
@@ -90,15 +92,24 @@ def _shift(first: Windowed, run: Windowed) -> float | None:
     return late if same_motion(a, b, late) else None
 
 
+def _led(recording: Recording) -> Recording:
+    """A recording as if it had been led along where its joints were measured, where nothing else says what led them."""
+    trace = recording.trace
+    if recording.command_kind is not None or trace.position is None or not trace.joints:
+        return recording
+    return replace(recording, command_time=trace.time, command=trace.position)
+
+
 def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     """Whether two runs are one motion, the other one `late` seconds later on its clock.
 
     Their commands agree within 5 % of their standard deviation over at least nine tenths of the shorter run; where
-    nothing is commanded, they start alike (2°, 10 mm) and are equally long within a tenth.
+    nothing was commanded, their measured positions within 10 %. Bodies without joints start alike (2°, 10 mm) and are
+    recorded equally long within a tenth.
     """
     a, b = reference.trace, other.trace
     lengths = a.time[-1] - a.time[0], b.time[-1] - b.time[0]
-    if reference.command_kind is None:
+    if not reference.command.size:
         return min(lengths) >= 0.9 * max(lengths) and _start_alike(a, b)
     moving = moving_commands(reference) | moving_commands(other)
     start, end = max(a.time[0], b.time[0] - late), min(a.time[-1], b.time[-1] - late)
@@ -112,12 +123,11 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     if not moving.any():
         return bool(np.nanmax(np.abs(x - y), initial=0.0) < MOVING)
     spread = float(np.sqrt(np.nanvar(reference.command[:, moving], axis=0).mean()))
-    return bool(np.sqrt(command_difference(reference, other, moving, late)) <= SAME_COMMAND * spread)
+    share = SAME_MOVE if reference.command_kind is None else SAME_COMMAND
+    return bool(np.sqrt(command_difference(reference, other, moving, late)) <= share * spread)
 
 
 def _start_alike(a: Trace, b: Trace) -> bool:
-    if a.position is not None and b.position is not None and a.position.shape[1]:
-        return bool(np.abs(a.position[0] - b.position[0]).max() <= SAME_ANGLE)
     if a.base_position is None or b.base_position is None or a.base_quaternion is None or b.base_quaternion is None:
         return False
     near = np.linalg.norm(a.base_position[0] - b.base_position[0]) <= SAME_PLACE
