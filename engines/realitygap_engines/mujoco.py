@@ -97,6 +97,7 @@ class MujocoSimulation(Simulation):
             "impratio": option.impratio,
             "timestep": option.timestep,
             "autoreset": "off",
+            "islands": "off",
             "fusestatic": "off",
             "boundmass, boundinertia, balanceinertia": "off",
             "solref_friction": FRICTION_SOLREF,
@@ -216,7 +217,8 @@ def build_spec(model: Model, physics: Physics) -> "mujoco.MjSpec":
     option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = IMPRATIO
-    option.disableflags = int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    off = mujoco.mjtDisableBit  # a robot is one island, and would be found to be one in every step
+    option.disableflags = int(off.mjDSBL_AUTORESET) | int(off.mjDSBL_ISLAND)
     option.tolerance = 1e-12
     if physics.solver_iterations is not None:
         option.iterations = physics.solver_iterations
