@@ -110,9 +110,10 @@ class Plant:
 
         What a joint really moves is more (further links) or less (its parent gives way).
         """
-        own = []
-        for joint, link in zip(self.model.joints, self.loaded().links[1:], strict=True):
-            arm = np.cross(joint.axis, link.com)
+        own, links = [], self.loaded().links[1:]
+        axes, centers = [j.axis for j in self.model.joints], [k.com for k in links]
+        arms = np.cross(np.reshape(axes, (-1, 3)), np.reshape(centers, (-1, 3)))  # at once: of single ones it is slow
+        for joint, link, arm in zip(self.model.joints, links, arms, strict=True):
             own.append(link.mass if joint.prismatic else joint.axis @ link.inertia @ joint.axis + link.mass * arm @ arm)
         return np.asarray(np.array(own) + np.maximum(self.drive["armature"], 1e-9))
 

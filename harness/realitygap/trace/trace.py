@@ -1,5 +1,6 @@
 """A motion over time, simulated or measured: the same type for both."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -92,6 +93,11 @@ class Trace:
         """The part with start <= time <= end, on the same clock."""
         keep = (self.time >= start) & (self.time <= end)
         return self.rows(keep)
+
+    def only(self, signals: Collection[str]) -> "Trace":
+        """The trace without its other signals."""
+        others: dict[str, Any] = {name: None for name in self.SIGNALS if name not in signals}
+        return replace(self, **others)
 
     def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64]) -> "Trace":
         """The samples chosen by a mask or an index array; with all of them, this trace itself."""

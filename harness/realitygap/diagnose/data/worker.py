@@ -50,11 +50,13 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
         trace = simulate(experiment, query.engine, step_rate=rate).trace
     except (Diverged, Failed, Unsupported):
         return None
-    at = trace.at(case.measured.time)
-    out = {s: np.asarray(getattr(at, s)) for s in problem.signals(query.case)}
+    signals = problem.signals(query.case)
+    at = trace.only(signals).at(case.measured.time)
+    out = {s: np.asarray(getattr(at, s)) for s in signals}
     if query.jumps and "effort" in out:
         h = experiment.scenario.timestep
-        before, after = (np.asarray(trace.at(case.measured.time + d).effort) for d in (-h, h))
+        effort = trace.only(["effort"])
+        before, after = (np.asarray(effort.at(case.measured.time + d).effort) for d in (-h, h))
         out["jump"] = np.abs(after - before)
     return out
 
