@@ -53,9 +53,10 @@ fuzz: $(READY)  ## 10,000 files of every kind that are not what they should be (
 	PYTHONPATH=tests:engines:harness $(BIN)/python -m fuzz.run --cases $(CASES) --seed $(SEED) --keep results/runs/fuzz
 
 .PHONY: bench
-bench: $(READY)  ## measure what the harness costs over a bare loop of each engine, and in threads beside mujoco.rollout
+bench: $(READY)  ## measure what the harness costs over bare loops and beside mujoco.rollout, and a diagnosis by phase
 	$(BIN)/python tests/bench_overhead.py
 	$(BIN)/python tests/bench_threads.py
+	$(BIN)/python tests/bench_diagnosis.py
 
 .PHONY: reference
 reference: $(READY)  ## write the reference of all files that people write: scenarios/README.md, JSON Schemas

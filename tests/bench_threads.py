@@ -26,7 +26,7 @@ from realitygap_engines.mujoco import build_spec
 
 
 def serviced(seconds: float) -> Case:
-    """The humanoid with dc servos and friction; friction that grows with load takes the time loop in Python."""
+    """The humanoid with dc servos and friction, without that which grows with load: `mujoco.rollout` has none."""
     found = case(humanoid(), seconds, servo=True)
     found.plant.drive["load"] = 0.0
     return found
