@@ -121,7 +121,7 @@ def main() -> None:
     engines = [word for name in options.engine for word in ("--engine", name)]
     with tempfile.TemporaryDirectory() as out:
         diagnosed(looks, ["diagnose", str(options.scenario), "-j", "1", "--out", out, *engines])
-    row = "{:36}" + "{:>10}" * 5
+    row = "{:36}" + "{:>12}" * 5
     print(row.format("processor time [s]", "all", "stepping", "around it", "motions", "1000 steps"))
     for phase in (*PHASES, REST):
         times = [f"{of[phase]:.1f}" for of in (looks.spent, looks.stepping, looks.around)]
