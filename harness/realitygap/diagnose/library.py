@@ -25,7 +25,7 @@ class Finding:
 
     Attributes:
         effect, target: as in a scenario file.
-        parameters: values by name, in SI units.
+        parameters: values by name, in SI units; of an `effort_map` lists, as in a scenario.
         intervals: 95 % intervals by parameter; both ends are the value where it was not fitted.
         units: of the parameters.
         held_out: the gap before and after, on runs that were not fitted.
@@ -35,15 +35,16 @@ class Finding:
 
     effect: str
     target: str | tuple[str, ...]
-    parameters: dict[str, float]
-    intervals: dict[str, tuple[float, float]]
+    parameters: dict[str, Any]
+    intervals: dict[str, tuple[Any, Any]]
     units: dict[str, str]
     held_out: Pair
     engines: dict[str, Pair]
     cannot_tell_from: tuple[str, ...]
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{n} {v:.4g} {self.units[n]}".rstrip() for n, v in self.parameters.items())
+        told = {n: f"{v:.4g}" if isinstance(v, float) else str(v) for n, v in self.parameters.items()}
+        values = ", ".join(f"{n} {v} {self.units[n]}".rstrip() for n, v in told.items())
         return f"<Finding {self.effect} at {_shown(self.target)}: {values}>"
 
     @property

@@ -103,7 +103,7 @@ class Shape:
 
 def shape_of(runs: Sequence[MissingEffort], joint: str) -> Shape:
     """What the missing effort of a joint depends on, over these recordings of one engine."""
-    samples, mean, noise = _samples(runs, joint)
+    samples, mean, noise = samples_of(runs, joint)
     index = runs[0].joints.index(joint)
     effort = np.concatenate([r.effort[:, index] for r in runs])
     size = float(np.sqrt(np.mean(effort**2)))
@@ -196,7 +196,7 @@ def _periods(angle: Array, values: Array) -> float | None:
     return found if found is not None and best < 0.5 * bent else None
 
 
-def _samples(runs: Sequence[MissingEffort], joint: str) -> tuple[EffortSamples, float, float]:
+def samples_of(runs: Sequence[MissingEffort], joint: str) -> tuple[EffortSamples, float, float]:
     """The samples of all recordings, the mean effort, and the share of its variance that the band explains.
 
     At rest dry friction holds whatever is asked of it, which nothing that is measured tells: what moves is fitted.

@@ -56,6 +56,34 @@ class EffortMap:
     values: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class Table:
+    """What an effort depends on, and the knots between which it is linear, before its values are known.
+
+    Attributes:
+        variables: one or two names of `VARIABLES`.
+        knots: increasing, for each variable.
+    """
+
+    variables: tuple[str, ...]
+    knots: tuple[tuple[float, ...], ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its values, row by row: the second variable's knots run fastest."""
+        return tuple(f"value_{k + 1}" for k in range(int(np.prod([len(row) for row in self.knots]))))
+
+    def parameters(self, values: Sequence[float]) -> dict[str, object]:
+        """What a scenario says of it: variables, knots and values; of two variables, values is a row per knot."""
+        width = len(self.knots[-1])
+        rows = [list(values[k : k + width]) for k in range(0, len(values), width)]
+        return {
+            "variables": list(self.variables),
+            "knots": [list(row) for row in self.knots],
+            "values": rows if len(self.variables) > 1 else list(values),
+        }
+
+
 def packed(maps: Sequence[EffortMap]) -> tuple[NDArray[np.void], Array]:
     """All maps as the compiled law reads them: where each one's numbers are, shape (m,) of `MAP`, and the numbers."""
     codes = list(VARIABLES)

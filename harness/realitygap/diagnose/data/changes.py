@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from realitygap.robot.effects import EFFECTS, Effect
+from realitygap.robot.effects.effort_map import tabulated
+from realitygap.robot.effort_map import Table
 from realitygap.robot.plant import Plant
 
 
 @dataclass(frozen=True)
 class Suspect:
-    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means, and the name of
-    the `servo`, where they are all joints of one.
+    """An effect at a target: `target` as a scenario says it, `indices` of the joints or links it means, the name of
+    the `servo`, where they are all joints of one, and the `table` of an effort that no law explains.
     """
 
     effect: str
     target: str | tuple[str, ...]
     indices: tuple[int, ...]
     servo: str = field(default="", compare=False)
+    table: Table | None = None
 
     @property
     def where(self) -> str:
@@ -30,10 +34,11 @@ class Suspect:
     @property
     def kind(self) -> Effect:
         """The effect itself."""
-        return EFFECTS[self.effect]
+        return EFFECTS[self.effect] if self.table is None else tabulated(self.table)
 
     def __str__(self) -> str:
-        return f"{self.effect} at {self.where}"
+        over = f" over {' and '.join(self.table.variables)}" if self.table is not None else ""
+        return f"{self.effect} at {self.where}{over}"
 
 
 @dataclass(frozen=True)
@@ -49,16 +54,27 @@ class Change:
         """Values by parameter name."""
         return dict(self.values)
 
+    @property
+    def spec(self) -> dict[str, Any]:
+        """Its parameters as a scenario says them."""
+        table = self.suspect.table
+        return dict(self.values) if table is None else table.parameters([v for _, v in self.values])
+
     def at(self, values: Mapping[str, float]) -> Change:
         """The same with some of its parameters at other values."""
         return replace(self, values=tuple((self.parameters | dict(values)).items()))
 
 
 def clash(a: Suspect, b: Suspect) -> bool:
-    """Whether two suspects cannot stand together: the same effect, or one that excludes it, at a common target."""
+    """Whether two suspects cannot stand together: the same effect, or one that excludes it, at a common target.
+
+    Unnamed efforts add up where they depend on other things.
+    """
     if a.kind.sits_at != b.kind.sits_at or not set(a.indices) & set(b.indices):
         return False
-    return a.effect == b.effect or a.effect in b.kind.excludes or b.effect in a.kind.excludes
+    if a.effect == b.effect:
+        return a.table is None or b.table is None or a.table.variables == b.table.variables
+    return a.effect in b.kind.excludes or b.effect in a.kind.excludes
 
 
 def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:

@@ -1,10 +1,10 @@
-"""The unit of a parameter at its target."""
+"""The unit of a parameter at its target, and of what an effort depends on there."""
 
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import CASCADE, PID, SPEED, TORQUE
-from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.effect import Parameter
+from realitygap.robot.effort_map import VARIABLES
 
 LINEAR = {
     "N·m": "N",
@@ -20,10 +20,16 @@ LINEAR = {
 """Units of a prismatic joint, in place of those of a revolute one."""
 
 
+def variable_unit(problem: Problem, suspect: Suspect, variable: str) -> str:
+    """The unit of what an unnamed effort depends on, at its joint."""
+    unit = VARIABLES[variable]
+    return LINEAR.get(unit, unit) if problem.plant.model.joints[suspect.indices[0]].prismatic else unit
+
+
 def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     """The unit of a parameter at its target: that of the servo's kind, and of the joint's."""
     unit = parameter.unit
-    if EFFECTS[suspect.effect].sits_at != "joint":
+    if suspect.kind.sits_at != "joint":
         return unit
     j = suspect.indices[0]
     if " or " in unit:

@@ -10,7 +10,7 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.data.units import unit_there, variable_unit
 from realitygap.diagnose.judge.advice import experiment
 from realitygap.diagnose.judge.gaps import Shown, rms
 from realitygap.diagnose.judge.held_out import Verdict
@@ -157,10 +157,26 @@ class Diagnosis:
             "notes": self.notes,
         }
 
+    def _table(self, change: Change) -> dict[str, Any]:
+        """The parameters of an unnamed effort: values, and the interval of each, in the order of its knots."""
+        suspect, told = change.suspect, change.spec
+        table = suspect.table
+        assert table is not None
+        ends = [self.interval(change, name) for name in table.names]
+        low, high = (table.parameters([_round(e[k], 5) or 0.0 for e in ends])["values"] for k in (0, 1))
+        values = table.parameters([_round(v, 5) or 0.0 for _, v in change.values])["values"]
+        unit = unit_there(self.problem, suspect, suspect.kind.parameters[0])
+        knots = {"value": told["knots"], "low": told["knots"], "high": told["knots"]}
+        return {
+            "variables": dict.fromkeys(("value", "low", "high"), told["variables"]) | {"unit": ""},
+            "knots": knots | {"unit": ", ".join(variable_unit(self.problem, suspect, v) for v in table.variables)},
+            "values": {"value": values, "low": low, "high": high, "unit": unit},
+        }
+
     def _finding(self, change: Change) -> dict[str, Any]:
         suspect = change.suspect
-        parameters = {}
-        for p in suspect.kind.parameters:
+        parameters: dict[str, Any] = {} if suspect.table is None else self._table(change)
+        for p in suspect.kind.parameters if suspect.table is None else ():
             value = change.parameters[p.name]
             if not np.isfinite(value):  # a limit that is not there
                 continue

@@ -13,7 +13,6 @@ from realitygap.diagnose.data.changes import Change, changed
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.result.revised_urdf import found_packages, moved_path, revised_urdf
 from realitygap.files.whole import write_whole
-from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.place import known, place, targets
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile, resolve_path
@@ -102,8 +101,9 @@ class _Revision:
             indices = targets(plant, effect, spec.target)
             gone = set(self.touched) if spec.effect in BODY else set()
             for change in self.changes:
-                other = EFFECTS[change.suspect.effect]
-                if effect.name == other.name or effect.name in other.excludes or other.name in effect.excludes:
+                other = change.suspect.kind
+                same = effect.name == other.name and not effect.repeatable
+                if same or effect.name in other.excludes or other.name in effect.excludes:
                     gone |= set(change.suspect.indices)
             left = [i for i in indices if i not in gone]
             if left == indices:
@@ -114,8 +114,11 @@ class _Revision:
     def _found(self, plant: Plant) -> Iterator[dict[str, Any]]:
         """The findings that a URDF cannot say, with the values that they have in this plant."""
         for change in self.changes:
-            suspect, effect = change.suspect, EFFECTS[change.suspect.effect]
+            suspect, effect = change.suspect, change.suspect.kind
             if suspect.effect in BODY:
+                continue
+            if suspect.table is not None:
+                yield {"effect": suspect.effect, "target": suspect.target, **change.spec}
                 continue
             mended = changed(plant, [change], self.problem.plant)
             groups: dict[tuple[float, ...], list[int]] = {}

@@ -14,13 +14,14 @@ from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
     MANY,
     better,
-    effect_label,
     interval,
     lacks,
     model_value,
+    name_label,
     quantity,
     suspect_label,
     target_label,
@@ -108,8 +109,8 @@ def _place(place: Place) -> dict[str, str]:
 
 def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
-    effect, suspect = EFFECTS[change.suspect.effect], change.suspect
-    parameters = []
+    effect, suspect = change.suspect.kind, change.suspect
+    parameters = [] if suspect.table is None else value_rows(result, change)
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
         fitted = p.name in change.free
@@ -128,7 +129,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     pairs += [Pair(engine_label(e), before, after) for e, (before, after) in done.engines.items()]
     missing = [engine_label(e) for e in result.engines[1:] if e not in done.engines]
     return {
-        "name": effect_label(suspect.effect),
+        "name": name_label(suspect),
         "command": suspect.effect,
         "target": target_label(suspect),
         "sits_at": effect.sits_at,
@@ -138,7 +139,8 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
-        "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {effect_label(suspect.effect)}, by engine")),
+        "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {name_label(suspect)}, by engine")),
+        "drawing": Markup(draw_table(result, change)) if suspect.table is not None else "",
         "missing": missing,
     }
 

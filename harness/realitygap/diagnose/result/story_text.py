@@ -16,6 +16,8 @@ from realitygap.robot.effects import EFFECTS, Parameter
 
 MANY = 4
 """With more findings than this, a sentence tells effects and how many places, and a table has the values."""
+WITH = {"error": "position error", "reversal": "time since the last reversal"}
+"""What an unnamed effort depends on, in words, where its own name is not enough."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
 
@@ -25,6 +27,13 @@ def effect_label(effect: str) -> str:
     return effect.replace("_", " ")
 
 
+def name_label(suspect: Suspect) -> str:
+    """An effect in words; an effort that no law explains by what it depends on: unnamed effort of angle and load."""
+    if suspect.table is None:
+        return effect_label(suspect.effect)
+    return f"unnamed effort of {' and '.join(WITH.get(v, v) for v in suspect.table.variables)}"
+
+
 def target_label(suspect: Suspect) -> str:
     """Where it sits, in words."""
     return "all joints" if suspect.target == "*" else suspect.where
@@ -32,7 +41,7 @@ def target_label(suspect: Suspect) -> str:
 
 def suspect_label(suspect: Suspect) -> str:
     """An effect and where it sits: coulomb friction at elbow."""
-    return f"{effect_label(suspect.effect)} at {target_label(suspect)}"
+    return f"{name_label(suspect)} at {target_label(suspect)}"
 
 
 def listed(items: list[str]) -> str:
@@ -69,6 +78,8 @@ def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str
 
 def lacks(result: Diagnosis, change: Change) -> str:
     """A finding as part of a sentence: `coulomb friction at elbow is missing (torque 0.250 N·m)`."""
+    if change.suspect.table is not None:
+        return _unnamed(result, change)
     effect, problem = EFFECTS[change.suspect.effect], result.problem
     zero = neutral(problem.plant, change.suspect)
     label = suspect_label(change.suspect)
@@ -84,15 +95,22 @@ def lacks(result: Diagnosis, change: Change) -> str:
     return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
 
 
+def _unnamed(result: Diagnosis, change: Change) -> str:
+    """An unnamed effort as part of a sentence: `an unnamed effort of speed at elbow is missing (up to 0.250 N·m)`."""
+    unit = unit_there(result.problem, change.suspect, change.suspect.kind.parameters[0])
+    most = max(abs(v) for _, v in change.values)
+    return f"an {suspect_label(change.suspect)} is missing (up to {_people(most, unit)})"
+
+
 def _grouped(changes: Sequence[Change]) -> str:
     """Many findings as part of a sentence: `coulomb friction at 6 joints and link mass at 3 links are ...`."""
     places: dict[str, list[Suspect]] = {}
     for change in changes:
-        places.setdefault(change.suspect.effect, []).append(change.suspect)
+        places.setdefault(name_label(change.suspect), []).append(change.suspect)
     told = []
     for effect, where in places.items():
         alone = len(where) == 1
-        told.append(f"{effect_label(effect)} at {target_label(where[0]) if alone else _places(where)}")
+        told.append(f"{effect} at {target_label(where[0]) if alone else _places(where)}")
     return f"{listed(told)} {'are' if len(changes) > 1 else 'is'} missing or wrong"
 
 

@@ -207,6 +207,10 @@ def _parameter(name: str, told: dict[str, Any]) -> str:
     return " ".join(part for part in (name, f"{told['value']:.4g}", interval, told["unit"]) if part)
 
 
+def _largest(told: dict[str, Any]) -> str:
+    return f"{np.max(np.abs(told['value'])):.4g} {told['unit']}"
+
+
 def summary(result: Diagnosis) -> list[str]:
     """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
     content = result.to_json()
@@ -214,7 +218,10 @@ def summary(result: Diagnosis) -> list[str]:
     lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
     lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.changes]
     for finding, change in zip(content["findings"], result.changes, strict=True):
-        values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
+        if change.suspect.table is None:
+            values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
+        else:
+            values = f"{len(change.values)} values up to {_largest(finding['parameters']['values'])}"
         shown_ = finding["held_out"]
         lines.append(f"  {change.suspect}: {values}; held out {shown_['before']:g} -> {shown_['after']:g}")
         for engine, pair in finding["engines"].items():

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.fit.responses import Block, single
@@ -16,7 +17,8 @@ from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
 
 TRIED = 4
-"""Suspects that are tried one by one: those that promise most."""
+"""Suspects that are tried one by one: those that promise most, and as many of those that are far from a straight line,
+which were simulated at few sizes and promise too little."""
 AT_ONCE = 3
 """Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
@@ -74,8 +76,14 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         start = p.block.start.first
         if p.gain > 0:
             first.setdefault((start.suspect, start.free), start)
-    ways = []
-    for start in list(first.values())[:TRIED]:
+    ways: list[tuple[list[Change], float]] = []
+    far = {b.suspect for b in round_.blocks if b.start.kind in ("whole", "inverse")}
+    near, beyond = ([s for s in first.values() if (s.suspect in far) == bent][:TRIED] for bent in (False, True))
+    for start in beyond:  # a limit that is hardly reached, or a play that is hardly passed, has no slope to follow
+        other = guess(round_.simulations.problem, start.suspect)
+        if other.free == start.free:
+            ways.append(([*accepted, other], limit))
+    for start in [*near, *beyond]:
         ways.append(([*accepted, start], limit))
         each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:

@@ -25,16 +25,22 @@ LOOKED = 8
 
 @dataclass(frozen=True)
 class Promise:
-    """A start with the amounts that fit best, and the gain in evidence that it promises."""
+    """A start with the amounts that fit best, the gain in evidence that it promises, and what its values cost of it."""
 
     block: Block
     amounts: tuple[float, ...]
     gain: float
+    occam: float = 0.0
 
     @property
     def change(self) -> Change:
         """The suspect at these amounts."""
         return self.block.start.at(self.amounts)
+
+    @property
+    def residual(self) -> Array:
+        """How the stacked residual changes, by straight lines. Shape (m,)."""
+        return np.asarray(self.block.columns @ np.array(self.amounts))
 
 
 class Linear:
@@ -66,7 +72,9 @@ class Linear:
 
     def promise(self, number: int) -> Promise:
         """What one block gains alone."""
-        return Promise(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
+        amounts = self._amounts([number])
+        occam = self._occam([number], amounts)
+        return Promise(self.blocks[number], tuple(amounts.tolist()), self._gain([number]), occam)
 
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""
@@ -154,14 +162,17 @@ class Linear:
         at = np.concatenate([self.places[i] for i in numbers])
         g, b = self.gram[np.ix_(at, at)], self.gram[at, 0]
         x = self._amounts(numbers)
-        gain = -float(b @ x) - 0.5 * float(x @ g @ x)
+        return -float(b @ x) - 0.5 * float(x @ g @ x) - self._occam(numbers, x)
+
+    def _occam(self, numbers: Sequence[int], x: Array) -> float:
+        """What the values of some blocks cost at amounts x: their prior, and that they could have been others."""
         free = [k for i in numbers for k in self.places[i] if self.blocks[i].start.kind != "whole"]
-        if free:
-            g = self.gram[np.ix_(free, free)]
-            inside = np.isin(at, free)
-            gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
-            gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
-        return gain
+        if not free:
+            return 0.0
+        at = np.concatenate([self.places[i] for i in numbers])
+        g = self.gram[np.ix_(free, free)]
+        out = 0.5 * float(np.sum((x[np.isin(at, free)] / SLAB) ** 2))
+        return out + 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
 
     def _amounts(self, numbers: Sequence[int]) -> Array:
         """The best amounts of some blocks together, within reach."""

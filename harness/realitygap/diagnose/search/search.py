@@ -17,6 +17,7 @@ from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
 from realitygap.diagnose.search.grow import SURE, grown
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.round import Round, Say, told_change
+from realitygap.diagnose.search.unnamed import with_unnamed
 
 LIKELY = 80
 """Suspects that a round looks at again: those that promised most in the one before; all, where none of them helps."""
@@ -81,6 +82,9 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             if following is not None and swapped and standing(following) in seen:
                 following = None
             grows = grows and swapped  # where something was only left out there is nothing new to add
+        if following is None:
+            following = with_unnamed(round_, kept)
+            grows = True
         if following is None:
             break
         at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)

@@ -69,6 +69,10 @@ class Yardstick:
         """The evidence, and the metric in which moves from a fit are looked for."""
         return sharp(self.channels, found, self.wrong)
 
+    def near(self, found: Fit, change: Array) -> Scored:
+        """The same of a fit whose residual changes by so much (m,): as a straight line, or a simulation, has it."""
+        return self.sharp(replace(found, residual=found.residual + change))
+
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
         return sharp(self.channels, found, Imperfections(self.wrong.facts, self.wrong.responses[:, :0]))

@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.robot.effects.effect import Effect, Page
 from realitygap.robot.effects.joint import anywhere
-from realitygap.robot.effort_map import VARIABLES, EffortMap
+from realitygap.robot.effects.motor import CONSTANT_EFFORT
+from realitygap.robot.effort_map import VARIABLES, EffortMap, Table
 from realitygap.robot.plant import Plant
 
 KEYS = ("variables", "knots", "values")
@@ -101,3 +104,22 @@ EFFORT_MAP = Effect(
     ),
     repeatable=True,
 )
+
+
+@cache
+def tabulated(table: Table) -> Effect:
+    """The same effect with given variables and knots: its parameters are the values at the knots."""
+    (effort,) = CONSTANT_EFFORT.parameters
+
+    def add(plant: Plant, indices: list[int], values: Mapping[str, float]) -> None:
+        numbers = tuple(float(values[name]) for name in table.names)
+        plant.maps += [EffortMap(j, table.variables, table.knots, numbers) for j in indices]
+
+    return replace(
+        EFFORT_MAP,
+        parameters=tuple(replace(effort, name=name) for name in table.names),
+        apply=add,
+        read=None,
+        example={},
+        scaled=lambda plant, index: dict.fromkeys(table.names, CONSTANT_EFFORT.first_size(plant, index)[effort.name]),
+    )

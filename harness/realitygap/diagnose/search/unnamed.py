@@ -1,0 +1,80 @@
+"""The last move: an effort that no law explains, where nothing on the list helps any further."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.candidates.unnamed import unnamed
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.round import Round
+
+TRIED = 2
+"""Ways that are fitted: those that promise most."""
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Tables of one joint beside a model, or in the place of its findings there."""
+
+    beside: tuple[Change, ...]
+    tables: tuple[Change, ...]
+
+    @property
+    def changes(self) -> list[Change]:
+        return [*self.beside, *self.tables]
+
+
+def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
+    """The best model with an unnamed effort at one joint, beside its findings there or in their place; None where none
+    gains enough. `keep` stays.
+
+    A table competes as any finding does: each of its values has to be earned, so that a law with one or two values that
+    explains as much is the better explanation; and it has to explain more than ordinary laws leave.
+    """
+    best: tuple[float, Scored] | None = None
+    for way in _promising(round_, keep):
+        quick = round_.adjusted(way.changes)
+        if quick is None or quick.evidence < round_.now.evidence:
+            continue
+        scored = round_.yardstick.fit(quick.fit.changes, quick.fit, "compared")
+        if scored is None:
+            continue
+        gain = scored.evidence - round_.now.evidence
+        less = len(round_.now.fit.changes) - len(way.beside)
+        place = f" in place of {less}" if less else ""
+        round_.say(f"  {'; '.join(str(t.suspect) for t in way.tables)}{place}: {gain:+.1f}")
+        spare = gain - max(round_.limit * max(len(way.tables) - less, 0), round_.little)
+        if spare > 0.0 and (best is None or spare > best[0]):
+            best = spare, scored
+    return None if best is None else best[1]
+
+
+def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
+    """The ways that promise most, each simulated as its tables were drawn."""
+    yardstick, now = round_.yardstick, round_.now.fit
+    problem = yardstick.problem
+    joints = [int(j) for j in np.flatnonzero(problem.judged)]
+    ways = [_Way(now.changes, tables) for tables in unnamed(problem, now.changes, joints)]
+    for j in joints:
+        beside = tuple(c for c in now.changes if c.suspect in keep or not _belongs(c.suspect, j))
+        if len(beside) < len(now.changes):
+            ways += [_Way(beside, tables) for tables in unnamed(problem, beside, [j])]
+    variants = [now.changes, *(way.changes for way in ways)]
+    still, *answers = residuals(round_.simulations, variants, yardstick.train, yardstick.floors.coarse)
+    promised = []
+    for way, answer in zip(ways, answers, strict=True):
+        if still is not None and answer is not None:
+            gain = yardstick.near(now, answer - still).evidence - round_.look.evidence
+            if gain > 0.0:
+                promised.append((gain, way))
+    return [way for _, way in sorted(promised, key=lambda p: -p[0])[:TRIED]]
+
+
+def _belongs(suspect: Suspect, joint: int) -> bool:
+    """Whether a finding sits at a joint alone, or at the link that it moves."""
+    return suspect.indices == ((joint + 1,) if suspect.kind.sits_at == "link" else (joint,))
