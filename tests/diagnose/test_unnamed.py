@@ -1,0 +1,115 @@
+"""An effort that no law explains is found, told by what it depends on, and gives way to a law that explains as much."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from demo_problem import DEMO, demo_problem, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.library import Diagnosed, diagnose
+from realitygap.diagnose.result.revise import write_revised
+from realitygap.diagnose.result.workflow import summary
+from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.search import needed
+from realitygap.diagnose.search.unnamed import with_unnamed
+from realitygap.robot.effects.place import place
+from realitygap.robot.effort_map import Table
+from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema import EffectSpec
+from revised import assert_same
+
+TABLE = Table(("speed",), ((-1.0, -0.05, 0.05, 1.0),))
+CROSSED = Table(("angle", "speed"), ((-0.5, 0.5), (-1.0, 0.0, 1.0)))
+
+
+def unnamed(joint: str, index: int, table: Table, *values: float) -> Change:
+    suspect = Suspect("effort_map", joint, (index,), table=table)
+    return Change(suspect, tuple(zip(table.names, values, strict=True)), table.names)
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return demo_problem()
+
+
+@pytest.fixture(scope="module")
+def simulations(problem: Problem) -> Iterator[Simulations]:
+    with Simulations(problem, 1) as made:
+        yield made
+
+
+@pytest.mark.parametrize(
+    "change",
+    [unnamed("elbow", 1, TABLE, 0.3, 0.2, -0.2, -0.3), unnamed("elbow", 1, CROSSED, 0.1, 0.2, 0.3, -0.1, -0.2, -0.3)],
+)
+def test_it_is_the_effect_of_a_scenario(problem: Problem, change: Change, tmp_path: Path) -> None:
+    spec = EffectSpec.model_validate({"effect": "effort_map", "target": "elbow", **change.spec})
+    assert changed(problem.plant, [change], problem.plant).maps == place(problem.plant.copy(), [spec]).maps
+    assert_same(problem, [change], load_scenario(write_revised(problem, [change], tmp_path / "revised")))
+
+
+def test_several_stand_at_one_joint_where_they_depend_on_other_things() -> None:
+    one, same = (Suspect("effort_map", "elbow", (1,), table=t) for t in (TABLE, Table(("speed",), ((-2.0, 2.0),))))
+    assert clash(one, same)
+    assert not clash(one, Suspect("effort_map", "elbow", (1,), table=CROSSED))
+    assert not clash(one, Suspect("effort_map", "shoulder", (0,), table=TABLE))
+    assert not clash(one, Suspect("coulomb_friction", "elbow", (1,)))
+
+
+def test_a_law_that_explains_as_much_leaves_nothing_to_it(problem: Problem, simulations: Simulations) -> None:
+    everyone = suspects(problem)
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow")).at({"torque": 0.6447})
+    train = problem.of("train")
+    left, without = (residual(simulations, c, train) for c in ([friction], []))
+    assert left is not None
+    assert without is not None
+    round_ = Round(simulations, Fit((friction,), left), everyone, needed(len(everyone)), Fit((), without), print)
+    assert with_unnamed(round_, []) is None
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Diagnosed:
+    """The demo, whose elbow has more dry friction than its model, where no friction is on the list."""
+    content = yaml.safe_load(DEMO.read_text(encoding="utf-8"))
+    content["suspects"] = ["command_delay"]
+    folder = tmp_path_factory.mktemp("unnamed")
+    for file in DEMO.parent.iterdir():
+        (folder / file.name).symlink_to(file) if file.name != DEMO.name else None
+    (folder / DEMO.name).write_text(yaml.safe_dump(content), encoding="utf-8")
+    return diagnose(folder / DEMO.name, ["mujoco", "ode"], workers=1)
+
+
+def test_without_its_law_friction_is_an_unnamed_effort_of_the_speed(told: Diagnosed) -> None:
+    (finding,) = told.findings
+    assert (finding.effect, finding.target) == ("effort_map", "elbow")
+    assert finding.parameters["variables"] == ["speed"]
+    values, (low, high) = np.array(finding.parameters["values"]), finding.intervals["values"]
+    assert values[0] > 0.2 > -0.2 > values[-1]  # against the motion; 0.37 N·m are missing
+    assert (np.array(low) < values).all()
+    assert (values < np.array(high)).all()
+    before, after = told.gap["held_out"]
+    assert after < 0.5 * before
+    assert finding.engines["ode"][1] < 0.5 * finding.engines["ode"][0]
+
+
+def test_it_is_told_by_what_it_depends_on_and_never_by_a_law(told: Diagnosed, tmp_path: Path) -> None:
+    told.save(tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "unnamed effort of speed at elbow is missing (up to" in page
+    assert "The effort between its knots, with the 95 % band." in page
+    assert any("effort_map at elbow over speed" in line for line in summary(told.result))
+    content: dict[str, Any] = json.loads((tmp_path / "diagnosis.json").read_text(encoding="utf-8"))
+    assert content["findings"][0]["parameters"]["knots"]["unit"] == "rad/s"
+    assert content["findings"][0]["parameters"]["values"]["unit"] == "N·m"
+    assert_same(told.result.problem, told.result.changes, load_scenario(tmp_path / "revised" / "scenario.yaml"))
+    assert EffectSpec.model_validate(told.findings[0].spec.model_dump()) == told.findings[0].spec
