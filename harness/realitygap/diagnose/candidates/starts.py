@@ -20,8 +20,8 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import Effect, Parameter
 
-WHOLE_FIRST = (1.8, 0.9, 0.45, 0.2)
-WHOLE_SECOND = (1.0, 2.5)
+WHOLE_FIRST = (3.2, 1.6, 0.8, 0.4)
+WHOLE_SECOND = (1.0, 1.6, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 SOFTER = (1.0, 0.3, 0.1)
 """What the first size of a stiffness is multiplied by: a soft spring swings as no straight line tells."""

@@ -14,8 +14,11 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.evidence import score
-from realitygap.diagnose.search.exchange import ERRORS, Rival, compare
+from realitygap.diagnose.search.exchange import Rival, compare
 from realitygap.diagnose.search.imperfections import Imperfections
+
+NOTHING = 0.1
+"""What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9)."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +30,10 @@ class Verdict:
 
     @property
     def worse(self) -> bool:
-        """Whether the chosen model predicts worse than the scenario's own, beyond the error."""
-        return self.gain < -ERRORS * self.error and self.gain < 0.0
+        """Whether the chosen model predicts no better than the scenario's own: a name has to help where it was not
+        fitted.
+        """
+        return self.gain < -NOTHING
 
 
 def predicted(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> Verdict:

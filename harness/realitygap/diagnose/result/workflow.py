@@ -108,7 +108,8 @@ def diagnose(
     judged = predicted(simulations, found.floors, changes)
     if judged.worse:
         notes.append(
-            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f}: not named"
+            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f} in "
+            "evidence: not named"
         )
         changes, proofs = (), {}
     if not problem.repeated:
