@@ -35,7 +35,7 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     """The best model with more in it, without what that makes superfluous; None where nothing gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
-    What adds gains more than `round_.little` as well.
+    A name that is new gains more than `round_.little` as well.
     `keep` is never superfluous.
     """
     tried = []
@@ -61,7 +61,7 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if gain > needs and (gain > round_.little or needs <= 0.0):
+        if gain > needs and (gain > round_.little or not new):
             better.append((gain - needs, scored))
             most = max(most, gain - needs)
     equal = [scored for gain, scored in better if gain > most - EQUAL]

@@ -75,7 +75,9 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             at, looked_at = round_.now.fit, list(everyone)
             continue
         seen.add(here)
-        if following is None:
+        if following is not None:
+            last = Exchanged()  # beside what is new, another name may be as good
+        else:
             last = exchanged(round_, kept, last)
             following = last.better
             swapped = following is not None and len(following.fit.changes) == len(here)
