@@ -20,7 +20,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.imperfections import FAULT, Imperfections
 from realitygap.robot.drive import Array
 
 IMPERFECT = {0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
@@ -78,7 +78,7 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
     thin: Array | None = None
     for _ in range(PASSES if imperfections.laws else 1):
         rest = rest_of(channels, imperfections.facts, left)
-        whitening, weight = trusted(channels, imperfections.facts, rest, fit.residual)
+        whitening, weight = trusted(channels, imperfections.facts, rest, left)
         thin = np.hstack([whitening.thinned(c) for c in columns]) if thin is None else thin
         white, determinant = whitening.scaled(thin, weight)
         odds = _Odds(white.T @ white, imperfections.laws)
@@ -104,8 +104,10 @@ class _Odds:
     def best(self, scales: Sequence[float]) -> dict[str, float]:
         """The scale of each kind of law that makes the recordings most probable, one kind after the other."""
         chosen = dict.fromkeys(self.laws, scales[len(scales) // 2])
+        if FAULT in chosen:
+            chosen[FAULT] = 1.0
         for _ in range(SWEEPS if len(scales) > 1 else 0):
-            for law in chosen:
+            for law in chosen.keys() - {FAULT}:
                 chosen[law] = max(scales, key=lambda scale: self({**chosen, law: scale}))
         return chosen
 

@@ -8,7 +8,7 @@ looks like a small constant effort, a torque constant that droops like a little 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -32,6 +32,8 @@ by 5 to 10 % (Armstrong-Hélouvry 1991; Bittencourt & Gunnarsson 2012), a torque
 and heat (Hollerbach, Hunter & Ballantyne 1992), masses of a drawing are 2 to 5 % off."""
 WORST = max(SHARE.values())
 """The same of a named effect that is no fault of these."""
+FAULT = "fault"
+"""What stands for the kind of law of a suspect that is taken as an ordinary fault."""
 OTHER = 0.1
 """What else may be there without being missed, as a delay or an offset, in visible first sizes."""
 
@@ -56,12 +58,22 @@ class Imperfections:
         responses: what the residual changes by when a law is off by what it is known to. Shape (m, q).
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
         accepted: which of them are of values that the search has accepted.
+        faults: what a suspect does as an ordinary fault of a law of a model that does not have it. Shapes (m, k).
     """
 
     facts: Array
     responses: Array
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
+    faults: Mapping[Suspect, Array] = field(default_factory=dict)
+
+    def with_fault(self, suspect: Suspect) -> Imperfections:
+        """The same, with a suspect as an ordinary fault of a law, however good the other laws of its kind are."""
+        inside = set(suspect.indices)
+        own = [f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside]
+        count = sum(f.shape[1] for f in own)
+        laws = (*self.laws, *[FAULT] * count)
+        return replace(self, responses=np.column_stack([self.responses, *own]), laws=laws)
 
     def shares(self, fit: Fit) -> Array:
         """How much of each response counts for a fit: of an accepted value as much as the fit has of it. Shape (q,)."""
@@ -77,12 +89,14 @@ class _Known:
     """The response to one value, and how many times that the model does already.
 
     Attributes:
+        suspect: whose value.
         law: of which it is a fault.
         places: the joints where; a link is its joint's.
         response: of the residual. Shape (m,).
         times: what the model has of it, in multiples of the response.
     """
 
+    suspect: Suspect
     law: str
     places: tuple[int, ...]
     response: Array
@@ -109,7 +123,17 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted)
+    without = [replace(k, times=k.times * abs(a.neutral) / a.value if a.value else 0.0) for k, a in own]
+    faults: dict[Suspect, list[Array]] = {}
+    for k, s in zip([*without, *known[len(own) :]], size, strict=True):
+        faults.setdefault(k.suspect, []).append(_scale(k, s, does) * k.response)
+    return Imperfections(
+        metric.whitening.facts,
+        responses,
+        tuple(law for law, _ in columns),
+        accepted,
+        {suspect: np.column_stack(of) for suspect, of in faults.items()},
+    )
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
@@ -146,7 +170,7 @@ def _of(blocks: Sequence[Block]) -> list[_Known]:
         for k, change in enumerate(block.start.tries):
             law = suspect.kind.law
             times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
-            out.append(_Known(law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
+            out.append(_Known(suspect, law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
     return out
 
 
@@ -156,7 +180,8 @@ def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
     for k, ((i, name), value) in enumerate(zip(at.names, at.value, strict=True)):
         suspect = at.changes[i].suspect
         if not suspect.kind.parameter(name).shape:
-            known = _Known(suspect.kind.law, _places(suspect), at.slope[:, k], abs(value) / at.size[k])
+            times = abs(float(value)) / at.size[k]
+            known = _Known(suspect, suspect.kind.law, _places(suspect), at.slope[:, k], times)
             absent = neutral(problem.plant, suspect)[name]
             absent = absent if np.isfinite(absent) else 0.0
             out.append((known, Accepted(len(out), suspect, name, abs(float(value)), absent)))

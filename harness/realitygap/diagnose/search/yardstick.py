@@ -65,6 +65,11 @@ class Yardstick:
         """The evidence of a fit."""
         return score(self.channels, found, self.wrong)
 
+    def fault(self, found: Scored, suspect: Suspect) -> float:
+        """The evidence that a model without a suspect gains where the suspect is an ordinary fault of a law: a name
+        has to do more."""
+        return score(self.channels, found.fit, self.wrong.with_fault(suspect)).evidence - found.evidence
+
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
         return sharp(self.channels, found, self.wrong)
