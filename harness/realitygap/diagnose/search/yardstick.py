@@ -67,7 +67,8 @@ class Yardstick:
 
     def fault(self, found: Scored, suspect: Suspect) -> float:
         """The evidence that a model without a suspect gains where the suspect is an ordinary fault of a law: a name
-        has to do more."""
+        has to do more.
+        """
         return score(self.channels, found.fit, self.wrong.with_fault(suspect)).evidence - found.evidence
 
     def sharp(self, found: Fit) -> Scored:
