@@ -145,11 +145,11 @@ def odds(simulations: Simulations, base: Fit, fits: Sequence[Fit]) -> float | No
     first = residual(simulations, base.changes, yardstick.train)
     if first is None:
         return None
-    yardstick.take_facts(Fit(base.changes, first))
+    yardstick.take_facts(first)
     near = yardstick.fit(base.changes) if base.changes else yardstick.score(Fit((), first))
     if near is None:
         return None
-    yardstick.take_facts(near.fit)
+    yardstick.take_facts(near.fit.residual)
     yardstick.take_imperfections(near.fit, yardstick.responses(near.fit, suspects(problem)))
     one, other = (yardstick.fit(f.changes) if f.changes else yardstick.score(Fit((), first)) for f in fits)
     return None if one is None or other is None else one.evidence - other.evidence

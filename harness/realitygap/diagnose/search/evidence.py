@@ -37,12 +37,15 @@ EQUAL = 1.0
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with its evidence, the metric in which it was found, and how imperfect each kind of law is in it."""
+    """A fit with its evidence, the metric in which it was found, how imperfect each kind of law is in it, and what
+    these imperfections leave of the residual (m,).
+    """
 
     fit: Fit
     evidence: float
     metric: Metric
     imperfect: Mapping[str, float]
+    left: Array
 
     @cached_property
     def covariance(self) -> Array:
@@ -87,7 +90,7 @@ def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, sca
         left = fit.residual - responses @ odds.taken(each)
     evidence = odds(chosen) - determinant - 0.5 * float(fit.prior @ fit.prior)
     taken = white[:, white.shape[1] - len(each) :] * each
-    return Scored(fit, evidence, marginalised(whitening, weight, taken, determinant), chosen)
+    return Scored(fit, evidence, marginalised(whitening, weight, taken, determinant), chosen, left)
 
 
 class _Odds:

@@ -59,6 +59,7 @@ class Imperfections:
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
         accepted: which of them are of values that the search has accepted.
         faults: what a suspect does as an ordinary fault of a law of a model that does not have it. Shapes (m, k).
+        does: the length of what the largest of each kind of law does at each joint, in the metric.
     """
 
     facts: Array
@@ -66,14 +67,23 @@ class Imperfections:
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
     faults: Mapping[Suspect, Array] = field(default_factory=dict)
+    does: Mapping[tuple[str, int], float] = field(default_factory=dict)
 
     def with_fault(self, suspect: Suspect) -> Imperfections:
         """The same, with a suspect as an ordinary fault of a law, however good the other laws of its kind are."""
         inside = set(suspect.indices)
-        own = [f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside]
-        count = sum(f.shape[1] for f in own)
-        laws = (*self.laws, *[FAULT] * count)
-        return replace(self, responses=np.column_stack([self.responses, *own]), laws=laws)
+        return self._and([f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside])
+
+    def with_any(self, joint: int, change: Array, size: float) -> Imperfections:
+        """The same, with any change of the residual (m,) of some length in the metric as an ordinary fault of the laws
+        of a joint.
+        """
+        most = max((SHARE[law] * d for (law, place), d in self.does.items() if law and place == joint), default=0.0)
+        return self._and([most / max(size, 1e-300) * change[:, None]])
+
+    def _and(self, faults: Sequence[Array]) -> Imperfections:
+        laws = (*self.laws, *[FAULT] * sum(f.shape[1] for f in faults))
+        return replace(self, responses=np.column_stack([self.responses, *faults]), laws=laws)
 
     def shares(self, fit: Fit) -> Array:
         """How much of each response counts for a fit: of an accepted value as much as the fit has of it. Shape (q,)."""
@@ -113,7 +123,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         metric: in which effects are compared.
     """
     own = _accepted(problem, at)
-    known = [k for k, _ in own] + _of(blocks)
+    known = [k for k, _ in own] + _of(blocks, "linear")
     size = [float(np.linalg.norm(metric(k.response))) for k in known]
     does: dict[tuple[str, int], float] = {}
     for k, s in zip(known, size, strict=True):
@@ -127,12 +137,16 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     faults: dict[Suspect, list[Array]] = {}
     for k, s in zip([*without, *known[len(own) :]], size, strict=True):
         faults.setdefault(k.suspect, []).append(_scale(k, s, does) * k.response)
+    for k in _of(blocks, "wave"):
+        s = float(np.linalg.norm(metric(k.response)))
+        faults.setdefault(k.suspect, []).append(_scale(replace(k, times=0.0), s, does) * k.response)
     return Imperfections(
         metric.whitening.facts,
         responses,
         tuple(law for law, _ in columns),
         accepted,
         {suspect: np.column_stack(of) for suspect, of in faults.items()},
+        does,
     )
 
 
@@ -158,13 +172,13 @@ def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> lis
     return [("clock", column) for column in (fast, *late.values())]
 
 
-def _of(blocks: Sequence[Block]) -> list[_Known]:
-    """What could be added at single targets, and follows a straight line."""
+def _of(blocks: Sequence[Block], kind: str) -> list[_Known]:
+    """What could be added at single targets, and follows straight lines, as one value or as sine and cosine."""
     out, seen = [], set[Suspect]()
     for block in blocks:
         suspect, zero = block.suspect, dict(block.start.zero)
         alone = suspect.kind.sits_at != "joint" or single(suspect)
-        if block.start.kind != "linear" or suspect in seen or not alone:
+        if block.start.kind != kind or suspect in seen or not alone:
             continue
         seen.add(suspect)
         for k, change in enumerate(block.start.tries):

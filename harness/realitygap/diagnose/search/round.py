@@ -66,13 +66,14 @@ class Round:
         first = residual(simulations, at.changes, yardstick.train)
         if first is None:
             raise RuntimeError("the model that the search stands at cannot be simulated")
-        yardstick.take_facts(Fit(at.changes, first))
+        yardstick.take_facts(first)
         start = yardstick.score(Fit(at.changes, first))
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self.now = start if done is None else yardstick.elsewhere(done)
-        yardstick.take_facts(self.now.fit)
+        yardstick.take_facts(self.now.fit.residual)
         self.blocks = yardstick.responses(self.now.fit, everyone)
         yardstick.take_imperfections(self.now.fit, self.blocks)
+        yardstick.take_facts(yardstick.score(self.now.fit).left)
         self.now = yardstick.score(self.now.fit)
         self.little = LEFT * (self.now.evidence - yardstick.score(nothing).evidence)
         self.look = yardstick.sharp(self.now.fit)

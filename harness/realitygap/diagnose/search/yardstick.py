@@ -53,9 +53,9 @@ class Yardstick:
         tried = [start for s in possible for start in starts(self.problem, s, self._of_joint(at, s))]
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
 
-    def take_facts(self, at: Fit) -> None:
-        """Count facts as the residual of a fit lasts."""
-        self.wrong = replace(self.wrong, facts=facts(self.channels, at.residual))
+    def take_facts(self, left: Array) -> None:
+        """Count facts as what is left of a residual lasts. Shape (m,)."""
+        self.wrong = replace(self.wrong, facts=facts(self.channels, left))
 
     def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
         """Let laws be off by what they are known to, at a fit with what could be added to it."""
@@ -70,6 +70,14 @@ class Yardstick:
         has to do more.
         """
         return score(self.channels, found.fit, self.wrong.with_fault(suspect)).evidence - found.evidence
+
+    def any_fault(self, found: Scored, joint: int, other: Fit) -> float:
+        """The same of what parts another fit from a model, as an ordinary fault of the laws of a joint, whatever it is
+        called.
+        """
+        change = other.residual - found.fit.residual
+        size = float(np.linalg.norm(found.metric(change)))
+        return score(self.channels, found.fit, self.wrong.with_any(joint, change, size)).evidence - found.evidence
 
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
