@@ -72,18 +72,16 @@ class Imperfections:
     def with_fault(self, suspect: Suspect) -> Imperfections:
         """The same, with a suspect as an ordinary fault of a law, however good the other laws of its kind are."""
         inside = set(suspect.indices)
-        return self._and([f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside])
+        own = [f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside]
+        laws = (*self.laws, *[FAULT] * sum(f.shape[1] for f in own))
+        return replace(self, responses=np.column_stack([self.responses, *own]), laws=laws)
 
-    def with_any(self, joint: int, change: Array, size: float) -> Imperfections:
-        """The same, with any change of the residual (m,) of some length in the metric as an ordinary fault of the laws
-        of a joint.
+    def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
+        """The length of what friction or load may be off by at a joint, whichever is more, where each kind of law is so
+        imperfect.
         """
-        most = max((SHARE[law] * d for (law, place), d in self.does.items() if law and place == joint), default=0.0)
-        return self._and([most / max(size, 1e-300) * change[:, None]])
-
-    def _and(self, faults: Sequence[Array]) -> Imperfections:
-        laws = (*self.laws, *[FAULT] * sum(f.shape[1] for f in faults))
-        return replace(self, responses=np.column_stack([self.responses, *faults]), laws=laws)
+        laws = ("friction", "load")
+        return max(imperfect.get(law, 1.0) * SHARE[law] * self.does.get((law, joint), 0.0) for law in laws)
 
     def shares(self, fit: Fit) -> Array:
         """How much of each response counts for a fit: of an accepted value as much as the fit has of it. Shape (q,)."""

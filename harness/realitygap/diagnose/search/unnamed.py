@@ -34,8 +34,8 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     gains enough. `keep` stays.
 
     A table competes as any finding does: each of its values has to be earned, so that a law with one or two values that
-    explains as much is the better explanation; and it has to explain more than ordinary laws leave, and more than an
-    ordinary fault of the joint's laws does.
+    explains as much is the better explanation; and it has to explain more than ordinary laws leave, and do more than
+    friction and load may be off by at its joint.
     """
     best: tuple[float, Scored] | None = None
     for way in _promising(round_, keep):
@@ -49,8 +49,9 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         less, (joint,) = len(round_.now.fit.changes) - len(way.beside), way.tables[0].suspect.indices
         place = f" in place of {less}" if less else ""
         round_.say(f"  {'; '.join(str(t.suspect) for t in way.tables)}{place}: {gain:+.1f}")
-        fault = round_.yardstick.any_fault(round_.now, joint, scored.fit)
-        spare = gain - max(round_.limit * len(way.tables), round_.little, fault)
+        spare = gain - max(round_.limit * len(way.tables), round_.little)
+        if round_.yardstick.ordinary(round_.now, joint, scored.fit):
+            continue
         if spare > 0.0 and (best is None or spare > best[0]):
             best = spare, scored
     return None if best is None else best[1]

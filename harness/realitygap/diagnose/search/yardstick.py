@@ -71,13 +71,10 @@ class Yardstick:
         """
         return score(self.channels, found.fit, self.wrong.with_fault(suspect)).evidence - found.evidence
 
-    def any_fault(self, found: Scored, joint: int, other: Fit) -> float:
-        """The same of what parts another fit from a model, as an ordinary fault of the laws of a joint, whatever it is
-        called.
-        """
-        change = other.residual - found.fit.residual
-        size = float(np.linalg.norm(found.metric(change)))
-        return score(self.channels, found.fit, self.wrong.with_any(joint, change, size)).evidence - found.evidence
+    def ordinary(self, found: Scored, joint: int, other: Fit) -> bool:
+        """Whether what parts another fit from a model is no more than friction or load may be off by at a joint."""
+        change = float(np.linalg.norm(found.metric(other.residual - found.fit.residual)))
+        return change <= self.wrong.ordinary(joint, found.imperfect)
 
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
