@@ -20,7 +20,7 @@ from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.prune import pruned
-from realitygap.diagnose.search.round import Round, judged, linear_at
+from realitygap.diagnose.search.round import Round, linear_at
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 
@@ -149,8 +149,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
     here += yardstick.responses(alone.fit, [s for s in beside if fits(s)])
     chosen: dict[Suspect, Promise] = {}
-    look = yardstick.sharp(alone.fit)
-    for p in judged(yardstick, look, linear_at(look, here).promises()):
+    for p in linear_at(yardstick.sharp(alone.fit), here).promises():
         worth = p.gain > (CLOSE * gain if chosen else 0.0)
         if worth and len(chosen) < EXCHANGED:
             chosen.setdefault(p.block.suspect, p)

@@ -17,8 +17,9 @@ from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
 
 TRIED = 4
-"""Suspects that are tried one by one: those that promise most, and as many of those that are far from a straight line,
-which were simulated at few sizes and promise too little."""
+"""Suspects that are tried one by one: those that promise most."""
+BEYOND = 2
+"""The same of those that are far from a straight line, which were simulated at few sizes and promise too little."""
 AT_ONCE = 3
 """Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
@@ -80,7 +81,8 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
             first.setdefault((start.suspect, start.free), start)
     ways: list[tuple[list[Change], float]] = []
     far = {b.suspect for b in round_.blocks if b.start.kind in ("whole", "inverse")}
-    near, beyond = ([s for s in first.values() if (s.suspect in far) == bent][:TRIED] for bent in (False, True))
+    near, beyond = ([s for s in first.values() if (s.suspect in far) == bent] for bent in (False, True))
+    near, beyond = near[:TRIED], beyond[:BEYOND]
     for start in beyond:  # a limit that is hardly reached, or a play that is hardly passed, has no slope to follow
         other = guess(round_.simulations.problem, start.suspect)
         if other.free == start.free:

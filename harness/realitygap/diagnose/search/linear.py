@@ -25,22 +25,16 @@ LOOKED = 8
 
 @dataclass(frozen=True)
 class Promise:
-    """A start with the amounts that fit best, the gain in evidence that it promises, and what its values cost of it."""
+    """A start with the amounts that fit best, and the gain in evidence that it promises."""
 
     block: Block
     amounts: tuple[float, ...]
     gain: float
-    occam: float = 0.0
 
     @property
     def change(self) -> Change:
         """The suspect at these amounts."""
         return self.block.start.at(self.amounts)
-
-    @property
-    def residual(self) -> Array:
-        """How the stacked residual changes, by straight lines. Shape (m,)."""
-        return np.asarray(self.block.columns @ np.array(self.amounts))
 
 
 class Linear:
@@ -72,9 +66,7 @@ class Linear:
 
     def promise(self, number: int) -> Promise:
         """What one block gains alone."""
-        amounts = self._amounts([number])
-        occam = self._occam([number], amounts)
-        return Promise(self.blocks[number], tuple(amounts.tolist()), self._gain([number]), occam)
+        return Promise(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
 
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""
@@ -162,17 +154,14 @@ class Linear:
         at = np.concatenate([self.places[i] for i in numbers])
         g, b = self.gram[np.ix_(at, at)], self.gram[at, 0]
         x = self._amounts(numbers)
-        return -float(b @ x) - 0.5 * float(x @ g @ x) - self._occam(numbers, x)
-
-    def _occam(self, numbers: Sequence[int], x: Array) -> float:
-        """What the values of some blocks cost at amounts x: their prior, and that they could have been others."""
+        gain = -float(b @ x) - 0.5 * float(x @ g @ x)
         free = [k for i in numbers for k in self.places[i] if self.blocks[i].start.kind != "whole"]
-        if not free:
-            return 0.0
-        at = np.concatenate([self.places[i] for i in numbers])
-        g = self.gram[np.ix_(free, free)]
-        out = 0.5 * float(np.sum((x[np.isin(at, free)] / SLAB) ** 2))
-        return out + 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
+        if free:
+            g = self.gram[np.ix_(free, free)]
+            inside = np.isin(at, free)
+            gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
+            gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
+        return gain
 
     def _amounts(self, numbers: Sequence[int]) -> Array:
         """The best amounts of some blocks together, within reach."""

@@ -22,8 +22,6 @@ BEAM = 4
 """Tries far from a straight line that are kept: those that promise most."""
 DEEP = 14
 """Suspects that are simulated at the amount that they promise."""
-JUDGED = 32
-"""Suspects whose evidence is worked out where straight lines lead: those that promise most in the metric as it is."""
 WORTH = 0.3
 """... where a straight line promises this share of what a name needs: it promises too little of what is large, not of
 what is small."""
@@ -81,7 +79,7 @@ class Round:
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
             + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
         )
-        self.straight = judged(yardstick, self.look, linear_at(self.look, self.blocks).promises())
+        self.straight = linear_at(self.look, self.blocks).promises()
         followed = self._followed(self.straight)
         self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 
@@ -111,7 +109,8 @@ class Round:
         for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
             try_ = block.start.tries[0]
             whole = Start(try_, (try_,), block.start.zero, "whole")
-            out.append(evident(self.yardstick, self.look, Promise(Block(whole, block.columns), (1.0,), 0.0)))
+            gain = self.yardstick.near(self.now.fit, block.columns[:, 0]).evidence - self.look.evidence
+            out.append(Promise(Block(whole, block.columns), (1.0,), gain))
         return sorted((p for p in out if p.gain > 0.0), key=lambda p: -p.gain)[:BEAM]
 
     def _beyond(self, block: Block) -> Fit:
@@ -137,37 +136,23 @@ class Round:
         )
         if still is None:
             return chosen
-        best: dict[int, Promise] = {}
+        there: list[tuple[Promise, Block]] = []
         for (p, _), change, answer in zip(variants, changes, answers, strict=True):
             if answer is not None:
-                moved = np.nan_to_num(answer - still)
                 start = Start(change, (change,), p.block.start.zero, "whole")
-                followed = Promise(Block(start, moved[:, None]), (1.0,), 0.0, p.occam)
-                followed = evident(self.yardstick, self.look, followed)
-                if id(p) not in best or followed.gain > best[id(p)].gain:
-                    best[id(p)] = followed
+                there.append((p, Block(start, np.nan_to_num(answer - still)[:, None])))
+        linear = linear_at(self.look, [block for _, block in there])
+        best: dict[int, Promise] = {}
+        for k, (p, _) in enumerate(there):
+            followed = linear.promise(k)
+            if id(p) not in best or followed.gain > best[id(p)].gain:
+                best[id(p)] = followed
         return sorted(best.values(), key=lambda p: -p.gain)
 
 
 def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
     """The straight-line model around a fit, in its own metric."""
     return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)
-
-
-def judged(yardstick: Yardstick, look: Scored, promises: Sequence[Promise]) -> list[Promise]:
-    """The same promises, the best of them by the evidence of where straight lines lead from `look`, best first.
-
-    A straight line leaves what no law explains as it is; with less of it the recordings tell more, and what a line in
-    the old metric thinks little of may gain most.
-    """
-    first, rest = promises[:JUDGED], promises[JUDGED:]
-    return [*sorted((evident(yardstick, look, p) for p in first), key=lambda p: -p.gain), *rest]
-
-
-def evident(yardstick: Yardstick, look: Scored, promise: Promise) -> Promise:
-    """A promise with the gain in evidence of the residual where its straight lines lead."""
-    there = yardstick.near(look.fit, promise.residual)
-    return replace(promise, gain=there.evidence - look.evidence - promise.occam)
 
 
 def told_change(change: Change) -> str:
