@@ -20,7 +20,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.imperfections import FAULT, Imperfections
+from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.robot.drive import Array
 
 IMPERFECT = {0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
@@ -107,10 +107,8 @@ class _Odds:
     def best(self, scales: Sequence[float]) -> dict[str, float]:
         """The scale of each kind of law that makes the recordings most probable, one kind after the other."""
         chosen = dict.fromkeys(self.laws, scales[len(scales) // 2])
-        if FAULT in chosen:
-            chosen[FAULT] = 1.0
         for _ in range(SWEEPS if len(scales) > 1 else 0):
-            for law in chosen.keys() - {FAULT}:
+            for law in chosen:
                 chosen[law] = max(scales, key=lambda scale: self({**chosen, law: scale}))
         return chosen
 

@@ -113,7 +113,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             continue
         gain = now.evidence - alone.evidence
         out.gains[change.suspect] = gain
-        if gain < max(round_.limit, round_.yardstick.fault(alone, change.suspect)):
+        if gain < round_.limit:
             round_.say(f"  without {change.suspect}: {-gain:+.1f}")
             out.offer(alone)
             continue

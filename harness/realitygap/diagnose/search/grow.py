@@ -62,8 +62,6 @@ def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if len(new) == 1:
-            needs = max(needs, round_.yardstick.fault(round_.now, new[0].suspect))
         if gain > needs and (gain > round_.little or not new):
             better.append((gain - needs, scored))
             most = max(most, gain - needs)

@@ -8,7 +8,7 @@ looks like a small constant effort, a torque constant that droops like a little 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,8 +32,6 @@ by 5 to 10 % (Armstrong-Hélouvry 1991; Bittencourt & Gunnarsson 2012), a torque
 and heat (Hollerbach, Hunter & Ballantyne 1992), masses of a drawing are 2 to 5 % off."""
 WORST = max(SHARE.values())
 """The same of a named effect that is no fault of these."""
-FAULT = "fault"
-"""What stands for the kind of law of a suspect that is taken as an ordinary fault."""
 OTHER = 0.1
 """What else may be there without being missed, as a delay or an offset, in visible first sizes."""
 
@@ -58,7 +56,6 @@ class Imperfections:
         responses: what the residual changes by when a law is off by what it is known to. Shape (m, q).
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
         accepted: which of them are of values that the search has accepted.
-        faults: what a suspect does as an ordinary fault of a law of a model that does not have it. Shapes (m, k).
         does: the length of what the largest of each kind of law does at each joint, in the metric.
     """
 
@@ -66,15 +63,7 @@ class Imperfections:
     responses: Array
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
-    faults: Mapping[Suspect, Array] = field(default_factory=dict)
     does: Mapping[tuple[str, int], float] = field(default_factory=dict)
-
-    def with_fault(self, suspect: Suspect) -> Imperfections:
-        """The same, with a suspect as an ordinary fault of a law, however good the other laws of its kind are."""
-        inside = set(suspect.indices)
-        own = [f for s, f in self.faults.items() if s.effect == suspect.effect and set(s.indices) <= inside]
-        laws = (*self.laws, *[FAULT] * sum(f.shape[1] for f in own))
-        return replace(self, responses=np.column_stack([self.responses, *own]), laws=laws)
 
     def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
         """The length of what friction or load may be off by at a joint, whichever is more, where each kind of law is so
@@ -121,7 +110,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         metric: in which effects are compared.
     """
     own = _accepted(problem, at)
-    known = [k for k, _ in own] + _of(blocks, "linear")
+    known = [k for k, _ in own] + _of(blocks)
     size = [float(np.linalg.norm(metric(k.response))) for k in known]
     does: dict[tuple[str, int], float] = {}
     for k, s in zip(known, size, strict=True):
@@ -131,19 +120,11 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    without = [replace(k, times=k.times * abs(a.neutral) / a.value if a.value else 0.0) for k, a in own]
-    faults: dict[Suspect, list[Array]] = {}
-    for k, s in zip([*without, *known[len(own) :]], size, strict=True):
-        faults.setdefault(k.suspect, []).append(_scale(k, s, does) * k.response)
-    for k in _of(blocks, "wave"):
-        s = float(np.linalg.norm(metric(k.response)))
-        faults.setdefault(k.suspect, []).append(_scale(replace(k, times=0.0), s, does) * k.response)
     return Imperfections(
         metric.whitening.facts,
         responses,
         tuple(law for law, _ in columns),
         accepted,
-        {suspect: np.column_stack(of) for suspect, of in faults.items()},
         does,
     )
 
@@ -170,13 +151,13 @@ def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> lis
     return [("clock", column) for column in (fast, *late.values())]
 
 
-def _of(blocks: Sequence[Block], kind: str) -> list[_Known]:
-    """What could be added at single targets, and follows straight lines, as one value or as sine and cosine."""
+def _of(blocks: Sequence[Block]) -> list[_Known]:
+    """What could be added at single targets, and follows a straight line."""
     out, seen = [], set[Suspect]()
     for block in blocks:
         suspect, zero = block.suspect, dict(block.start.zero)
         alone = suspect.kind.sits_at != "joint" or single(suspect)
-        if block.start.kind != kind or suspect in seen or not alone:
+        if block.start.kind != "linear" or suspect in seen or not alone:
             continue
         seen.add(suspect)
         for k, change in enumerate(block.start.tries):

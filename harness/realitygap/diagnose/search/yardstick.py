@@ -65,12 +65,6 @@ class Yardstick:
         """The evidence of a fit."""
         return score(self.channels, found, self.wrong)
 
-    def fault(self, found: Scored, suspect: Suspect) -> float:
-        """The evidence that a model without a suspect gains where the suspect is an ordinary fault of a law: a name
-        has to do more.
-        """
-        return score(self.channels, found.fit, self.wrong.with_fault(suspect)).evidence - found.evidence
-
     def ordinary(self, found: Scored, joint: int, other: Fit) -> bool:
         """Whether what parts another fit from a model is no more than friction or load may be off by at a joint."""
         change = float(np.linalg.norm(found.metric(other.residual - found.fit.residual)))
