@@ -86,14 +86,12 @@ class _Known:
     """The response to one value, and how many times that the model does already.
 
     Attributes:
-        suspect: whose value.
         law: of which it is a fault.
         places: the joints where; a link is its joint's.
         response: of the residual. Shape (m,).
         times: what the model has of it, in multiples of the response.
     """
 
-    suspect: Suspect
     law: str
     places: tuple[int, ...]
     response: Array
@@ -163,7 +161,7 @@ def _of(blocks: Sequence[Block]) -> list[_Known]:
         for k, change in enumerate(block.start.tries):
             law = suspect.kind.law
             times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
-            out.append(_Known(suspect, law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
+            out.append(_Known(law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
     return out
 
 
@@ -173,8 +171,7 @@ def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
     for k, ((i, name), value) in enumerate(zip(at.names, at.value, strict=True)):
         suspect = at.changes[i].suspect
         if not suspect.kind.parameter(name).shape:
-            times = abs(float(value)) / at.size[k]
-            known = _Known(suspect, suspect.kind.law, _places(suspect), at.slope[:, k], times)
+            known = _Known(suspect.kind.law, _places(suspect), at.slope[:, k], abs(value) / at.size[k])
             absent = neutral(problem.plant, suspect)[name]
             absent = absent if np.isfinite(absent) else 0.0
             out.append((known, Accepted(len(out), suspect, name, abs(float(value)), absent)))
