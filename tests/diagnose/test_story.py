@@ -63,7 +63,7 @@ def told(judged: Any) -> Callable[[str], Diagnosis]:
         named = verdict in ("explained", "partly explained")
         best = done if named else base
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
-        found = Found(base, best, 6.0, floors, {FRICTION: 41.0}, {FRICTION: [rival]})
+        found = Found(base, best, best, 6.0, floors, {FRICTION: 41.0}, {FRICTION: [rival]})
         gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 4.0),), ("gain",))
         result = Diagnosis(
             problem=problem,

@@ -103,7 +103,7 @@ class Diagnosis:
         """The 95 % interval of a fitted parameter; its value twice where it was not fitted."""
         value = change.parameters[parameter]
         fitted = self.found.best.fit
-        for (i, name), deviation in zip(fitted.names, self.found.best.deviation, strict=True):
+        for (i, name), deviation in zip(fitted.names, self.found.cautious.deviation, strict=True):
             if fitted.changes[i].suspect == change.suspect and name == parameter:
                 p = change.suspect.kind.parameter(parameter)
                 wide = Z95 * float(deviation)

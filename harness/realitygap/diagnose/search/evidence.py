@@ -68,6 +68,13 @@ def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -
     return _at(channels, fit, imperfections, tuple(IMPERFECT))
 
 
+def cautious(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
+    """The same for laws that are ordinary at best: intervals are told so. That laws look better in a few motions is no
+    promise for the machine's other motions, which the values are for.
+    """
+    return _at(channels, fit, imperfections, tuple(scale for scale in IMPERFECT if scale >= 1.0))
+
+
 def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The same for laws that are as good as they may be: what is missing is not to pass for imperfections when moves
     are looked for.

@@ -34,6 +34,7 @@ class Found:
     Attributes:
         base: the scenario's own model, on the yardstick of the last round.
         best: the model with the best evidence.
+        cautious: the same, for intervals.
         limit: what a finding has to gain.
         floors: of the best model.
         gains: evidence that is lost without each finding, by suspect.
@@ -43,6 +44,7 @@ class Found:
 
     base: Scored
     best: Scored
+    cautious: Scored
     limit: float
     floors: Floors
     gains: dict[Suspect, float] = field(default_factory=dict)
@@ -93,7 +95,8 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         say("; ".join(told_change(c) for c in at.changes))
     start = round_.yardstick.score(nothing)
     floors = measure(simulations, round_.now.fit.changes)
-    return Found(start, round_.now, limit, floors, last.gains, last.rivals, round_.promised)
+    cautious = round_.yardstick.cautious(round_.now.fit)
+    return Found(start, round_.now, cautious, limit, floors, last.gains, last.rivals, round_.promised)
 
 
 def standing(scored: Scored) -> Standing:

@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.fit import Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
-from realitygap.diagnose.search.evidence import Scored, score, sharp
+from realitygap.diagnose.search.evidence import Scored, cautious, score, sharp
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
 
@@ -73,6 +73,10 @@ class Yardstick:
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
         return sharp(self.channels, found, self.wrong)
+
+    def cautious(self, found: Fit) -> Scored:
+        """The same where laws are ordinary at best, for intervals."""
+        return cautious(self.channels, found, self.wrong)
 
     def near(self, found: Fit, change: Array) -> Scored:
         """The same of a fit whose residual changes by so much (m,): as a straight line, or a simulation, has it."""
