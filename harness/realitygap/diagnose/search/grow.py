@@ -19,7 +19,7 @@ from realitygap.robot.plant import Plant
 TRIED = 4
 """Suspects that are tried one by one: those that promise most."""
 BEYOND = 2
-"""The same of those that are far from a straight line, which were simulated at few sizes and promise too little."""
+"""The same of those that are far from any straight line, which were simulated at few sizes and promise too little."""
 AT_ONCE = 3
 """Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
@@ -78,14 +78,14 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         if p.gain > 0:
             first.setdefault((start.suspect, start.free), start)
     ways: list[tuple[list[Change], float]] = []
-    far = {b.suspect for b in round_.blocks if b.start.kind in ("whole", "inverse")}
-    near, beyond = ([s for s in first.values() if (s.suspect in far) == bent] for bent in (False, True))
-    near, beyond = near[:TRIED], beyond[:BEYOND]
-    for start in beyond:  # a limit that is hardly reached, or a play that is hardly passed, has no slope to follow
+    firsts = list(first.values())
+    whole = {b.suspect for b in round_.blocks if b.start.kind == "whole"}
+    far = [s for s in firsts if s.suspect in whole][:BEYOND]
+    for start in far:  # a limit that is hardly reached has no slope to follow
         other = guess(round_.simulations.problem, start.suspect)
         if other.free == start.free:
             ways.append(([*accepted, other], limit))
-    for start in [*near, *beyond]:
+    for start in [*firsts[:TRIED], *(s for s in far if s not in firsts[:TRIED])]:
         ways.append(([*accepted, start], limit))
         each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:
