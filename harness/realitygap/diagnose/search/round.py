@@ -118,7 +118,9 @@ class Round:
         return replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
-        """The suspects that promise most, simulated where their straight lines lead, and taken as lines from there."""
+        """The suspects that promise most, simulated where their straight lines lead, by the evidence that they have there:
+        with less that no law explains, recordings tell more than straight lines promise.
+        """
         chosen: list[Promise] = []
         for p in promises:
             kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
@@ -136,17 +138,14 @@ class Round:
         )
         if still is None:
             return chosen
-        there: list[tuple[Promise, Block]] = []
-        for (p, _), change, answer in zip(variants, changes, answers, strict=True):
-            if answer is not None:
-                start = Start(change, (change,), p.block.start.zero, "whole")
-                there.append((p, Block(start, np.nan_to_num(answer - still)[:, None])))
-        linear = linear_at(self.look, [block for _, block in there])
         best: dict[int, Promise] = {}
-        for k, (p, _) in enumerate(there):
-            followed = linear.promise(k)
-            if id(p) not in best or followed.gain > best[id(p)].gain:
-                best[id(p)] = followed
+        for (p, _), change, answer in zip(variants, changes, answers, strict=True):
+            if answer is None:
+                continue
+            there = Block(Start(change, (change,), p.block.start.zero, "whole"), np.nan_to_num(answer - still)[:, None])
+            gain = self.yardstick.near(self.now.fit, there.columns[:, 0]).evidence - self.look.evidence
+            if id(p) not in best or gain > best[id(p)].gain:
+                best[id(p)] = Promise(there, (1.0,), gain)
         return sorted(best.values(), key=lambda p: -p.gain)
 
 
