@@ -118,8 +118,8 @@ class Round:
         return replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
-        """The suspects that promise most, simulated where their straight lines lead, by the evidence that they have there:
-        with less that no law explains, recordings tell more than straight lines promise.
+        """The suspects that promise most, simulated where their straight lines lead, by the evidence there: with less
+        that no law explains, recordings tell more than straight lines promise.
         """
         chosen: list[Promise] = []
         for p in promises:
