@@ -2,20 +2,25 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
 import realitygap as rg
+import yaml
 from numpy.testing import assert_allclose
 from one_joint import LENGTH, LINK, MASS, added, everywhere
-from realitygap.missing.effort import since_reversal
+from realitygap.missing.effort import MissingEffort, since_reversal, variables_of
+from realitygap.missing.files import ADDED, as_trace, of_trace, write_told
 from realitygap.missing.followed import lacking_followed
+from realitygap.missing.shape import shape_of
+from realitygap.missing.words import sentence
 from realitygap.robot.plant import Plant
 from realitygap.simulate.follow import Followed
 from realitygap.simulate.start import start_state
 from realitygap.trace.trace import Array
 from realitygap_engines import GRAVITY
-from swings import H, arm, chirp, recovered, swing
+from swings import H, arm, chirp, ramps, recovered, sines, steps, swing
 
 WEIGHT = MASS * GRAVITY * LENGTH
 
@@ -111,6 +116,33 @@ def test_of_a_followed_motion_it_is_what_the_measured_effort_has_less(engine: st
 def found_acceleration(trace: rg.Trace) -> Array:
     assert trace.velocity is not None
     return np.gradient(trace.velocity, H, axis=0)[::5]
+
+
+def test_a_temperature_that_was_recorded_is_what_a_drag_depends_on_and_no_effect(tmp_path: Path) -> None:
+    """Grease that thins as it warms: the drag falls from 0.5 to 0.1 N·m, whatever the motion."""
+    runs = []
+    for k, motion in enumerate((chirp, sines, ramps, steps)):
+        time = np.arange(0.0, 10.0, 1 / 100)
+        warm = 30.0 + 15.0 * np.sin(0.9 * time + k)[:, None]
+        angle = motion(time)[:, None]
+        speed = np.gradient(angle, time, axis=0)
+        drag = 0.1 + 0.4 * np.exp(-((warm - 15.0) / 12.0))
+        noise = 0.01 * np.random.default_rng(k).normal(size=angle.shape)
+        variables = variables_of(time, angle, speed, np.sin(angle), None, None, warm)
+        found = MissingEffort(
+            str(k), "mujoco", None, ("joint0",), (False,), time, drag + noise, 0 * drag + 0.01, variables
+        )
+        runs.append(found)
+        assert_allclose(of_trace("", "mujoco", as_trace(found), ()).variables["temperature"], warm)
+    shape = shape_of(runs, "joint0")
+    assert [term.variables for term in shape.terms] == [("temperature",)]
+    assert shape.share > 0.9
+    assert "depends on the temperature" in sentence(shape)
+    assert not shape.effects
+    write_told(tmp_path, "mujoco", [shape])
+    written = (tmp_path / ADDED).read_text()
+    assert "no simulation knows the temperature" in written
+    assert yaml.safe_load(written) == {"effects": []}
 
 
 def test_the_time_since_a_reversal_begins_anew_at_each_and_not_at_a_rest() -> None:

@@ -8,7 +8,7 @@ import pytest
 from bags import EPOCH, FILE, STATE, scenario, two_joints
 from realitygap.files.errors import InputError
 from realitygap.recording import read_recording
-from signals import Signals
+from signals import Signals, there
 
 
 @pytest.mark.parametrize(
@@ -136,8 +136,9 @@ def test_base_imu_and_battery(tmp_path: Path, write_bag: Callable[..., Path]) ->
             ("/odom", EPOCH + t, "nav_msgs/msg/Odometry", {"stamp": EPOCH + t, "pose": pose, "twist": twist}),
             ("/imu", EPOCH + t, "sensor_msgs/msg/Imu", {"stamp": EPOCH + t, "angular_velocity": {"x": t}}),
             ("/battery", EPOCH + t, "sensor_msgs/msg/BatteryState", {"stamp": EPOCH + t, "voltage": 15.0 - t}),
+            ("/warm", EPOCH + t, "sensor_msgs/msg/Temperature", {"stamp": EPOCH + t, "temperature": 30.0 + t}),
         ]
-    asked = scenario(base="floating", pose="/odom", imu="/imu", battery="/battery")
+    asked = scenario(base="floating", pose="/odom", imu="/imu", battery="/battery", temperature="/warm")
     recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a", "b"], file=FILE)
     trace = Signals(recording.trace)
     np.testing.assert_allclose(trace.base_position[:, 0], trace.time, atol=1e-6)
@@ -148,6 +149,9 @@ def test_base_imu_and_battery(tmp_path: Path, write_bag: Callable[..., Path]) ->
     assert trace.trace.imu_quaternion is None  # all zeros: this IMU gives no orientation
     np.testing.assert_allclose(trace.supply, 15.0 - trace.time, atol=1e-5)
     np.testing.assert_allclose(recording.supply, 15.0 - recording.supply_time, atol=1e-5)
+    np.testing.assert_allclose(
+        there(recording.trace.temperature), np.tile(30.0 + trace.time[:, None], (1, 2)), atol=1e-5
+    )
 
 
 CONTROLLER = "control_msgs/msg/JointTrajectoryControllerState"

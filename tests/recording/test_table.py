@@ -77,6 +77,21 @@ def test_a_servo_that_is_off_has_no_command(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.supply, 12.0 - TIME)
 
 
+def test_a_temperature_is_of_each_motor_or_of_all_and_may_be_read_more_slowly(tmp_path: Path) -> None:
+    two = pd.DataFrame({"time": TIME, "position_a": TIME, "position_b": TIME})
+    slow = np.where(np.arange(50) % 10 == 0, 30.0 + TIME, np.nan)
+    for more in ({"temperature": slow}, {"temperature_a": slow, "temperature_b": slow}):
+        path = write(two.assign(**more), tmp_path / "run.csv")
+        trace = read_recording(path, scenario(None), ["a", "b"], file=FILE).trace
+        np.testing.assert_allclose(there(trace.temperature)[:40], np.tile(30.0 + TIME[:40, None], (1, 2)))
+    asked = scenario(None, columns={"temperature": {"a": "warm", "b": "cold"}})
+    path = write(two.assign(warm=40.0, cold=20.0), tmp_path / "named.csv")
+    trace = read_recording(path, asked, ["b", "a"], file=FILE).trace
+    np.testing.assert_array_equal(there(trace.temperature)[0], [20.0, 40.0])
+    with pytest.raises(InputError, match=r"has no column warm, named by recordings.columns.temperature"):
+        read_recording(write(two, tmp_path / "none.csv"), asked, ["a", "b"], file=FILE)
+
+
 def test_effort_in_its_own_column_and_unit(tmp_path: Path) -> None:
     path = write(one_joint(current=0.5), tmp_path / "run.csv")
     asked = scenario(effort={"topic": "current", "factor": 2.0})

@@ -35,8 +35,8 @@ class MissingEffort:
         time: in the judged window, on the recording's clock [s]. Shape (t,).
         effort: that is missing [N·m or N]. Shape (t, n).
         error: its standard error, from the sensor's noise and what that leaves open. Shape (t, n).
-        variables: what it may depend on, by the names of `robot.effort_map.VARIABLES`; those that are known. Each
-            shape (t, n).
+        variables: what it may depend on, by the names of `robot.effort_map.VARIABLES`, and the temperature; those
+            that are known. Each shape (t, n).
     """
 
     name: str
@@ -85,7 +85,8 @@ def missing_of(experiment: Experiment, engine: str) -> MissingEffort:
     time, trace = since + experiment.begin, recording.trace
     aimed = experiment.followed is None and recording.command_kind == "position"
     volts = np.interp(time, recording.supply_time, recording.supply) if len(recording.supply) else None
-    variables = variables_of(since, found.position, found.velocity, found.load, trace.command if aimed else None, volts)
+    told = trace.command if aimed else None
+    variables = variables_of(since, found.position, found.velocity, found.load, told, volts, trace.temperature)
     inside = (time >= experiment.window[0]) & (time <= experiment.window[1]) & np.isfinite(found.effort).all(axis=1)
     if not inside.any():
         raise InputError(f"{experiment.name}: found no sample in its window that tells a missing effort")
@@ -123,9 +124,16 @@ def _lacking(e: Experiment, engine: str) -> tuple[Lacking, Array]:
 
 
 def variables_of(
-    time: Array, position: Array, velocity: Array, load: Array, command: Array | None, supply: Array | None
+    time: Array,
+    position: Array,
+    velocity: Array,
+    load: Array,
+    command: Array | None,
+    supply: Array | None,
+    temperature: Array | None,
 ) -> dict[str, Array]:
-    """What a missing effort may depend on, of what is known, by the names of `effort_map`. Each shape (t, n).
+    """What a missing effort may depend on, of what is known, by the names of `effort_map`, and the temperature, which
+    that has not. Each shape (t, n).
 
     Args:
         time: [s]. Shape (t,).
@@ -134,6 +142,7 @@ def variables_of(
         load: what moving and holding the links takes [N·m or N]. Shape (t, n).
         command: of position servos, NaN where one is off: no error [rad or m]. Shape (t, n).
         supply: [V]. Shape (t,).
+        temperature: of the motors [°C]. Shape (t, n).
     """
     out = {"angle": position, "speed": velocity, "load": load}
     if command is not None:
@@ -141,6 +150,8 @@ def variables_of(
     out["reversal"] = np.column_stack([since_reversal(time, v) for v in velocity.T])
     if supply is not None:
         out["supply"] = np.repeat(supply[:, None], position.shape[1], axis=1)
+    if temperature is not None:
+        out["temperature"] = temperature
     return out
 
 

@@ -17,10 +17,13 @@ NAME = "missing effort of "
 """How the traces of a missing effort are called, before the recording's name."""
 TOLD = "missing_effort.json"
 ADDED = "missing_effort.yaml"
+UNKNOWN = "no simulation knows the temperature of a motor: what depends on it at {} is no effect below"
 
 
 def as_trace(missing: MissingEffort) -> Trace:
-    """The missing effort as the effort of a trace, beside the smoothed motion, the load and the supply."""
+    """The missing effort as the effort of a trace, beside the smoothed motion, the load, the supply and the
+    temperature.
+    """
     v = missing.variables
     return Trace(
         missing.time,
@@ -32,6 +35,7 @@ def as_trace(missing: MissingEffort) -> Trace:
         supply=v["supply"][:, 0] if "supply" in v else None,
         effort_error=missing.error,
         load=v["load"],
+        temperature=v.get("temperature"),
     )
 
 
@@ -51,7 +55,9 @@ def of_trace(name: str, engine: str, trace: Trace, slides: Sequence[str]) -> Mis
         time=trace.time,
         effort=trace.effort,
         error=trace.effort_error,
-        variables=variables_of(trace.time, trace.position, trace.velocity, trace.load, trace.command, trace.supply),
+        variables=variables_of(
+            trace.time, trace.position, trace.velocity, trace.load, trace.command, trace.supply, trace.temperature
+        ),
     )
 
 
@@ -70,6 +76,7 @@ def write_told(folder: Path, engine: str, shapes: Sequence[Shape]) -> None:
     write_whole(folder / TOLD, json.dumps(content, indent=1, ensure_ascii=False) + "\n")
     lines = ["# What the missing effort of every joint depends on, as effects of a scenario; no law, and no cause.\n"]
     lines += [f"# {sentence(shape)}\n" for shape in shapes]
+    lines += [f"# {UNKNOWN.format(shape.joint)}\n" for shape in shapes if len(shape.effects) < len(shape.terms)]
     effects = [{"effect": e.effect, "target": e.target, **e.parameters} for shape in shapes for e in shape.effects]
     lines.append(yaml.safe_dump({"effects": effects}, sort_keys=False, default_flow_style=None, width=118))
     write_whole(folder / ADDED, "".join(lines))

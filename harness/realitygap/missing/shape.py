@@ -32,6 +32,8 @@ MOSTLY = 0.7
 """The share of the parts on which it must."""
 ALIKE = 0.02
 """Shares that differ by less cannot be told apart."""
+RECORDED = "temperature"
+"""What recordings may tell and no simulation knows: it is looked at, and is no variable of an `effort_map`."""
 SOFT = 0.1
 """The share of the effort's variance that is added to every sample's: none counts ten times as much as the mean."""
 
@@ -97,8 +99,8 @@ class Shape:
 
     @property
     def effects(self) -> list[EffectSpec]:
-        """The terms as effects of a scenario."""
-        return [term.effect(self.joint) for term in self.terms]
+        """The terms as effects of a scenario, of variables that a simulation knows."""
+        return [term.effect(self.joint) for term in self.terms if set(term.variables) <= set(VARIABLES)]
 
 
 def shape_of(runs: Sequence[MissingEffort], joint: str) -> Shape:
@@ -125,7 +127,7 @@ def _choose(
     samples: EffortSamples, whole: Array
 ) -> tuple[Fitted | None, dict[str, Fitted], tuple[tuple[str, ...], ...]]:
     """The best sum of splines; all functions of one variable; and the other variables that predict as well."""
-    known = [v for v in VARIABLES if v in samples.columns and np.ptp(samples.columns[v]) > 0]
+    known = [v for v in (*VARIABLES, RECORDED) if v in samples.columns and np.ptp(samples.columns[v]) > 0]
     alone = {v: fit(samples, [spline((v,), samples.columns)]) for v in known}
     pairs: dict[tuple[str, ...], Fitted] = {}
     for a, b in combinations(known, 2):

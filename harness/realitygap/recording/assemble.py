@@ -51,6 +51,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if streams.supply is not None:
         supply_time, supply = streams.supply.time, streams.supply.signals["supply"]
         signals["supply"] = np.interp(clock.time, supply_time, supply)
+    if streams.temperature is not None:
+        signals["temperature"] = _temperature(streams.temperature, request, clock.time)
     trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
     notes += told(outliers).values()
     return Recording(
@@ -84,6 +86,7 @@ def _from(zero: float, streams: Streams) -> Streams:
         pose=moved(streams.pose),
         imu=moved(streams.imu),
         supply=moved(streams.supply),
+        temperature=moved(streams.temperature),
     )
 
 
@@ -106,6 +109,13 @@ def _joint_signals(streams: Streams, request: Request, clock: Samples) -> dict[s
         effort = _at(source.time, source.signals["effort"], clock.time)
         signals["effort"] = effort if (factor == 1.0).all() else factor * effort
     return signals
+
+
+def _temperature(samples: Samples, request: Request, time: Array) -> Array:
+    """Of every joint's motor at other times; a sensor for all of them tells the same of each. Shape (t, n)."""
+    value = samples.signals["temperature"].reshape(len(samples.time), -1)
+    near = np.column_stack([np.interp(time, samples.time, column) for column in value.T])
+    return np.asarray(np.broadcast_to(near, (len(time), len(request.joints))))
 
 
 def _body_signals(streams: Streams, time: Array) -> dict[str, Array]:

@@ -45,13 +45,14 @@ class Streams:
     pose: Samples | None = None
     imu: Samples | None = None
     supply: Samples | None = None
+    temperature: Samples | None = None
     notes: tuple[str, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
 
     def all(self) -> list[Samples]:
         """The streams that are there."""
-        found = (self.state, self.command, self.effort, self.pose, self.imu, self.supply)
+        found = (self.state, self.command, self.effort, self.pose, self.imu, self.supply, self.temperature)
         return [s for s in found if s is not None]
 
 

@@ -134,6 +134,9 @@ class Columns(Section):
     )
     torque_enabled: str | dict[str, str] = Field(default="torque_enabled", description="0: the servo is off")
     supply: str = Field(default="supply_voltage", description="supply voltage [V]")
+    temperature: str | dict[str, str] = Field(
+        default="temperature", description="temperature of the motors, one for all or by joint [°C]"
+    )
     base_position: list[str] = Field(default=["x", "y", "z"], description="of the base [m]")
     base_quaternion: list[str] = Field(default=["qw", "qx", "qy", "qz"], description="orientation of the base, w x y z")
     base_linear: list[str] = Field(default=["vx", "vy", "vz"], description="velocity of the base in world axes [m/s]")
@@ -205,6 +208,7 @@ class Recordings(Section):
     pose: str | None = Field(default=None, description="topic of the base pose (PoseStamped, Odometry)")
     imu: str | None = Field(default=None, description="topic of an Imu on the base")
     battery: str | None = Field(default=None, description="topic of the supply (BatteryState)")
+    temperature: str | None = Field(default=None, description="topic of a sensor_msgs/Temperature, of all motors [°C]")
     exclude: list[str] = Field(default=[], description="joints left out of the means")
     ground: str | None = Field(default=None, description="what the real robot stood on, if known")
     virtual: bool = Field(default=False, description="the recordings come from a simulation, not from a robot")

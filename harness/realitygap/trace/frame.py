@@ -8,7 +8,7 @@ import pandas as pd
 if TYPE_CHECKING:
     from realitygap.trace.trace import Trace
 
-OF_JOINTS = ("position", "velocity", "effort", "command", "effort_error", "load")
+OF_JOINTS = ("position", "velocity", "effort", "command", "effort_error", "load", "temperature")
 AXES = {1: ("",), 3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 """The second name of the columns of a signal that belongs to no joint, by how many it has."""
 

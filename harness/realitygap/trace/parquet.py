@@ -20,7 +20,7 @@ from realitygap.trace.trace import Array, Trace
 
 ABOUT = b"realitygap"
 """The key of the file's metadata under which JSON says what the traces are of."""
-JOINT_SIGNALS = ("position", "velocity", "effort", "command", "effort_error", "load")
+JOINT_SIGNALS = ("position", "velocity", "effort", "command", "effort_error", "load", "temperature")
 AXES = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 UNITS = {
     "position": ("rad", "m"),
@@ -33,6 +33,7 @@ UNITS = {
     "base_angular": ("rad/s", "rad/s"),
     "imu_angular": ("rad/s", "rad/s"),
     "supply": ("V", "V"),
+    "temperature": ("°C", "°C"),
 }
 """Of a signal, of a hinge or the body, and of a slide; a command's depends on the servo and is not told."""
 

@@ -32,6 +32,7 @@ class Trace:
         imu_quaternion: Shape (t, 4), w x y z.
         supply: Shape (t,) [V].
         effort_error: Shape (t, n), standard error of the effort [N·m or N], where that was estimated.
+        temperature: Shape (t, n), of the joints' motors [°C].
         load: Shape (t, n), what gravity and inertia ask of the joint [N·m or N], where that was worked out.
     """
 
@@ -50,6 +51,7 @@ class Trace:
     supply: Array | None = None
     effort_error: Array | None = None
     load: Array | None = None
+    temperature: Array | None = None
     notes: tuple[str, ...] = field(default=())
 
     SIGNALS = (
@@ -66,6 +68,7 @@ class Trace:
         "supply",
         "effort_error",
         "load",
+        "temperature",
     )
 
     def __repr__(self) -> str:

@@ -206,23 +206,24 @@ class BodyMessages:
         return signals, None
 
 
-class Supply:
-    """The voltage of a sensor_msgs/BatteryState."""
+class Reading:
+    """One number of every message, as the voltage of a sensor_msgs/BatteryState: the field, and the signal it is."""
 
     nothing = "holds no messages"
     note = ""
 
-    def __init__(self) -> None:
-        self._volts: list[float] = []
+    def __init__(self, field: str, signal: str) -> None:
+        self._of, self._signal = attrgetter(field), signal
+        self._values: list[float] = []
 
     def take(self, message: Any) -> bool:
         """Keep the message."""
-        self._volts.append(float(message.voltage))
+        self._values.append(float(self._of(message)))
         return True
 
     def arrays(self) -> tuple[dict[str, Array], None]:
-        """The voltage, (m,) [V]."""
-        return {"supply": np.array(self._volts)}, None
+        """The readings (m,)."""
+        return {self._signal: np.array(self._values)}, None
 
 
 def _wxyz(q: Any) -> list[float]:

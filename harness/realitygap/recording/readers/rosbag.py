@@ -20,7 +20,7 @@ from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.bag_limits import Allowance, limited
 from realitygap.recording.readers.clock import choose_clock
-from realitygap.recording.readers.messages import BodyMessages, JointMessages, Refused, Supply, body_of
+from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
 from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.recording.streams import Request, Samples, Streams
@@ -28,7 +28,7 @@ from realitygap.scenario import schema as scenario
 from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
-Collector = JointMessages | Trajectories | BodyMessages | Supply
+Collector = JointMessages | Trajectories | BodyMessages | Reading
 JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "effort": "recordings.effort.joints"}
 """Streams of joint values, and the key that names their joints where the messages do not."""
 FARTHEST = 2**63
@@ -122,6 +122,7 @@ def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str
         ("pose", recordings.pose, "recordings.pose"),
         ("imu", recordings.imu, "recordings.imu"),
         ("supply", request.supply, "supply"),
+        ("temperature", recordings.temperature if request.joints else None, "recordings.temperature"),
     ]
     found = [(role, topic, key) for role, topic, key in asked if topic is not None]
     for _, topic, key in found:
@@ -142,7 +143,10 @@ def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request:
             "with arrays of names and values" + (", or a JointTrajectory" if role == "command" else "")
         )
     elif role == "supply":
-        made = Supply() if "voltage" in bag.fields(kind) else None
+        made = Reading("voltage", "supply") if "voltage" in bag.fields(kind) else None
+    elif role == "temperature":
+        made = Reading("temperature", "temperature") if "temperature" in bag.fields(kind) else None
+        expected = "a sensor_msgs/Temperature"
     else:
         made = body_of(kind, imu=role == "imu")
         expected = "an Imu" if role == "imu" else "a PoseStamped or Odometry"

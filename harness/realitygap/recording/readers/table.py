@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import overload
 
@@ -44,8 +45,18 @@ def read(path: Path, request: Request) -> Streams:
         effort=samples(table.effort(), joints) if joints else None,
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
+        temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
         notes=tuple(notes),
     )
+
+
+def _where_known(slow: Samples | None) -> Samples | None:
+    """A stream without the rows in which it was not read: a sensor may be slower than its table."""
+    if slow is None:
+        return None
+    (name, value), *_ = slow.signals.items()
+    known = ~np.isnan(value).any(axis=1)
+    return replace(slow, time=slow.time[known], signals={name: value[known]}) if known.any() else None
 
 
 def load(path: Path) -> Frame:
@@ -167,6 +178,14 @@ class Table:
         if column not in self.frame and named is None and "supply" not in self.columns.model_fields_set:
             return {}
         return {"supply": self._column(column, "supply")}
+
+    def temperature(self) -> dict[str, Array]:
+        """The temperature of the motors: a column for each joint, or one for all."""
+        named, stated = self.columns.temperature, "temperature" in self.columns.model_fields_set
+        if isinstance(named, str) and named in self.frame:
+            return {"temperature": self._column(named, "temperature")[:, None]}
+        found = self._joints("temperature", required=stated)
+        return {} if found is None else {"temperature": found}
 
     def base(self) -> dict[str, Array]:
         """Pose and velocity of the base, in world axes."""

@@ -31,6 +31,8 @@ def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(names, list | tuple) or len(names) not in (1, 2) or len(set(map(str, names))) < len(names):
         raise InputError(f"effect effort_map: variables is {names!r}; expected a list of one or two of {_known()}")
     for name in names:
+        if name == "temperature":
+            raise InputError(f"effect effort_map: variable temperature: no simulation knows it; expected {_known()}")
         if name not in VARIABLES:
             hint = did_you_mean(str(name), VARIABLES)
             raise InputError(f"effect effort_map: unknown variable {name!r}; known: {_known()}{hint}")
