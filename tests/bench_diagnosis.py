@@ -92,22 +92,27 @@ def diagnosed(looks: Looks, arguments: list[str]) -> None:
     """The command, looked at."""
     signal.signal(signal.SIGPROF, looks.look)
     signal.setitimer(signal.ITIMER_PROF, EVERY, EVERY)
-    from realitygap.cli.main import main
+    with suppress(SystemExit, KeyboardInterrupt):
+        counted(looks)
+        from realitygap.cli.main import main
+
+        main(arguments)
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
+    signal.signal(signal.SIGPROF, signal.SIG_IGN)
+
+
+def counted(looks: Looks) -> None:
+    """Have steps counted before they are taken."""
     from realitygap.robot.drive import Array
     from realitygap.simulate.steps import Held, Steps
 
     take = Steps.take
 
-    def counted(self: Steps, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
+    def counting(self: Steps, held: Held, at: int, command: Array, volts: Array) -> tuple[int, float]:
         looks.count(held.first + at == 0, len(volts))
         return take(self, held, at, command, volts)
 
-    Steps.take = counted  # type: ignore[method-assign]
-    try:
-        with suppress(SystemExit, KeyboardInterrupt):
-            main(arguments)
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    Steps.take = counting  # type: ignore[method-assign]
 
 
 def main() -> None:
