@@ -172,10 +172,10 @@ def _current(columns: Mapping[str, Column]) -> bool:
 
 def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
     used = set()
-    for name in columns.values():
+    for name in (*columns.values(), Columns().temperature):  # by joint, it is called by their names
         stems = [name] if isinstance(name, str) else list(name.values())
         used |= {form.format(stem, joint) for stem in stems for joint in joints for form in FORMS} | set(stems)
-    expected = Columns().model_dump(exclude={*DEFAULTS, "base_angular_axes"}).values()
+    expected = Columns().model_dump(exclude={*DEFAULTS, "base_angular_axes", "temperature"}).values()
     known = {name for names in expected for name in ([names] if isinstance(names, str) else names)}
     spare = [
         label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
