@@ -22,7 +22,7 @@ from realitygap.simulate.commands import Commands
 from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
 from realitygap.simulate.feasible import check_steps, check_supply
 from realitygap.simulate.flight import Launch, launch
-from realitygap.simulate.follow import Followed, check_clear, check_maps, follow, widened
+from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
 from realitygap.simulate.inputs import integral_of, supply_of
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.opened import opened
@@ -318,9 +318,9 @@ def simulate(
     scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
     of_joint = scenario.effort_measures == "joint"
     if experiment.followed is not None:
-        wider = widened(max((step_rate or 0.0) / scenario.physics.step_rate, 1.0))
+        finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
         with as_its_outcome(engine):
-            done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=wider)
+            done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
         return done if at is None else replace(done, trace=gather([done.trace], at))
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)

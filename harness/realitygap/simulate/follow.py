@@ -17,9 +17,6 @@ from realitygap.simulate.rollout import Rollout, sensed
 from realitygap.simulate.smooth import Smoothed, smooth
 from realitygap.trace.trace import Array, Trace
 
-POWER = 5
-"""The variance of an acceleration grows with this power of the band that is let through: readings are white noise, and
-of a frequency f an acceleration has f² times the amplitude."""
 LEAST = 1e-3
 """The share of its torque constant that a hot motor keeps at least."""
 
@@ -55,13 +52,6 @@ class Followed:
             f"{band.max():.3g} Hz; standard error of the acceleration up to {error[worst]:.2g} rad/s² or m/s² "
             f"({joints[moved[worst]]})"
         )
-
-
-def widened(finer: float) -> float:
-    """How much wider the band is that stands for steps so many times finer: accelerations have so many times the
-    variance in it. Twice what two times finer steps change, a numerical floor, is then as much as noise does.
-    """
-    return float(finer ** (1.0 / POWER))
 
 
 def check_clear(plant: Plant, followed: Followed, start: State) -> None:
@@ -150,7 +140,7 @@ def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_jo
         followed: the measured motion.
         start: tells where the base stands.
         of_joint: whether the trace's effort is the torque on the joint (after friction) or of the motor.
-        wider: what the chosen bandwidths are multiplied by: `widened` of 2 in place of half the step.
+        wider: the share of the chosen bandwidths to smooth with: 2 in place of half the step, for a numerical floor.
 
     Raises:
         Unsupported: where the engine cannot express the plant.
