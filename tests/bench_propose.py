@@ -149,9 +149,7 @@ def odds(simulations: Simulations, base: Fit, fits: Sequence[Fit]) -> float | No
     near = yardstick.fit(base.changes) if base.changes else yardstick.score(Fit((), first))
     if near is None:
         return None
-    yardstick.take_facts(near.fit.residual)
-    yardstick.take_imperfections(near.fit, yardstick.responses(near.fit, suspects(problem)))
-    yardstick.take_facts(yardstick.score(near.fit).left)
+    yardstick.stand_at(near.fit, suspects(problem))
     one, other = (yardstick.fit(f.changes) if f.changes else yardstick.score(Fit((), first)) for f in fits)
     return None if one is None or other is None else one.evidence - other.evidence
 

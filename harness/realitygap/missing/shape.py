@@ -14,7 +14,7 @@ import numpy as np
 from realitygap.missing.effort import BAND, MissingEffort
 from realitygap.missing.fit import EffortSamples, Fitted, fit, nothing
 from realitygap.missing.splines import spline
-from realitygap.robot.effort_map import VARIABLES
+from realitygap.robot.effort_map import VARIABLES, Table
 from realitygap.robot.law.effort_map import TURNING
 from realitygap.scenario.schema import EffectSpec
 from realitygap.trace.trace import Array
@@ -58,18 +58,13 @@ class Term:
 
     def effect(self, joint: str) -> EffectSpec:
         """The effect of a scenario that adds it to a joint."""
-        width = len(self.knots[-1])
-        two = len(self.variables) > 1
-        rows = [list(self.values[k : k + width]) for k in range(0, len(self.values), width)]
-        return EffectSpec.model_validate(
-            {
-                "effect": "effort_map",
-                "target": joint,
-                "variables": list(self.variables),
-                "knots": [list(k) for k in self.knots],
-                "values": rows if two else list(self.values),
-            }
-        )
+        told = Table(self.variables, self.knots).parameters(self.values)
+        return EffectSpec.model_validate({"effect": "effort_map", "target": joint, **told})
+
+    @property
+    def known(self) -> bool:
+        """Whether a simulation knows what it depends on."""
+        return set(self.variables) <= set(VARIABLES)
 
 
 @dataclass(frozen=True)
@@ -100,7 +95,7 @@ class Shape:
     @property
     def effects(self) -> list[EffectSpec]:
         """The terms as effects of a scenario, of variables that a simulation knows."""
-        return [term.effect(self.joint) for term in self.terms if set(term.variables) <= set(VARIABLES)]
+        return [term.effect(self.joint) for term in self.terms if term.known]
 
 
 def shape_of(runs: Sequence[MissingEffort], joint: str) -> Shape:

@@ -13,7 +13,7 @@ from realitygap.missing.effort import MissingEffort, missing_of
 from realitygap.missing.few import few_knots
 from realitygap.missing.shape import Term, shape_of
 from realitygap.robot.effects import EFFORT_MAP
-from realitygap.robot.effort_map import VARIABLES, Table
+from realitygap.robot.effort_map import Table
 
 MOST = 24
 """Values of all tables of one joint: more are no shape that a fit over whole motions could tell."""
@@ -33,8 +33,7 @@ def unnamed(problem: Problem, changes: Sequence[Change], joints: Sequence[int]) 
         joint = problem.plant.model.joint_names[j]
         if any(c.suspect.table is not None and c.suspect.indices == (j,) for c in changes):
             continue
-        known = [t for t in shape_of(runs, joint).terms if set(t.variables) <= set(VARIABLES)]
-        terms = few_knots(runs, joint, known)
+        terms = few_knots(runs, joint, [term for term in shape_of(runs, joint).terms if term.known])
         if terms and sum(len(t.values) for t in terms) <= MOST:
             out.append(tuple(_change(joint, j, term) for term in terms))
     return out

@@ -20,10 +20,11 @@ LINEAR = {
 """Units of a prismatic joint, in place of those of a revolute one."""
 
 
-def variable_unit(problem: Problem, suspect: Suspect, variable: str) -> str:
-    """The unit of what an unnamed effort depends on, at its joint."""
-    unit = VARIABLES[variable]
-    return LINEAR.get(unit, unit) if problem.plant.model.joints[suspect.indices[0]].prismatic else unit
+def table_units(problem: Problem, suspect: Suspect) -> tuple[str, list[str]]:
+    """The unit of an unnamed effort at its joint, and those of what it depends on."""
+    assert suspect.table is not None
+    own = unit_there(problem, suspect, suspect.kind.parameters[0])
+    return own, [_at_joint(problem, suspect.indices[0], VARIABLES[v]) for v in suspect.table.variables]
 
 
 def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
@@ -36,4 +37,9 @@ def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
         kind = int(problem.plant.drive["kind"][j])
         other = {CASCADE: "N·m", TORQUE: "", SPEED: "N·m·s/rad"}
         unit = other[kind] if kind in other else unit.split(" or ")[kind == PID]
-    return LINEAR.get(unit, unit) if problem.plant.model.joints[j].prismatic else unit
+    return _at_joint(problem, j, unit)
+
+
+def _at_joint(problem: Problem, joint: int, unit: str) -> str:
+    """A unit of revolute joints as it is at a joint."""
+    return LINEAR.get(unit, unit) if problem.plant.model.joints[joint].prismatic else unit

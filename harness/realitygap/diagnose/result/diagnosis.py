@@ -10,7 +10,7 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.units import unit_there, variable_unit
+from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.advice import experiment
 from realitygap.diagnose.judge.gaps import Shown, rms
 from realitygap.diagnose.judge.held_out import Verdict
@@ -165,11 +165,11 @@ class Diagnosis:
         ends = [self.interval(change, name) for name in table.names]
         low, high = (table.parameters([_round(e[k], 5) or 0.0 for e in ends])["values"] for k in (0, 1))
         values = table.parameters([_round(v, 5) or 0.0 for _, v in change.values])["values"]
-        unit = unit_there(self.problem, suspect, suspect.kind.parameters[0])
+        unit, units = table_units(self.problem, suspect)
         knots = {"value": told["knots"], "low": told["knots"], "high": told["knots"]}
         return {
             "variables": dict.fromkeys(("value", "low", "high"), told["variables"]) | {"unit": ""},
-            "knots": knots | {"unit": ", ".join(variable_unit(self.problem, suspect, v) for v in table.variables)},
+            "knots": knots | {"unit": ", ".join(units)},
             "values": {"value": values, "low": low, "high": high, "unit": unit},
         }
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.data.units import unit_there, variable_unit
+from realitygap.diagnose.data.units import table_units
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story_figures import AFTER, INK, STYLE, svg
 from realitygap.diagnose.result.story_text import DEGREES, interval, quantity, suspect_label
@@ -22,8 +22,7 @@ def value_rows(result: Diagnosis, change: Change) -> list[tuple[str, str, str, s
     """Where each value stands, the value, its 95 % interval, and what the model has there."""
     table = change.suspect.table
     assert table is not None
-    unit = unit_there(result.problem, change.suspect, change.suspect.kind.parameters[0])
-    units = [variable_unit(result.problem, change.suspect, v) for v in table.variables]
+    unit, units = table_units(result.problem, change.suspect)
     places = np.stack([m.ravel() for m in np.meshgrid(*table.knots, indexing="ij")], axis=1)
     out = []
     for place, name in zip(places, table.names, strict=True):
@@ -39,8 +38,7 @@ def draw_table(result: Diagnosis, change: Change) -> str:
     """The effort over what it depends on, with the 95 % band; of two variables, curves for knots of the second. SVG."""
     table = change.suspect.table
     assert table is not None
-    unit = unit_there(result.problem, change.suspect, change.suspect.kind.parameters[0])
-    units = [variable_unit(result.problem, change.suspect, v) for v in table.variables]
+    unit, units = table_units(result.problem, change.suspect)
     size = [len(row) for row in table.knots]
     columns = size[1] if len(size) > 1 else 1
     values = np.reshape([v for _, v in change.values], (size[0], columns))

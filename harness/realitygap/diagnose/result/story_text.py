@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.page.style import number
@@ -97,7 +97,7 @@ def lacks(result: Diagnosis, change: Change) -> str:
 
 def _unnamed(result: Diagnosis, change: Change) -> str:
     """An unnamed effort as part of a sentence: `an unnamed effort of speed at elbow is missing (up to 0.250 N·m)`."""
-    unit = unit_there(result.problem, change.suspect, change.suspect.kind.parameters[0])
+    unit, _ = table_units(result.problem, change.suspect)
     most = max(abs(v) for _, v in change.values)
     return f"an {suspect_label(change.suspect)} is missing (up to {_people(most, unit)})"
 

@@ -118,13 +118,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    return Imperfections(
-        metric.whitening.facts,
-        responses,
-        tuple(law for law, _ in columns),
-        accepted,
-        does,
-    )
+    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:

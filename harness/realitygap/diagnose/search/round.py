@@ -17,6 +17,7 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import WORST
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.robot.drive import Array
 
 BEAM = 4
 """Tries far from a straight line that are kept: those that promise most."""
@@ -68,10 +69,7 @@ class Round:
         start = yardstick.score(Fit(at.changes, first))
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self.now = start if done is None else yardstick.elsewhere(done)
-        yardstick.take_facts(self.now.fit.residual)
-        self.blocks = yardstick.responses(self.now.fit, everyone)
-        yardstick.take_imperfections(self.now.fit, self.blocks)
-        yardstick.take_facts(yardstick.score(self.now.fit).left)
+        self.blocks = yardstick.stand_at(self.now.fit, everyone)
         self.now = yardstick.score(self.now.fit)
         self.little = LEFT * (self.now.evidence - yardstick.score(nothing).evidence)
         self.look = yardstick.sharp(self.now.fit)
@@ -101,7 +99,7 @@ class Round:
         rough: dict[tuple[Suspect, tuple[str, ...]], tuple[float, Block]] = {}
         for block in self.blocks:
             if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
-                gain = self.yardstick.plain(self._beyond(block)).evidence - still
+                gain = self.yardstick.plain(self._moved(block.columns[:, 0])).evidence - still
                 which = block.suspect, block.start.first.free
                 if gain > rough.get(which, (0.0, block))[0]:
                     rough[which] = gain, block
@@ -109,13 +107,16 @@ class Round:
         for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
             try_ = block.start.tries[0]
             whole = Start(try_, (try_,), block.start.zero, "whole")
-            gain = self.yardstick.near(self.now.fit, block.columns[:, 0]).evidence - self.look.evidence
-            out.append(Promise(Block(whole, block.columns), (1.0,), gain))
+            out.append(Promise(Block(whole, block.columns), (1.0,), self.gain(block.columns[:, 0])))
         return sorted((p for p in out if p.gain > 0.0), key=lambda p: -p.gain)[:BEAM]
 
-    def _beyond(self, block: Block) -> Fit:
-        """The accepted model with a try as it is."""
-        return replace(self.now.fit, residual=self.now.fit.residual + block.columns[:, 0])
+    def gain(self, change: Array) -> float:
+        """The evidence that a change of the accepted model's residual gains, (m,), in the metric of moves."""
+        return self.yardstick.sharp(self._moved(change)).evidence - self.look.evidence
+
+    def _moved(self, change: Array) -> Fit:
+        """The accepted model with its residual changed as a try does, as it is. Shape (m,)."""
+        return replace(self.now.fit, residual=self.now.fit.residual + change)
 
     def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
         """The suspects that promise most, simulated where their straight lines lead, by the evidence there: with less
@@ -143,7 +144,7 @@ class Round:
             if answer is None:
                 continue
             there = Block(Start(change, (change,), p.block.start.zero, "whole"), np.nan_to_num(answer - still)[:, None])
-            gain = self.yardstick.near(self.now.fit, there.columns[:, 0]).evidence - self.look.evidence
+            gain = self.gain(there.columns[:, 0])
             if id(p) not in best or gain > best[id(p)].gain:
                 best[id(p)] = Promise(there, (1.0,), gain)
         return sorted(best.values(), key=lambda p: -p.gain)

@@ -50,9 +50,8 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         place = f" in place of {less}" if less else ""
         round_.say(f"  {'; '.join(str(t.suspect) for t in way.tables)}{place}: {gain:+.1f}")
         spare = gain - max(round_.limit * len(way.tables), round_.little)
-        if round_.yardstick.ordinary(round_.now, joint, scored.fit):
-            continue
-        if spare > 0.0 and (best is None or spare > best[0]):
+        told = spare > 0.0 and not round_.yardstick.ordinary(round_.now, joint, scored.fit)
+        if told and (best is None or spare > best[0]):
             best = spare, scored
     return None if best is None else best[1]
 
@@ -72,7 +71,7 @@ def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
     promised = []
     for way, answer in zip(ways, answers, strict=True):
         if still is not None and answer is not None:
-            gain = yardstick.near(now, answer - still).evidence - round_.look.evidence
+            gain = round_.gain(answer - still)
             if gain > 0.0:
                 promised.append((gain, way))
     return [way for _, way in sorted(promised, key=lambda p: -p[0])[:TRIED]]

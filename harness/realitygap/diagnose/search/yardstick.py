@@ -53,13 +53,19 @@ class Yardstick:
         tried = [start for s in possible for start in starts(self.problem, s, self._of_joint(at, s))]
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
 
+    def stand_at(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
+        """Let laws be imperfect as they may be at a fit, and count facts as what that leaves lasts; the responses of
+        every suspect, which tell it.
+        """
+        self.take_facts(at.residual)
+        blocks = self.responses(at, everyone)
+        self.wrong = imperfections(self.problem, at, blocks, self.plain(at).metric)
+        self.take_facts(self.score(at).left)
+        return blocks
+
     def take_facts(self, left: Array) -> None:
         """Count facts as what is left of a residual lasts. Shape (m,)."""
         self.wrong = replace(self.wrong, facts=facts(self.channels, left))
-
-    def take_imperfections(self, at: Fit, blocks: Sequence[Block]) -> None:
-        """Let laws be off by what they are known to, at a fit with what could be added to it."""
-        self.wrong = imperfections(self.problem, at, blocks, self.plain(at).metric)
 
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""
@@ -77,10 +83,6 @@ class Yardstick:
     def cautious(self, found: Fit) -> Scored:
         """The same where laws are ordinary at best, for intervals."""
         return cautious(self.channels, found, self.wrong)
-
-    def near(self, found: Fit, change: Array) -> Scored:
-        """The same of a fit whose residual changes by so much (m,): as a straight line, or a simulation, has it."""
-        return self.sharp(replace(found, residual=found.residual + change))
 
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
