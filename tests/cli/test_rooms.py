@@ -21,8 +21,8 @@ FLOORS = (  # as DESIGN draws them: a room knows only what lies below
     ("files", "trace", "page"),
     ("scenario",),
     ("recording", "robot"),
-    ("simulate", "init", "audit", "check"),
-    ("compare", "bench", "missing"),
+    ("simulate", "audit", "check"),
+    ("compare", "bench", "missing", "init"),
     ("matrix", "report", "diagnose"),
     ("cli",),
 )

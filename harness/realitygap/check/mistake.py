@@ -52,6 +52,11 @@ class Mistake:
     runs: tuple[str, ...] = ()
 
     @property
+    def found(self) -> str:
+        """The sentence without what was expected."""
+        return self.sentence.rpartition("; expected")[0] or self.sentence
+
+    @property
     def text(self) -> str:
         """The sentence with its place, and how many more recordings show the same."""
         more = len(self.runs) - 1

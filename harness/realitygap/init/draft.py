@@ -14,6 +14,7 @@ from realitygap.files.unfinished import UNFINISHED
 from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
+from realitygap.init.degrees import in_degrees
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.table_sections import table_sections
@@ -65,15 +66,19 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
     named = {path.resolve(): path for path in bags}  # as whoever reads a sentence knows them
-    text = _text(urdf, out, packages, model, fixed, sections)
     with made(out):
         draft = out / f"{UNFINISHED}scenario.yaml"
         try:
+            text = _text(urdf, out, packages, model, fixed, sections)
             draft.write_text(text, encoding="utf-8")
-            loaded = load_scenario(draft)
+            loaded, recordings = load_scenario(draft), {}
             for case in loaded.cases():
                 path = named.get(case.path.resolve(), case.path)
-                read_recording(path, case.scenario, model.joint_names, file=target)
+                recordings[case.path] = read_recording(path, case.scenario, model.joint_names, file=target)
+            turned = in_degrees(loaded, sections, model, recordings)
+            if turned is not None:
+                text = _text(urdf, out, packages, model, fixed, turned)
+                draft.write_text(text, encoding="utf-8")
             with last():
                 write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
                 draft.rename(target)
@@ -143,7 +148,8 @@ def _text(
     ground = "none" if base == "fixed" else "flat"
     lines += ["", f"ground: {ground}  {GUESS}flat, grass, or friction, stiffness and damping by numbers"]
     hint = f"  # {HINT}" if len(sections.runs) > 1 else ""
-    lines += ["physics: {step_rate: 1000}", "", "recordings:", *sections.recordings, f"  runs:{hint}", *sections.runs]
+    lines += ["physics: {step_rate: 1000}", "", "recordings:", *sections.table, *sections.recordings]
+    lines += [f"  runs:{hint}", *sections.runs]
     return "\n".join([*lines, ""])
 
 

@@ -2,8 +2,12 @@
 
 import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+
+Units = dict[str, str | dict[str, str]]
+"""Units of a table's columns by signal, and where joints differ by joint."""
 
 FOLLOWED = "motion: {followed: true}  # GUESS: no command was found, so the model has to explain the measured effort"
 FOLLOWED_ASKED = (
@@ -30,6 +34,9 @@ class Sections:
         robot: what the recording calls the robot.
         told: sentences for the terminal: what was seen and not used, and what is missing.
         followed: whether the measured motion is followed, for which there are no servos.
+        columns: the lines below `recordings.columns`, without the units.
+        units: of columns, where they are not SI, by signal and, where they differ, by joint; and how they were found.
+        angles: the signals in angles whose unit no name says.
     """
 
     motion: list[str]
@@ -40,6 +47,24 @@ class Sections:
     robot: str = ""
     told: list[str] = field(default_factory=list)
     followed: bool = False
+    columns: list[str] = field(default_factory=list)
+    units: Units = field(default_factory=dict)
+    units_by: str = "as the names say"
+    angles: tuple[str, ...] = ()
+
+    @property
+    def table(self) -> list[str]:
+        """`recordings.columns` with its units; nothing where all of it is as a scenario expects by itself."""
+        units = f"    units: {_flow(self.units)}  # {self.units_by}"
+        lines = [*self.columns, *([units] if self.units else [])]
+        return ["  columns:", *lines] if lines else []
+
+
+def _flow(value: str | Mapping[str, str | dict[str, str]] | dict[str, str]) -> str:
+    """A mapping on one line of YAML; words are bare, patterns over joints quoted."""
+    if isinstance(value, str):
+        return value
+    return f"{{{', '.join(f'{k if k.isidentifier() else quoted(k)}: {_flow(v)}' for k, v in value.items())}}}"
 
 
 def runs_of(recordings: list[Path], out: Path) -> list[str]:

@@ -16,17 +16,21 @@ from realitygap.init.sections import (
     FOLLOWED_ASKED,
     NOTHING_DRIVES,
     Sections,
+    Units,
     quoted,
     runs_of,
 )
 from realitygap.recording.readers.table import FORMS, Frame, column_of, load
-from realitygap.scenario.schema import Columns, Units
+from realitygap.scenario.schema import Columns
+from realitygap.scenario.schema import Units as Stated
 
 TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
 TIME_UNITS = {"s", "sec", "secs", "seconds", "ms", "us", "ns", "stamp"}
 NOT_SI = {"deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
 DEFAULTS = {"time": "time", "command": "command", "position": "position", "velocity": "velocity", "effort": "effort"}
+ANGLES = ("position", "velocity", "command")
+"""Signals that are angles or angles per s, a command where it is a position or a velocity."""
 Column = str | dict[str, str]
 """A column by its stem, or by joint."""
 
@@ -65,11 +69,8 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         told.append(ASKED_AND_MEASURED)
     elif "command" not in columns and joints:
         told.append(AS_FOLLOWED.format("column") if followed else NOTHING_DRIVES.format("column"))
-    lines = _columns(columns)
     units = _units(columns)
-    if units:
-        lines += [] if lines else ["  columns:"]
-        lines.append(f"    units: {{{', '.join(f'{key}: {unit}' for key, unit in units.items())}}}  # as the names say")
+    lines = []
     if "effort" in columns:
         milli = current and "ma" in _words(columns["effort"])
         unit = f"{{measures: motor, factor: {'0.001' if milli else '1.0'}}}" if current else "motor"
@@ -80,7 +81,18 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         )
         lines.append(f"  effort: {unit}  # GUESS: {why}")
     motion = _motion(columns, meaning, followed=followed)
-    return Sections(motion, lines, runs_of(paths, out), meaning=meaning, told=told, followed=followed)
+    angles = tuple(s for s in ANGLES if s in columns and s not in units and (s != "command" or meaning in ANGLES))
+    return Sections(
+        motion,
+        lines,
+        runs_of(paths, out),
+        meaning=meaning,
+        told=told,
+        followed=followed,
+        columns=_columns(columns),
+        units=units,
+        angles=angles,
+    )
 
 
 def _time(path: Path, frame: Frame) -> str:
@@ -160,7 +172,7 @@ def _columns(columns: Mapping[str, Column]) -> list[str]:
             lines.append(f"    {key}: {{{inner}}}  # GUESS: by their names")
         elif name != DEFAULTS[key]:
             lines.append(f"    {key}: {quoted(name)}  # GUESS: by its name")
-    return ["  columns:", *lines] if lines else []
+    return lines
 
 
 def _current(columns: Mapping[str, Column]) -> bool:
@@ -187,11 +199,11 @@ def _words(column: Column) -> set[str]:
     return {word for label in ([column] if isinstance(column, str) else column.values()) for word in words(label)}
 
 
-def _units(columns: Mapping[str, Column]) -> dict[str, str]:
+def _units(columns: Mapping[str, Column]) -> Units:
     """The units that the names of columns say, where they are not SI."""
-    out = {}
+    out: Units = {}
     for key, name in columns.items():
         said = sorted(NOT_SI[word] for word in _words(name) & NOT_SI.keys())
-        if said and key in Units.model_fields:
+        if said and key in Stated.model_fields:
             out[key] = said[0]
     return out
