@@ -119,16 +119,26 @@ def test_a_block_slides_as_far_as_on_rigid_ground(name: str, friction: float) ->
     assert abs(base[7]) < 1e-3
 
 
+CORNERS = [0.05 * np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+
+
+def cube() -> Link:
+    """A cube of 0.4 kg on its corners."""
+    return Link("cube", 0.4, np.zeros(3), np.eye(3) * 8e-4, tuple(Sphere(c, 1e-3) for c in CORNERS))
+
+
+def lowest(attitude: Array) -> float:
+    """The height of its lowest point, from its centre [m]."""
+    return float(min((rotation_from_quaternion(attitude) @ c)[2] for c in CORNERS) - 1e-3)
+
+
 def tumbling(name: str, ground: Ground, drop: float, velocity: Array, h: float, steps: int) -> Array:
     """Velocity of the base after every step, of a cube that falls onto one corner. Shape (steps, 3)."""
-    corners = [0.05 * np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    cube = Link("cube", 0.4, np.zeros(3), np.eye(3) * 8e-4, tuple(Sphere(c, 1e-3) for c in corners))
     none, base, rows = np.zeros(0), np.zeros(13), []
     attitude = np.array([0.9, 0.2, 0.3, 0.1])
     attitude /= np.linalg.norm(attitude)
-    lowest = min((rotation_from_quaternion(attitude) @ c)[2] for c in corners) - 1e-3
-    with engines.load(name).open(Model("cube", (cube,), (), True), Physics(h, ground=ground)) as simulation:
-        start = np.array([0.0, 0.0, drop - lowest])
+    with engines.load(name).open(Model("cube", (cube(),), (), True), Physics(h, ground=ground)) as simulation:
+        start = np.array([0.0, 0.0, drop - lowest(attitude)])
         simulation.reset(State(none, none, start, attitude, base_linear=np.asarray(velocity)))
         for _ in range(steps):
             simulation.step(none, none, none)
@@ -163,3 +173,22 @@ def test_an_impact_on_rigid_ground_is_braked_by_no_more_than_friction(name: str)
         v = tumbling(name, Ground(0.2), drop, np.array([1.0, 0.0, -1.0]), H, 6)
         x, y, z = v[-1] - [1.0, 0.0, -1.0 - 6 * H * GRAVITY]
         assert np.hypot(x, y) == pytest.approx(0.2 * z, rel=0.1 if name == "ode" else 0.01), drop
+
+
+@pytest.mark.parametrize("name", engines.available())
+def test_a_cube_gains_nothing_on_rigid_ground_however_it_lands(name: str) -> None:
+    """Its corners land two, three and four at a time, and slide. MuJoCo's comes back by a hundredth of what it had."""
+    rng, none, base = np.random.default_rng(0), np.zeros(0), np.zeros(13)
+    with engines.load(name).open(Model("cube", (cube(),), (), True), Physics(H, ground=Ground(0.2))) as simulation:
+        for toss in range(40):
+            attitude = rng.normal(size=4)
+            attitude /= np.linalg.norm(attitude)
+            start = np.array([0.0, 0.0, 0.02 - lowest(attitude)])
+            speed, spin = np.array([*rng.uniform(-1, 1, 2), -0.5]), rng.uniform(-6, 6, 3)
+            simulation.reset(State(none, none, start, attitude, base_linear=speed, base_angular=spin))
+            energy = []
+            for _ in range(300):
+                simulation.step(none, none, none)
+                simulation.read(none, none, base)
+                energy.append(0.2 * base[7:10] @ base[7:10] + 4e-4 * base[10:] @ base[10:] + 0.4 * GRAVITY * base[2])
+            assert np.max(energy - np.minimum.accumulate(energy)) < 0.01 * energy[0], toss

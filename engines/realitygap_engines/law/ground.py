@@ -7,6 +7,11 @@ joints are known by their inertia matrix, to which a point adds an inertia [kg] 
 A pass solves with the guess of the pass before and corrects it: a point that would have to be pulled lets go; one whose
 friction exceeds the cone slides, against the friction it had; one that slides is braked by the inertia that gives its
 friction at the speed it was last seen to have (iteratively reweighted least squares, which converges to Coulomb's law).
+
+With several points, as of a cube that lands flat, that may go in circles, and what is guessed on the way throws a body:
+corners that are pulled down are let go while the others still press against them. Then one point at a time presses or
+lets go, the first that has to, which comes to an end (Murty 1974, Opsearch 11), and friction is corrected only there;
+where that goes in circles too, it is kept: an inertia that brakes takes energy, whatever its size.
 """
 # mypy: allow-untyped-defs
 # (compiled into `law.joints`; numba's cache of that file does not see a change made here)
@@ -107,31 +112,37 @@ def press(speed, height, soil, ancestor, point_end, touching, count, rows, point
 
 
 @njit(cache=True)
-def settle(speed, change, height, soil, ancestor, point_end, touching, count, rows, points, careful):
-    """Correct the guess, now that the change of velocity is known; `careful` is slower and does not go in circles.
+def settle(speed, change, height, soil, ancestor, point_end, touching, count, rows, points, careful, kept):
+    """Correct the guess, now that the change of velocity is known; `careful` is slower and lets one point turn at most.
+
+    What brakes a point that slides is not corrected where it is `kept`.
 
     Returns:
         By how much the impulse of a point has changed at most, in units of the largest of them.
     """
-    h, stiffness, friction, firm = soil[0], soil[1], soil[3], soil[4]
-    rigid = stiffness == np.inf
+    friction, firm = soil[3], soil[4]
     moved, largest = 0.0, 0.0
+    for c in range(count if careful else 0):
+        i = touching[c]
+        state, row = points[i], rows[c]
+        end = point_end[i]
+        own, before = _velocity(row, change, ancestor, end), _velocity(row, speed, ancestor, end)
+        if _turns(state, height[i], soil, own[2], before[2]):
+            if state[PRESS] == 0.0:
+                state[GRIP] = state[ALONG_X] = state[ALONG_Y] = 0.0
+            return np.inf
     for c in range(count):
         i = touching[c]
         state, row = points[i], rows[c]
         x, y, z = _velocity(row, change, ancestor, point_end[i])
-        normal = state[LIFT] - state[PRESS] * z
         before_x, before_y, before_z = _velocity(row, speed, ancestor, point_end[i])
-        x, y, z = x + before_x, y + before_y, z + before_z
+        if _turns(state, height[i], soil, z, before_z):
+            moved = np.inf
+            continue
         if state[PRESS] == 0.0:
-            if rigid and z < floor(height[i], h, soil[7]):
-                state[PRESS], moved = firm, np.inf
-            elif not rigid and -stiffness * (height[i] + h * z) - soil[2] * z > 0.0:
-                state[PRESS], moved = h * (soil[2] + h * stiffness), np.inf
             continue
-        if normal < 0.0:
-            state[PRESS], state[FORCE], moved = 0.0, 0.0, np.inf
-            continue
+        normal = state[LIFT] - state[PRESS] * z
+        x, y = x + before_x, y + before_y
         along_x, along_y = state[ALONG_X] - state[GRIP] * x, state[ALONG_Y] - state[GRIP] * y
         moved = max(moved, abs(normal - state[FORCE]), abs(along_x - state[OLD_X]), abs(along_y - state[OLD_Y]))
         largest = max(largest, normal)
@@ -143,6 +154,8 @@ def settle(speed, change, height, soil, ancestor, point_end, touching, count, ro
             state[GRIP] = min(firm, bound / fast) if slides else firm
             state[ALONG_X] = state[ALONG_Y] = 0.0
             moved = np.inf
+        elif kept:
+            continue
         elif state[GRIP] == firm and size > bound:
             moved = np.inf
             if careful:
@@ -153,6 +166,25 @@ def settle(speed, change, height, soil, ancestor, point_end, touching, count, ro
         elif state[GRIP] != firm:
             state[GRIP] = min(firm, bound / fast) if fast > 0.0 else firm
     return moved / largest if largest > 0.0 else moved
+
+
+@njit(cache=True)
+def _turns(state, height, soil, change, before):
+    """Let a point press or let go, where the change of its vertical velocity asks for it; whether it did."""
+    h, stiffness = soil[0], soil[1]
+    if state[PRESS] > 0.0:
+        if state[LIFT] - state[PRESS] * change >= 0.0:
+            return False
+        state[PRESS], state[FORCE] = 0.0, 0.0
+    elif stiffness == np.inf:
+        if change + before >= floor(height, h, soil[7]):
+            return False
+        state[PRESS] = soil[4]
+    else:
+        if -stiffness * (height + h * (change + before)) - soil[2] * (change + before) <= 0.0:
+            return False
+        state[PRESS] = h * (soil[2] + h * stiffness)
+    return True
 
 
 @njit(cache=True)

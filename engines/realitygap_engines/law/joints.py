@@ -41,8 +41,10 @@ from realitygap_engines.model.robot import Array, Model
 
 FIRM = 1e4
 """Inertia of a point that stays, in units of the robot's mass [kg] and, for limits, of as many kg·m²."""
-GUESSES, PASSES = 4, 40
+GUESSES, PASSES = 4, 80
 """Passes over the ground at most, where it is the engine's and only foreseen, and where it is this law's."""
+CAREFUL, KEPT = 10, 40
+"""The passes after which points turn one at a time, and after which what brakes them is kept."""
 RETURN = 0.2
 """What a stuck joint undoes in a step of how far it was moved, on soft ground. On rigid ground stuck joints and points
 close loops, in which any aim but rest asks for any force."""
@@ -249,8 +251,8 @@ def _solve(
         stick_slip(matrix, factor, ancestor, right, change, free, speed, friction, h, aim, stick, dry)
         moved = 0.0
         if count > 0:
-            careful = turn > PASSES // 4
-            moved = settle(speed, change, height, soil, ancestor, point_end, near, count, rows, points, careful)
+            slow = turn > CAREFUL, turn > KEPT
+            moved = settle(speed, change, height, soil, ancestor, point_end, near, count, rows, points, *slow)
         if carries_stops > 0 and settle_stops(position, velocity, change, limits, h, firm, side, stopped):
             moved = np.inf
         if moved < SETTLED:
