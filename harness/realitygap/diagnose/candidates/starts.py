@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from realitygap.diagnose.candidates.ripple import periods_of
 from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -39,10 +40,8 @@ LIGHTEST = 0.05
 """A load whose point masses add up to less than this many of its first sizes is taken as so much: it has no centre."""
 SHORTEST = 0.05
 """How far from its link's frame a load is tried at least [m]."""
-PERIODS = np.arange(1.0, 61.0, 0.25)
-"""Periods of a ripple that are looked for: up to the slots of a servo's motor times a low gear's ratio."""
-PEAKS = 3
-"""Peaks of the spectrum over the angle that are tried."""
+PERIODS = (2.0, 5.0, 12.0)
+"""Periods of a ripple that are tried where no residual shows any."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +163,9 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         at = [first.at({n: arm * (n == axis) for n in "xyz"}) for axis in ("", "x", "y", "z")]
         return [Start(first, tuple(at), known, "load")]
     if "periods" in first.free:
-        waves = _periods(problem, suspect, residual)
+        train, joint = problem.of("train")[: len(residual)], suspect.indices[0]
+        angles = [problem.cases[c].value("position")[:, joint] for c in train]
+        waves = periods_of(angles, residual, effect.parameter("periods").high) or PERIODS
         return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
     hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
     if hard:
@@ -218,28 +219,3 @@ def _stops(problem: Problem, first: Change) -> list[Change]:
 def sized(change: Change) -> list[Parameter]:
     """The free parameters of a change that act on their own; the others only shape what these do."""
     return [p for p in change.suspect.kind.parameters if p.name in change.free and not p.shape]
-
-
-def _periods(problem: Problem, suspect: Suspect, residual: Sequence[Array]) -> list[float]:
-    """The ripple frequencies that the residual of the target shows as a function of the joint angle.
-
-    A ripple moves the joint, and the effort, by nearly the same sine of the angle: sine and cosine are fitted to the
-    residual beside a straight line, without simulating, and the best few peaks are tried (Lomb-Scargle over the angle).
-    """
-    joint = suspect.indices[0]
-    score = np.zeros(len(PERIODS))
-    for c, r in zip(problem.of("train"), residual, strict=False):
-        angle = problem.cases[c].value("position")[:, joint]
-        good = np.isfinite(r).all(axis=1) & np.isfinite(angle)
-        plain = np.column_stack([np.ones(good.sum()), angle[good]])
-        q, _ = np.linalg.qr(plain)
-        rest = r[good] - q @ (q.T @ r[good])
-        for k, p in enumerate(PERIODS):
-            basis = np.column_stack([np.sin(p * angle[good]), np.cos(p * angle[good])])
-            basis -= q @ (q.T @ basis)
-            wave, triangle = np.linalg.qr(basis)
-            if np.abs(np.diag(triangle)).min() > 1e-6 * np.sqrt(len(angle)):
-                score[k] += float(np.sum((wave.T @ rest) ** 2))
-    peaks = [k for k in range(1, len(PERIODS) - 1) if score[k] >= score[k - 1] and score[k] >= score[k + 1]]
-    best = sorted(peaks, key=lambda k: -score[k])[:PEAKS] if score.any() else []
-    return [float(PERIODS[k]) for k in best] or [2.0, 5.0, 12.0]

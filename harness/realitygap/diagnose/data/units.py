@@ -16,6 +16,7 @@ LINEAR = {
     "rad/s": "m/s",
     "rad/s²": "m/s²",
     "kg·m²": "kg",
+    "per 2π": "per 2π m",
 }
 """Units of a prismatic joint, in place of those of a revolute one."""
 
@@ -30,7 +31,7 @@ def table_units(problem: Problem, suspect: Suspect) -> tuple[str, list[str]]:
 def unit_there(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     """The unit of a parameter at its target: that of the servo's kind, and of the joint's."""
     unit = parameter.unit
-    if suspect.kind.sits_at != "joint":
+    if suspect.kind.sits_at != "joint" or parameter.name == "phase":  # of a wave, whatever it runs along
         return unit
     j = suspect.indices[0]
     if " or " in unit:

@@ -14,6 +14,8 @@ from realitygap.robot.drive import Array
 STEP, CONTACT_STEP = 0.05, 0.15
 """Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
 body, where contacts that come and go make small differences tell nothing but that."""
+TURNED = 0.3
+"""How far a wave is turned by that step at most, where the joint was furthest from zero [rad]."""
 SLAB = 4.0
 """Prior standard deviation of a named value about the model's own, in visible first sizes: a try at one size is to be
 neither negligible nor absurd."""
@@ -28,7 +30,7 @@ class Space:
 
     def __init__(self, problem: Problem, changes: Sequence[Change]) -> None:
         self.changes = list(changes)
-        names, scale, low, high, first, expected, width, positive = [], [], [], [], [], [], [], []
+        names, scale, low, high, first, expected, width, positive, furthest = [], [], [], [], [], [], [], [], []
         for i, change in enumerate(self.changes):
             size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
             for name in change.free:
@@ -42,11 +44,13 @@ class Space:
                 low.append(p.low)
                 high.append(p.high)
                 first.append(min(max(value, p.low), p.high))
+                furthest.append(TURNED / _reach(problem, change) if name == "periods" else np.inf)
         self.names = tuple(names)
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)
         self.first = np.array(first) / self.scale
         self.expected, self.width = np.array(expected) / self.scale, np.array(width)
         self.positive = np.array(positive, dtype=bool)
+        self.furthest = np.array(furthest) / self.scale
         self.step = CONTACT_STEP if problem.plant.model.floating else STEP
 
     def bounds(self) -> tuple[Array, Array]:
@@ -78,10 +82,16 @@ class Space:
         out = []
         high = self.bounds()[1]
         for k in range(len(x)):
-            step = self.step * max(abs(x[k]), 0.3)
+            step = min(self.step * max(abs(x[k]), 0.3), float(self.furthest[k]))
             if x[k] + step > high[k]:
                 step = -step
             moved = x.copy()
             moved[k] += step
             out.append((moved, step))
         return out
+
+
+def _reach(problem: Problem, change: Change) -> float:
+    """The furthest from zero that the joints of a change were in training [rad or m]."""
+    seen = [problem.cases[c].value("position")[:, list(change.suspect.indices)] for c in problem.of("train")]
+    return max(float(np.nanmax(np.abs(q), initial=1e-12)) for q in seen)

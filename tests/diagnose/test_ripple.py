@@ -1,0 +1,72 @@
+"""Periods of a ripple are told from the residual over the angle, as far as its samples resolve them."""
+
+import numpy as np
+import pytest
+from realitygap.diagnose.candidates.ripple import ORDINARY, PEAKS, periods_of, power, resolved
+from realitygap.robot.drive import Array
+
+TIME = np.arange(0.0, 8.0, 0.002)
+
+
+def swinging(size: float, middle: float = 0.0) -> np.ndarray:
+    """A motion that stays within 1.3 sizes of its middle and seldom returns on its way."""
+    return middle + size * (0.8 * np.sin(1.3 * TIME) * np.cos(0.37 * TIME) + 0.5 * np.sin(0.7 * TIME))
+
+
+def noise(seed: int, signals: int = 2) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0.0, 1.0, (len(TIME), signals))
+
+
+@pytest.mark.parametrize(("size", "middle"), [(0.1, 0.0), (1.0, 2.0), (6.0, -1.0)])
+def test_the_power_is_what_least_squares_says(size: float, middle: float) -> None:
+    angle, residual = swinging(size, middle), noise(1) + swinging(1.0)[:, None]
+    grid: Array = 0.25 * np.arange(4.0, 800.0)
+    found = power(angle, residual, grid)
+    for k in (40, 120, 300):  # waves that a bin does not blur
+        line = np.column_stack([np.ones(len(angle)), angle])
+        wave = np.column_stack([line, np.sin(grid[k] * angle), np.cos(grid[k] * angle)])
+        left = [np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2, axis=0) for m in (line, wave)]
+        np.testing.assert_allclose(found[k], left[0] - left[1], rtol=0.05, atol=0.5)
+
+
+@pytest.mark.parametrize(
+    ("size", "periods"),
+    [(0.3, 20.0), (0.3, 58.0), (0.3, 628.3), (1.0, 6.0), (1.0, 333.3), (1.0, 1200.0), (12.0, 4.5), (12.0, 100.0)],
+)
+def test_a_period_is_found_as_far_as_the_samples_resolve_it(size: float, periods: float) -> None:
+    angle = swinging(size)
+    residual = noise(2) + np.array([0.5, 0.0]) * np.sin(periods * angle + 0.4)[:, None]
+    found = np.array(periods_of([angle, angle[::-1]], [residual, residual[::-1]], 2000.0))
+    near = np.abs(found - periods) < np.pi / np.ptp(angle)
+    assert near.any() == (periods < resolved(angle))
+
+
+def test_several_motions_tell_together_what_none_tells_alone() -> None:
+    angles = [swinging(0.2 + 0.02 * k) for k in range(8)]
+    residuals = [noise(10 + k) + 0.13 * np.sin(300.0 * a)[:, None] for k, a in enumerate(angles)]
+    assert any(abs(p - 300.0) < 10.0 for p in periods_of(angles, residuals, 2000.0))
+
+
+@pytest.mark.parametrize("kind", ["noise", "slow", "turning"])
+def test_chance_seldom_has_a_period_beyond_the_ordinary(kind: str) -> None:
+    angle = swinging(0.5)
+    tried = 0
+    for seed in range(60):
+        residual = noise(seed)
+        if kind == "slow":
+            residual = np.cumsum(residual, axis=0)
+        if kind == "turning":
+            residual += 5.0 * np.sign(np.gradient(angle))[:, None]
+        found = periods_of([angle], [residual], 2000.0)
+        assert 0 < len(found) <= 2 * PEAKS
+        tried += sum(p > ORDINARY for p in found)
+    assert tried <= 4  # of 60, 0.6 are expected
+
+
+def test_what_was_not_measured_or_does_not_move_tells_nothing() -> None:
+    angle, residual = swinging(1.0), noise(3)
+    assert periods_of([np.full(len(TIME), 0.3)], [residual], 2000.0) == []
+    assert periods_of([angle], [np.full_like(residual, np.nan)], 2000.0) == []
+    residual += np.sin(40.0 * angle)[:, None]
+    angle[::3], residual[1::3] = np.nan, np.nan
+    assert abs(periods_of([angle], [residual], 2000.0)[0] - 40.0) < 0.5
