@@ -15,7 +15,8 @@ from realitygap.compare.table import EXCLUDED, Cell, Row, failed, row
 from realitygap.files.errors import InputError
 from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
 from realitygap.scenario.file import ScenarioFile
-from realitygap.simulate.experiment import Experiment, check_excluded, experiments, simulate
+from realitygap.simulate.excluded import check_excluded
+from realitygap.simulate.experiment import Experiment, experiments, simulate
 from realitygap.simulate.rollout import Rollout
 from realitygap.trace.sampled import Gather, sampled, stretches
 from realitygap.trace.trace import Array, Trace

@@ -20,7 +20,8 @@ from realitygap.recording import Recording, read_recording
 from realitygap.recording.streams import request_of
 from realitygap.scenario.file import ScenarioFile
 from realitygap.scenario.schema import Scenario
-from realitygap.simulate.experiment import Experiment, check_excluded, experiments
+from realitygap.simulate.excluded import check_excluded
+from realitygap.simulate.experiment import Experiment, experiments
 
 
 class Reader:

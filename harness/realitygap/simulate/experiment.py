@@ -24,6 +24,7 @@ from realitygap.simulate.feasible import check_steps, check_supply
 from realitygap.simulate.flight import Launch, launch
 from realitygap.simulate.follow import Followed, check_clear, check_maps, follow
 from realitygap.simulate.inputs import integral_of, supply_of
+from realitygap.simulate.midway import Midway
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.opened import opened
 from realitygap.simulate.rollout import Rollout, Stretch, rolled, steps_of
@@ -57,6 +58,7 @@ class Experiment:
         overrides: the scenario's keys that this run sets, as JSON.
         notes: sentences on what the recording shows to be wrong in the model, and was changed.
         followed: the measured motion, where the joints follow it; None where they are driven.
+        midway: the measured state in which it starts, where that is in the middle of a motion.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Experiment:
     overrides: str = ""
     notes: tuple[str, ...] = ()
     followed: Followed | None = None
+    midway: Midway | None = None
 
     def with_plant(self, plant: Plant) -> "Experiment":
         """The same motion on another plant."""
@@ -148,23 +151,6 @@ def _with_fitted_gains(file: ScenarioFile, found: Sequence[Experiment]) -> list[
         plant, recording = with_gains(e.plant, e.recording, joints, gains)
         out.append(replace(e, plant=plant, recording=recording, notes=(*e.notes, f"drive gains fitted: {told}")))
     return out
-
-
-def check_excluded(file: ScenarioFile, experiments: Sequence[Experiment]) -> None:
-    """Make sure that everything that is left out is there, in the robot of one of the experiments at least.
-
-    Raises:
-        InputError: for a pattern that matches nothing.
-    """
-    models = [e.plant.model for e in experiments]
-    names = [n for m in models for n in (*m.joint_names, *(["base"] if m.floating else []))]
-    for e in experiments:
-        for pattern in e.scenario.recordings.exclude if e.scenario.recordings else []:
-            if not any(fnmatchcase(n, pattern) for n in names):
-                raise InputError(
-                    f"{file.path}: recordings.exclude: {pattern} matches no joint; the robot has "
-                    f"{', '.join(dict.fromkeys(names))}"
-                )
 
 
 def _prepare(
@@ -325,13 +311,14 @@ def simulate(
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)
     integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
+    start = experiment.start() if experiment.midway is None else experiment.midway.state(plant, physics.timestep)
     steps = steps_of(experiment.duration + physics.timestep, physics.timestep)
     with as_its_outcome(engine), opened(engine, plant.machine(), physics) as simulation:
         parts = rolled(
             simulation,
             plant,
             experiment.commands,
-            experiment.start(),
+            start,
             steps,
             steps if at is None else PART,
             supply=supply,

@@ -87,6 +87,8 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
         begin: where that clock starts in the recording [s].
     """
     drive = plant.drive
+    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)  # what was sent before is over
+    commands = Commands(commands.time[first:], commands.value[first:], commands.held)
     out, gathers = np.zeros(len(drive)), (drive["kind"] == PID) & (drive["ki"] > 0.0)
     if measured.position is None or not gathers.any():
         return out

@@ -24,7 +24,9 @@ class Case:
     """One motion with its noise: what was measured in the mean, and how far its sensors can be trusted.
 
     By signal and joint: `noise` is the standard deviation of the mean of the repetitions, `white` the sensor's own part
-    of it in one repetition, `spread` that between repetitions where there were any.
+    of it in one repetition, `spread` that between repetitions where there were any. `recorded` says how often the
+    motion was: a repetition that the others do not reproduce is a case of its own. `windows` are its pieces of a
+    `length` [s] where it is simulated in pieces.
     """
 
     name: str
@@ -35,6 +37,9 @@ class Case:
     repetitions: int
     white: dict[str, Array] = field(default_factory=dict)
     spread: dict[str, Array] = field(default_factory=dict)
+    recorded: int = 1
+    windows: tuple[Experiment, ...] = ()
+    length: float = np.inf
 
     def value(self, signal: str) -> Array:
         """The measured signal. Shape (t, n)."""

@@ -13,6 +13,7 @@ from realitygap.compare.comparison import motions_of
 from realitygap.diagnose.data.case import JOINT_SIGNALS, SIGNALS, Case, cases_of
 from realitygap.diagnose.data.changes import Change, changed
 from realitygap.diagnose.data.split import split
+from realitygap.diagnose.data.windowed import windowed
 from realitygap.files.errors import InputError
 from realitygap.recording.frames import rotation_vector
 from realitygap.robot.drive import Array
@@ -35,6 +36,7 @@ class Problem:
         engine: where the search simulates.
         judged: Shape (n,): which joints count.
         split: how the held-out part was chosen, in words; empty where the scenario says it.
+        notes: sentences on motions that are judged over windows.
     """
 
     file: ScenarioFile
@@ -43,6 +45,7 @@ class Problem:
     engine: str
     judged: NDArray[np.bool_]
     split: str
+    notes: tuple[str, ...] = ()
 
     def of(self, use: str) -> list[int]:
         """Indices of the cases for `train` or `held_out`."""
@@ -107,8 +110,9 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     if len(judged) and not judged.any():
         raise InputError(f"{file.path}: recordings.exclude: {excluded} leaves no joint; expected some to judge on")
     cases, said = split(file, cases_of(found), found)
+    cases, notes = windowed(cases, found, engine)
     plant.reached = reached([c for c in cases if c.use == "train"])
-    return Problem(file, plant, tuple(cases), engine, judged, said)
+    return Problem(file, plant, tuple(cases), engine, judged, said, tuple(notes))
 
 
 FAST = 0.99

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from realitygap_engines import Diverged, Failed, Unsupported
@@ -17,17 +17,20 @@ from realitygap_engines import Diverged, Failed, Unsupported
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.push import Push
+from realitygap.diagnose.data.windows import joined
 from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
-from realitygap.simulate.experiment import simulate
+from realitygap.simulate.experiment import Experiment, simulate
 from realitygap.simulate.opened import kept_open
+from realitygap.trace.trace import Trace
 
 
 @dataclass(frozen=True)
 class Query:
     """One simulation: of a case with changes, in an engine, at a multiple of the step rate.
 
-    `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well.
+    `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well; `nudge`
+    seeds other states at which windows begin, as far from the measured ones as those are uncertain.
     """
 
     changes: tuple[Change, ...]
@@ -36,29 +39,39 @@ class Query:
     finer: float = 1.0
     push: Push | None = None
     jumps: bool = False
+    nudge: int | None = None
 
 
 def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     """The signals at the measured stamps; None for a simulation that failed."""
     case = problem.cases[query.case]
-    plant = problem.changed_plant(query.changes, query.case)
-    if query.push is not None:
-        query.push.on(plant, case.experiment)
-    experiment = case.experiment.with_plant(plant)
-    rate = experiment.scenario.physics.step_rate * query.finer
+    windows = case.windows or (case.experiment,)
     try:
-        trace = simulate(experiment, query.engine, step_rate=rate).trace
+        traces = [_simulated(problem, query, e, number) for number, e in enumerate(windows)]
     except (Diverged, Failed, Unsupported):
         return None
+    trace = joined(windows, traces)
     signals = problem.signals(query.case)
     at = trace.only(signals).at(case.measured.time)
     out = {s: np.asarray(getattr(at, s)) for s in signals}
     if query.jumps and "effort" in out:
-        h = experiment.scenario.timestep
+        h = case.experiment.scenario.timestep
         effort = trace.only(["effort"])
         before, after = (np.asarray(effort.at(case.measured.time + d).effort) for d in (-h, h))
         out["jump"] = np.abs(after - before)
     return out
+
+
+def _simulated(problem: Problem, query: Query, experiment: Experiment, number: int) -> Trace:
+    """One window, the so manieth, or all of a motion."""
+    plant = problem.changed_plant(query.changes, query.case)
+    if query.push is not None:
+        query.push.on(plant, experiment)
+    if query.nudge is not None and experiment.midway is not None:
+        random = np.random.default_rng([query.nudge, number])
+        experiment = replace(experiment, midway=experiment.midway.nudged(random))
+    rate = experiment.scenario.physics.step_rate * query.finer
+    return simulate(experiment.with_plant(plant), query.engine, step_rate=rate).trace
 
 
 def main() -> None:

@@ -13,6 +13,7 @@ from realitygap.diagnose.data.noise import local_maximum
 from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query
+from realitygap.diagnose.likelihood.beginning import beginnings
 from realitygap.diagnose.likelihood.disturbance import disturbances, sensitivities, spread
 from realitygap.robot.drive import Array
 
@@ -30,7 +31,7 @@ class Floors:
 
     Attributes:
         noise: standard deviation of the sensor per joint, independent from sample to sample. Shape (n,).
-        slow: standard deviation of what lasts: numerics, disturbances. Shape (t, n).
+        slow: standard deviation of what lasts: numerics, disturbances, where windows begin. Shape (t, n).
         coarse: the share of the step rate that is enough where only the change of the traces counts.
         torque: the disturbing torque on each joint in one repetition [N·m]. Shape (n,).
     """
@@ -55,12 +56,13 @@ def measure(simulations: Simulations, changes: Sequence[Change], cases: Sequence
     numerical = _numerical(simulations, changes, cases)
     moved = sensitivities(simulations, changes, cases)
     torque = disturbances(problem, moved)
+    begun = beginnings(simulations, changes, cases)
     disturbed = [spread(c, m, torque) for c, m in zip(problem.cases, moved, strict=True)]
     noise = _noise(problem, disturbed, cases, bool(torque.any()))
     slow = []
-    for case, floor, pushed in zip(problem.cases, numerical, disturbed, strict=True):
+    for case, *parts in zip(problem.cases, numerical, disturbed, begun, strict=True):
         none = {s: np.zeros_like(case.value(s)) for s in case.noise}
-        slow.append({s: np.hypot(floor.get(s, none[s]), pushed.get(s, none[s])) for s in case.noise})
+        slow.append({s: np.sqrt(sum(part.get(s, none[s]) ** 2 for part in parts)) for s in case.noise})
     fine = Floors(noise, tuple(slow), (1.0,) * len(problem.cases), torque)
     return Floors(noise, fine.slow, _coarse(simulations, changes, fine, cases), torque)
 

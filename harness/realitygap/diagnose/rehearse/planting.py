@@ -13,6 +13,7 @@ from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.push import Push
+from realitygap.diagnose.data.windows import cut
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.recording.quantum import quantum
 from realitygap.robot.drive import Array
@@ -71,7 +72,8 @@ def _recorded(
     trace = simulate(e.with_plant(plant), engine, step_rate=rate).trace.at(case.measured.time)
     noise = floors.noise[number]
     values = {s: _sensed(np.asarray(getattr(trace, s)), case, s, noise[s], random) for s in problem.signals(number)}
-    return replace(case, measured=_measured(case.measured, values), noise=dict(case.noise))
+    played = replace(case, measured=_measured(case.measured, values), noise=dict(case.noise))
+    return cut(played, case.length) if case.windows else played
 
 
 def physics_at(physics: PhysicsSpec, rate: float) -> PhysicsSpec:

@@ -91,7 +91,7 @@ def diagnose(
     engines = [problem.engine, *(e for e in names if e != problem.engine)]
     joints = problem.plant.model.joint_names
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
-    notes = list(dict.fromkeys(n for c in problem.cases for n in c.experiment.notes))
+    notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = velocity_filters(problem, everyone)
     found = search(simulations, everyone, told, say)
     say("looking at held-out runs and other engines")
@@ -112,7 +112,7 @@ def diagnose(
             "evidence: not named"
         )
         changes, proofs = (), {}
-    if not problem.repeated:
+    if not problem.repeated and not any(case.recorded > 1 for case in problem.cases):
         notes.append(NOT_REPEATED)
     every = range(len(problem.cases))
     before, after = _signals(simulations, []), _signals(simulations, changes)

@@ -1,0 +1,59 @@
+"""How soon a simulated motion forgets how it began: for what was thrown or let go once, so that no repetition tells.
+
+The motion is simulated from its measured start and from others that the readings allow as well. Where they come far
+apart beside the sensors' noise, no model can follow the rest of that recording sample by sample, however right it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from realitygap_engines import Diverged, Failed, Unsupported
+
+from realitygap.diagnose.data.case import Case
+from realitygap.diagnose.data.windows import cut
+from realitygap.robot.drive import Array
+from realitygap.simulate.experiment import Experiment, simulate
+
+TRIES = 4
+"""Other starts that are tried."""
+FAR = 30.0
+"""A motion is forgotten where they come further apart than this, in standard deviations of the sensor (rms) ..."""
+NEAR = 5.0
+"""... and they are alike until they come further apart than this."""
+
+
+def let_go(experiment: Experiment) -> bool:
+    """Whether something moves that nothing holds: a body without joints, or a servo that is off for a time."""
+    free = experiment.scenario.robot.base == "free"
+    return free or bool(np.isnan(experiment.commands.value).any())
+
+
+def forgotten(case: Case, engine: str) -> float | None:
+    """How long after its start [s] a motion is still told by it; None where it is to its end, or cannot be told."""
+    time = case.measured.time
+    whole = cut(case, float(np.inf)).windows
+    if not whole:
+        return None
+    try:
+        far = _apart(case, whole[0], engine)
+    except (Diverged, Failed, Unsupported):
+        return None
+    if far.max() <= FAR:
+        return None
+    return float(time[int(np.argmax(far > NEAR))] - time[0])
+
+
+def _apart(case: Case, start: Experiment, engine: str) -> Array:
+    """How far simulations from measured starts come apart, in standard deviations of the sensors. Shape (t,)."""
+    random = np.random.default_rng(0)
+    assert start.midway is not None
+    starts = [start, *(replace(start, midway=start.midway.nudged(random)) for _ in range(TRIES))]
+    still, *others = (simulate(e, engine).trace.at(case.measured.time) for e in starts)
+    signals = [s for s in ("position", "base_position", "base_quaternion") if s in case.noise]
+    squares = [
+        np.mean([(getattr(o, s) - getattr(still, s)) ** 2 for o in others], axis=0) / case.noise[s] ** 2
+        for s in signals
+    ]
+    return np.asarray(np.sqrt(np.max(np.hstack(squares), axis=1)))

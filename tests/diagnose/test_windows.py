@@ -1,0 +1,114 @@
+"""Motions that do not repeat sample by sample: a pendulum on a pendulum, an axis that hunts, a cube that tumbles."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from double_pendulum import FRICTION, NOISE, write_double
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.alike import alike_for, reproduced
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.data.worker import Query, answer
+from realitygap.diagnose.judge.gaps import costs, rms
+from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.search.search import search
+from realitygap.scenario.file import load_scenario
+from synthetic_tosses import write_tosses
+
+CLOCK = np.arange(0.0, 8.0, 1 / 200)
+TRUE = {"effects": [{"effect": "viscous_friction", "target": "elbow", "coefficient": FRICTION}]}
+
+
+@pytest.fixture(scope="module")
+def forgetful(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scenario of swings that are let go high up, where what follows depends on the last digit."""
+    return write_double(tmp_path_factory.mktemp("double"))
+
+
+def whole(problem: Problem) -> Problem:
+    """The same without windows."""
+    return replace(problem, cases=tuple(replace(c, windows=()) for c in problem.cases))
+
+
+def gap(problem: Problem) -> float:
+    """Of all motions, in floors."""
+    with Simulations(problem, 1) as simulations:
+        every = range(len(problem.cases))
+        return rms(costs(simulations, measure(simulations, []), [], every), every)
+
+
+def test_repetitions_that_forget_are_judged_one_by_one_over_windows(forgetful: Path) -> None:
+    problem = build_problem(load_scenario(forgetful), "mujoco")
+    assert [c.name for c in problem.cases] == [f"{m}_{k}" for m in ("first", "second") for k in range(3)]
+    assert all(len(c.windows) > 5 and 0.1 < c.length < 1.0 for c in problem.cases)
+    assert len(problem.notes) == 2
+    assert all("do not reproduce one another" in note for note in problem.notes)
+    for case in problem.cases:
+        begins = [w.begin for w in case.windows]
+        assert begins[0] == case.measured.time[0]
+        assert np.diff(begins).min() > 0.9 * case.length
+
+
+def test_a_swing_that_repeats_stays_whole(tmp_path: Path) -> None:
+    problem = build_problem(load_scenario(write_double(tmp_path, high=0.2)), "mujoco")
+    assert [c.name for c in problem.cases] == ["first ×3", "second ×3"]
+    assert not any(c.windows for c in problem.cases)
+    assert not problem.notes
+
+
+def test_over_windows_the_true_model_is_at_its_floor(forgetful: Path) -> None:
+    """And over the whole motion it is as far off as the motion is large: no floor tells it from a wrong one."""
+    problem = build_problem(load_scenario(forgetful).override(TRUE), "mujoco")
+    assert 0.6 < gap(problem) < 1.4
+    signals = answer(whole(problem), Query((), 0, "mujoco"))
+    assert signals is not None
+    assert np.abs(problem.delta(0, "position", signals)).max() > 500 * NOISE
+
+
+def test_what_is_missing_is_named_over_windows(forgetful: Path) -> None:
+    problem = build_problem(load_scenario(forgetful), "mujoco")
+    with Simulations(problem, 1) as simulations:
+        found = search(simulations, suspects(problem), [], lambda _: None)
+    (first,) = found.best.fit.changes
+    assert (first.suspect.effect, first.suspect.target) == ("viscous_friction", "elbow")
+    assert first.parameters["coefficient"] == pytest.approx(FRICTION, rel=0.1)
+
+
+def hunting(period: float, wander: float, seed: int) -> np.ndarray:
+    """An axis that hunts about its goal with a phase that wanders [rad/√s]; readings with noise. Shape (t, 1)."""
+    rng = np.random.default_rng(seed)
+    step = wander * np.sqrt(CLOCK[1]) * rng.standard_normal(len(CLOCK))
+    phase = 2 * np.pi * CLOCK / period + np.cumsum(step) + rng.uniform(0, 2 * np.pi)
+    return np.asarray(0.03 * np.sin(phase) + NOISE * rng.standard_normal(len(CLOCK)))[:, None]
+
+
+def test_an_axis_that_hunts_is_alike_for_longer_the_steadier_its_phase() -> None:
+    noise, lengths = np.array([NOISE]), []
+    for wander in (2.0, 0.5):
+        values = np.array([hunting(0.8, wander, seed) for seed in range(4)])
+        assert not reproduced(CLOCK, values, noise)
+        lengths.append(alike_for(CLOCK, values, noise))
+    assert lengths[0] is not None
+    assert lengths[1] is not None
+    assert 0.02 < lengths[0] < lengths[1]
+
+
+@pytest.mark.parametrize("disturbed", [0.0, 0.01])
+def test_a_motion_that_is_only_disturbed_is_reproduced(disturbed: float) -> None:
+    """Also where it rests: what differs there lasts, and does not vary."""
+    rng = np.random.default_rng(1)
+    goal = 0.5 * np.sin(np.minimum(2 * CLOCK, 3 * np.pi))
+    leans = [disturbed * rng.standard_normal() for _ in range(4)]
+    values = np.array([goal + lean + NOISE * rng.standard_normal(len(CLOCK)) for lean in leans])[..., None]
+    assert reproduced(CLOCK, values, np.array([NOISE]))
+
+
+def test_a_toss_that_tumbles_is_judged_over_windows_from_what_was_measured(tmp_path: Path) -> None:
+    path = write_tosses(tmp_path, 0.3, tumbling=True)
+    problem = build_problem(load_scenario(path).override({"ground": {"friction": 0.3}}), "mujoco")
+    assert any("forget" in note for note in problem.notes)
+    cut = [c for c in problem.cases if c.windows]
+    assert cut
+    assert max(gap(problem), 10.0) < gap(whole(problem))
