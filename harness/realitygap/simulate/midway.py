@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from realitygap_engines import State
+from realitygap_engines.model.robot import link_poses, lowest_point, rotation_from_quaternion
 from scipy.spatial.transform import Rotation
 
 from realitygap.robot.drive import Array
@@ -74,4 +75,9 @@ class Midway:
                 base_angular=early(self.turn),
             )
         state.velocity = early(self.joints)
+        if plant.model.floating and plant.ground is not None:  # a reading below the ground is the sensor's
+            pose = np.eye(4)
+            pose[:3, :3] = rotation_from_quaternion(state.base_quaternion)
+            pose[:3, 3] = state.base_position
+            state.base_position[2] -= min(lowest_point(plant.model, link_poses(plant.model, position, pose)), 0.0)
         return state

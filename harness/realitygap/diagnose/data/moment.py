@@ -64,12 +64,13 @@ class Moments:
 
 
 def _nothing() -> Moving:
-    return Moving(*(np.zeros(0) for _ in range(5)))
+    none = np.zeros(0)
+    return Moving(none, none, none, none, none)
 
 
 def _of_joints(smoothed: Smoothed, k: int) -> Moving:
     position, velocity, acceleration = smoothed.value[:, k]
-    return Moving(position, velocity, acceleration, *smoothed.error[:2, k])
+    return Moving(position, velocity, acceleration, smoothed.error[0, k], smoothed.error[1, k])
 
 
 def _flight(model: Model, trace: Trace, far: Array, angle: Array) -> tuple[Moving, Moving] | None:
@@ -109,4 +110,4 @@ def _parabola(time: Array, value: Array, noise: Array) -> Moving:
     found = np.linalg.lstsq(terms, value, rcond=None)[0]
     left = np.sum((value - terms @ found) ** 2, axis=0) / max(len(time) - 3, 1)
     spread = np.sqrt(np.diag(np.linalg.inv(terms.T @ terms)))[:, None] * np.sqrt(np.maximum(left, noise**2))
-    return Moving(*found, spread[0], spread[1])
+    return Moving(found[0], found[1], found[2], spread[0], spread[1])
