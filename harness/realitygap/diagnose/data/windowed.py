@@ -119,7 +119,7 @@ def _continuous(trace: Trace, first: Trace, signal: str) -> Array:
 def _once(names: Sequence[str], length: float, cases: Sequence[Case]) -> str:
     shown = ", ".join(names) if len(names) <= NAMED else f"{len(names)} motions that were recorded once"
     forgets = "forget within {:.2g} s how they began" if len(names) > 1 else "forgets within {:.2g} s how it began"
-    told = f"in the model, {shown} {forgets.format(length)}"
+    told = f"in the model, {shown} {forgets.format(length)}, as far as the readings tell that"
     if all(c.windows for c in cases):
         return f"{told}: judged over windows of that length, {BEGUN}"
     return f"{told}, which is less than {FEWEST} samples: judged over the whole motion"
