@@ -30,9 +30,10 @@ LINK = """<link name="{name}"><inertial><origin xyz="0 0 -{length}"/><mass value
 SCENARIO = """
 name: double_pendulum
 robot: {urdf: double.urdf, base: fixed}
+servos: [{joints: "*", kind: pid, kp: 1.0, kd: 0.0}]
+motion: {recorded: command}
 physics: {step_rate: 1000}
 recordings:
-  columns: {position: {shoulder: shoulder, elbow: elbow}}
   runs:
     - {path: "first_*.csv", use: train}
     - {path: "second_*.csv", use: held_out}
@@ -81,7 +82,9 @@ def write_double(folder: Path, *, high: float = 1.0, lasts: float = 5.0) -> Path
         for k in range(3):
             begun = high * np.array(start) + NOISE * rng.standard_normal(2)
             angle = swung(time, begun, FRICTION) + NOISE * rng.standard_normal((len(time), 2))
-            table = pd.DataFrame({"time": time, "shoulder": angle[:, 0], "elbow": angle[:, 1]})
+            table = pd.DataFrame({"time": time, "position_shoulder": angle[:, 0], "position_elbow": angle[:, 1]})
+            for joint in ("shoulder", "elbow"):  # servos that are off tell which runs repeat a motion
+                table[f"command_{joint}"], table[f"torque_enabled_{joint}"] = 0.0, 0
             table.to_csv(folder / f"{name}_{k}.csv", index=False)
     path = folder / "scenario.yaml"
     path.write_text(SCENARIO)
