@@ -89,6 +89,13 @@ def test_noise_is_averaged_over_the_flight() -> None:
     assert np.linalg.norm(launched(trace).linear - true) < 0.2 * np.linalg.norm(differenced - true)
 
 
+@pytest.mark.parametrize("noise", [5e-4, 1e-3])
+def test_a_launch_says_by_how_much_the_readings_miss_it(noise: float) -> None:
+    far, angle = launched(thrown(noise=noise)).missed
+    assert far == pytest.approx(noise, rel=0.25)
+    assert angle < 1e-4  # of the integration
+
+
 def test_what_does_not_fly_has_no_launch() -> None:
     trace = thrown()
     position = Signals(trace).base_position

@@ -28,13 +28,14 @@ TURNS, SMALL = 3, 1e-5
 @dataclass(frozen=True)
 class Launch:
     """Where a flight began: position of the base (3,) [m], quaternion (4,) w x y z, and velocities (3,) of the base
-    [m/s, rad/s] in world axes.
+    [m/s, rad/s] in world axes; by how much the readings `missed` it, in root mean square along an axis [m, rad].
     """
 
     position: Array
     quaternion: Array
     linear: Array
     angular: Array
+    missed: tuple[float, float]
 
 
 def launch(model: Model, trace: Trace) -> Launch | None:
@@ -53,15 +54,20 @@ def launch(model: Model, trace: Trace) -> Launch | None:
     line = np.column_stack([np.ones(count), time])
     centre = p[:count] + turned.apply(body.com) - 0.5 * np.outer(time**2, FALL)
     place, speed = found = np.linalg.lstsq(line, centre, rcond=None)[0]
-    if np.sqrt(np.mean(np.sum((line @ found - centre) ** 2, axis=1))) > FALLS:
+    far = np.sqrt(np.mean(np.sum((line @ found - centre) ** 2, axis=1)))
+    if far > FALLS:
         return None
-    start, spin = _spun(time, turned, trace.base_angular[0], body.inertia)
+    start, spin, angle = _spun(time, turned, trace.base_angular[0], body.inertia)
     arm = start.apply(body.com)
-    return Launch(place - arm, _quaternion(start), speed - np.cross(spin, arm), spin)
+    return Launch(
+        place - arm, _quaternion(start), speed - np.cross(spin, arm), spin, (float(far) / np.sqrt(3.0), angle)
+    )
 
 
-def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[Rotation, Array]:
-    """Orientation and angular velocity [rad/s] at the first time of a body free of torque, by Gauss and Newton."""
+def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[Rotation, Array, float]:
+    """Orientation and angular velocity [rad/s] at the first time of a body free of torque, by Gauss and Newton, and by
+    how much the orientations miss that motion, in root mean square about an axis [rad].
+    """
     start, tries = turned[0], np.vstack([np.zeros(6), SMALL * np.eye(6)])
     measured = turned[np.tile(np.arange(len(time)), len(tries))]
 
@@ -75,7 +81,7 @@ def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[R
         start, spin = Rotation.from_rotvec(change[:3]) * start, spin + change[3:]
         if np.abs(change).max() < SMALL:
             break
-    return start, spin
+    return start, spin, float(np.sqrt(np.mean(left**2)))
 
 
 def flying(model: Model, position: Array, quaternion: Array) -> int:

@@ -83,8 +83,10 @@ def _flight(model: Model, trace: Trace, far: Array, angle: Array) -> tuple[Movin
     told = launch(model, trace) if count >= FEWEST else None
     if told is None:
         return None
+    # of a line, at its end (least squares); by what the flight misses its readings, which lasts, it may be off as well
     lasting = trace.time[count - 1] - trace.time[0]
-    begun, going = 2.0 / np.sqrt(count), np.sqrt(12.0 / count) / lasting  # of a line, at its end (least squares)
+    far, angle = (np.hypot(e / np.sqrt(count), m) for e, m in zip((far, angle), told.missed, strict=True))
+    begun, going = 2.0, np.sqrt(12.0) / lasting
     fall, none = np.array([0.0, 0.0, -GRAVITY]), np.zeros(3)
     first = rotation_vector(trace.base_quaternion[:1], told.quaternion[None])[0]
     turned = Rotation.from_quat(np.roll(trace.base_quaternion[0], -1)).apply(first)
