@@ -55,6 +55,18 @@ class Midway:
         place, turn = (None if m is None else m.nudged(random) for m in (self.place, self.turn))
         return replace(self, joints=self.joints.nudged(random), place=place, turn=turn)
 
+    @property
+    def errors(self) -> dict[str, tuple[Array, Array]]:
+        """Standard errors of where it is and of how fast it goes, by signal of a trace; a quaternion's are half an
+        angle's.
+        """
+        out = {"position": (self.joints.position_error, self.joints.velocity_error)}
+        if self.place is not None and self.turn is not None:
+            angle, rate = (np.sqrt(np.mean(e**2)) for e in (self.turn.position_error, self.turn.velocity_error))
+            out["base_position"] = self.place.position_error, self.place.velocity_error
+            out["base_quaternion"] = np.full(4, 0.5 * angle), np.full(4, 0.5 * rate)
+        return out
+
     def state(self, plant: Plant, timestep: float) -> State:
         """The state for a simulation with this step [s], whose velocities sit half a step before its positions."""
 
@@ -75,8 +87,8 @@ class Midway:
                 base_angular=early(self.turn),
             )
         state.velocity = early(self.joints)
-        if plant.model.floating and plant.ground is not None:  # a reading below the ground is the sensor's
-            pose = np.eye(4)
+        if plant.model.floating and plant.ground is not None and plant.ground.stiffness is None:
+            pose = np.eye(4)  # a reading below rigid ground is the sensor's
             pose[:3, :3] = rotation_from_quaternion(state.base_quaternion)
             pose[:3, 3] = state.base_position
             state.base_position[2] -= min(lowest_point(plant.model, link_poses(plant.model, position, pose)), 0.0)
