@@ -1,7 +1,7 @@
 """How soon a simulated motion forgets how it began: for what was thrown or let go once, so that no repetition tells.
 
 The motion is simulated from its measured start and from others that the readings allow as well. Where they come far
-apart beside the sensors' noise, no model can follow the rest of that recording sample by sample, however right it is.
+further apart than they began, no model can follow the rest of that recording sample by sample, however right it is.
 """
 
 from __future__ import annotations
@@ -18,10 +18,9 @@ from realitygap.simulate.experiment import Experiment, simulate
 
 TRIES = 4
 """Other starts that are tried."""
-FAR = 30.0
-"""A motion is forgotten where they come further apart than this, in standard deviations of the sensor (rms) ..."""
-NEAR = 5.0
-"""... and they are alike until they come further apart than this."""
+FAR = 5.0
+"""A motion is forgotten where they come further apart than this (rms), in standard deviations of a reading and of what
+the start's errors come to while nothing but time makes them grow."""
 
 
 def let_go(experiment: Experiment) -> bool:
@@ -40,20 +39,20 @@ def forgotten(case: Case, engine: str) -> float | None:
         far = _apart(case, whole[0], engine)
     except (Diverged, Failed, Unsupported):
         return None
-    if far.max() <= FAR:
-        return None
-    return float(time[int(np.argmax(far > NEAR))] - time[0])
+    return float(time[int(np.argmax(far > FAR))] - time[0]) if far.max() > FAR else None
 
 
 def _apart(case: Case, start: Experiment, engine: str) -> Array:
-    """How far simulations from measured starts come apart, in standard deviations of the sensors. Shape (t,)."""
+    """How far simulations from measured starts come apart, as `FAR` counts it. Shape (t,)."""
     random = np.random.default_rng(0)
     assert start.midway is not None
     starts = [start, *(replace(start, midway=start.midway.nudged(random)) for _ in range(TRIES))]
     still, *others = (simulate(e, engine).trace.at(case.measured.time) for e in starts)
-    signals = [s for s in ("position", "base_position", "base_quaternion") if s in case.noise]
+    elapsed = (case.measured.time - case.measured.time[0])[:, None]
     squares = [
-        np.mean([(getattr(o, s) - getattr(still, s)) ** 2 for o in others], axis=0) / case.noise[s] ** 2
-        for s in signals
+        np.mean([(getattr(o, s) - getattr(still, s)) ** 2 for o in others], axis=0)
+        / (case.noise[s] ** 2 + place**2 + (speed * elapsed) ** 2)
+        for s, (place, speed) in start.midway.errors.items()
+        if s in case.noise
     ]
     return np.asarray(np.sqrt(np.max(np.hstack(squares), axis=1)))

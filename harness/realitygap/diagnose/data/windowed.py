@@ -25,7 +25,8 @@ def windowed(cases: Sequence[Case], motions: Sequence[RepeatedMotion], engine: s
     """The cases, with windows where a motion does not repeat sample by sample, and sentences on that.
 
     Repetitions that do not reproduce their motion are a case each: their mean is no motion. Where a motion was recorded
-    once and something moves in it that nothing holds, the model says how soon it forgets its start.
+    once and something moves in it that nothing holds, the model says how soon it forgets its start; where it says so of
+    most of them, another model may say it of the others, and all are cut.
 
     Args:
         cases: split into those that are fitted and those that are judged on.
@@ -35,7 +36,7 @@ def windowed(cases: Sequence[Case], motions: Sequence[RepeatedMotion], engine: s
     every = motions if len(motions) == len(cases) else [*motions] * len(cases)
     out: list[list[Case]] = []
     notes: list[str] = []
-    alone: list[tuple[int, float]] = []
+    alone: dict[int, float | None] = {}
     for k, (case, motion) in enumerate(zip(cases, every, strict=True)):
         out.append([case])
         if case.experiment.followed is not None:
@@ -44,13 +45,14 @@ def windowed(cases: Sequence[Case], motions: Sequence[RepeatedMotion], engine: s
             out[-1], said = _repeated(case, motion)
             notes += said
         elif let_go(case.experiment) and not _stands(case.experiment):
-            until = forgotten(case, engine)
-            alone += [] if until is None else [(k, until)]
-    if alone:
-        length = float(np.median([until for _, until in alone]))
-        for k, _ in alone:
+            alone[k] = forgotten(case, engine)
+    untils = [until for until in alone.values() if until is not None]
+    if untils:
+        length, most = float(np.median(untils)), 2 * len(untils) > len(alone)
+        chosen = [k for k, until in alone.items() if most or until is not None]
+        for k in chosen:
             out[k] = [cut(cases[k], length)]
-        notes.append(_once([cases[k].name for k, _ in alone], length, [c for k, _ in alone for c in out[k]]))
+        notes.append(_once([cases[k].name for k in chosen], len(untils), length, [c for k in chosen for c in out[k]]))
     return [c for parts in out for c in parts], notes
 
 
@@ -116,10 +118,13 @@ def _continuous(trace: Trace, first: Trace, signal: str) -> Array:
     return np.where(sign < 0, -value, value)
 
 
-def _once(names: Sequence[str], length: float, cases: Sequence[Case]) -> str:
-    shown = ", ".join(names) if len(names) <= NAMED else f"{len(names)} motions that were recorded once"
-    forgets = "forget within {:.2g} s how they began" if len(names) > 1 else "forgets within {:.2g} s how it began"
+def _once(names: Sequence[str], count: int, length: float, cases: Sequence[Case]) -> str:
+    if len(names) <= NAMED and count == len(names):
+        shown = ", ".join(names)
+    else:
+        shown = f"{count} of {len(names)} motions that were recorded once"
+    forgets = "forget within {:.2g} s how they began" if count > 1 else "forgets within {:.2g} s how it began"
     told = f"in the model, {shown} {forgets.format(length)}, as far as the readings tell that"
     if all(c.windows for c in cases):
-        return f"{told}: judged over windows of that length, {BEGUN}"
+        return f"{told}: {'all are ' if count < len(names) else ''}judged over windows of that length, {BEGUN}"
     return f"{told}, which is less than {FEWEST} samples: judged over the whole motion"
