@@ -23,10 +23,10 @@ recordings:
 COLUMNS = ["x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz"]
 
 
-def write_tosses(folder: Path, friction: float, *, tumbling: bool = False) -> Path:
+def write_tosses(folder: Path, friction: float, *, tumbling: str = "") -> Path:
     """Six noisy tosses on a ground of this friction, and a scenario that says 0.8. Returns the scenario's path.
 
-    Those that slide are made in DART. How a cube tumbles every engine tells in another way: those are made in MuJoCo.
+    Those that slide are made in DART, those that tumble in the engine of that name.
     """
     (folder / "cube.urdf").write_text(CUBE)
     rng = np.random.default_rng(4)
@@ -42,7 +42,7 @@ def write_tosses(folder: Path, friction: float, *, tumbling: bool = False) -> Pa
         )
     path.write_text(SCENARIO % friction)
     for experiment in experiments(load_scenario(path)):
-        trace = simulate(experiment, "mujoco" if tumbling else "dart", step_rate=4000).trace.at(time)
+        trace = simulate(experiment, tumbling or "dart", step_rate=4000).trace.at(time)
         columns = (trace.base_position, trace.base_quaternion, trace.base_linear, trace.base_angular)
         values = np.hstack([c for c in columns if c is not None])
         values[1:, :7] += (1e-4 if tumbling else 1e-3) * rng.normal(size=values[1:, :7].shape)
