@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from realitygap.diagnose.candidates.ripple import periods_of
+from realitygap.diagnose.candidates.ripple import ORDINARY, periods_of
 from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -165,7 +165,8 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
     if "periods" in first.free:
         train, joint = problem.of("train")[: len(residual)], suspect.indices[0]
         angles = [problem.cases[c].value("position")[:, joint] for c in train]
-        waves = periods_of(angles, residual, effect.parameter("periods").high) or PERIODS
+        highest = ORDINARY if effect.dissipative else effect.parameter("periods").high  # friction goes with a shaft
+        waves = periods_of(angles, residual, highest) or PERIODS
         return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
     hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
     if hard:

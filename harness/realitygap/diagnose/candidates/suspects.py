@@ -16,11 +16,28 @@ from realitygap.robot.suspicion import may_be_suspected
 
 
 def suspects(problem: Problem) -> list[Suspect]:
-    """All suspects, in the order of the effects' table: single targets, then servo types, then all joints."""
+    """All suspects, in the order of the effects' table: single targets, then servo types, then all joints.
+
+    Among them those that can act once the rotor inertia is found that the scenario does not state.
+    """
     every = [suspect for effect in EFFECTS.values() for suspect in _anywhere(problem, effect)]
     scenario, model = problem.file.scenario, problem.plant.model
     allowed = [s for s in every if may_be_suspected(scenario, model, s.effect, s.target)]
-    return [s for s in allowed if all(s.kind.possible(problem.plant, i) is None for i in s.indices)]
+    rotors = _with_rotors(problem.plant)
+    return [s for s in allowed if s.possible(problem.plant) or s.possible(rotors)]
+
+
+def acting(problem: Problem) -> list[Suspect]:
+    """Those of them that can act in the scenario's own model."""
+    return [s for s in suspects(problem) if s.possible(problem.plant)]
+
+
+def _with_rotors(plant: Plant) -> Plant:
+    """A plant whose joints all have a rotor."""
+    out, effect = plant.copy(), EFFECTS["rotor_inertia"]
+    for i in range(len(plant.model.joints)):
+        effect.apply(out, [i], effect.first_size(plant, i))
+    return out
 
 
 def _anywhere(problem: Problem, effect: Effect) -> list[Suspect]:

@@ -36,6 +36,10 @@ class Suspect:
         """The effect itself."""
         return EFFECTS[self.effect] if self.table is None else tabulated(self.table)
 
+    def possible(self, plant: Plant) -> bool:
+        """Whether the effect can act there on a plant."""
+        return all(self.kind.possible(plant, i) is None for i in self.indices)
+
     def __str__(self) -> str:
         over = f" over {' and '.join(self.table.variables)}" if self.table is not None else ""
         return f"{self.effect} at {self.where}{over}"

@@ -44,7 +44,9 @@ class Query:
 
 def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     """The signals at the measured stamps; None for a simulation that failed."""
-    case = problem.cases[query.case]
+    case, plant = problem.cases[query.case], problem.changed_plant(query.changes, query.case)
+    if not all(c.suspect.possible(plant) for c in query.changes):  # a compliance whose rotor was left out
+        return None
     windows = case.windows or (case.experiment,)
     try:
         traces = [_simulated(problem, query, e, number) for number, e in enumerate(windows)]

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.suspects import acting
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import measure
@@ -87,7 +87,7 @@ def screen(
     noise = {"position": np.array([QUANTUM[j.prismatic] / np.sqrt(12) for j in plant.model.joints])}
     cases = [case_of(m, replace(experiment_of(m), use="train"), noise, RATE) for m, _ in chosen]
     result.problem = problem = replace(empty, cases=tuple(cases))
-    everyone = suspects(problem)
+    everyone = acting(problem)
     with Simulations(problem, workers) as simulations:
         floors = measure(simulations, [])
         found = visible(simulations, floors, everyone, needed(len(everyone)), say)

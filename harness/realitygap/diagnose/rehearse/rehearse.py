@@ -14,7 +14,7 @@ import numpy as np
 from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.check import certain
-from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.suspects import acting, suspects
 from realitygap.diagnose.candidates.told import velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
@@ -147,7 +147,7 @@ def rehearse(
     everyone, result.left_out = _chosen(problem, budget, took / 4, simulations.workers)
     result.impossible = _impossible(problem)
     say(f"planting {len(everyone)} effects and targets: looking for the smallest size of each that is seen")
-    result.found = visible(simulations, floors, everyone, needed(len(suspects(problem))), say)
+    result.found = visible(simulations, floors, everyone, needed(len(acting(problem))), say)
     result.confusables = confusables(result.found)
     seen = [v for v in result.found if v.seen]
     say(f"{len(seen)} of {len(everyone)} can be seen; trying full searches")
@@ -189,7 +189,7 @@ def _chosen(problem: Problem, budget: float, cost: float, workers: int) -> tuple
     On a robot with many joints: patterns, the joints that move most and their links, as many as the time allows.
     `cost` is about what simulating every run once takes [s].
     """
-    everyone = suspects(problem)
+    everyone = acting(problem)
     if int(problem.judged.sum()) <= FEW:
         return everyone, 0
     reach = np.max([np.ptp(np.nan_to_num(c.value("position")), axis=0) for c in problem.cases], axis=0)
@@ -211,7 +211,7 @@ def _chosen(problem: Problem, budget: float, cost: float, workers: int) -> tuple
 
 def _impossible(problem: Problem) -> dict[str, str]:
     """Effects that can act nowhere in this scenario, with the reason at the first place."""
-    there = {s.effect for s in suspects(problem)}
+    there = {s.effect for s in acting(problem)}
     return {e.name: e.possible(problem.plant, 0) or "no place" for e in EFFECTS.values() if e.name not in there}
 
 

@@ -32,15 +32,20 @@ SURE = 3.0
 """A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
 
 
-def grown(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
-    """The best model with more in it, without what that makes superfluous; None where nothing gains enough.
+Ways = Sequence[tuple[list[Change], float]]
+"""Models with more in them, and the evidence that each has to gain."""
+
+
+def grown(round_: Round, keep: Sequence[Suspect], ways: Ways | None = None) -> Scored | None:
+    """The best model with more in it, of all ways or of these, without what that makes superfluous; None where nothing
+    gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
     A name that is new gains more than `round_.little` as well.
     `keep` is never superfluous.
     """
     tried = []
-    for way, needs in _ways(round_):
+    for way, needs in _ways(round_) if ways is None else ways:
         quick = round_.adjusted(way)
         if quick is not None:
             gain = quick.evidence - round_.now.evidence

@@ -16,6 +16,7 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
 from realitygap.diagnose.search.grow import SURE, grown
 from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
 
@@ -76,6 +77,8 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         if following is None and len(looked_at) < len(everyone):
             at, looked_at = round_.now.fit, list(everyone)
             continue
+        if following is None and here not in seen:
+            following = grown(round_, kept, parted(round_))
         seen.add(here)
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
@@ -49,9 +49,14 @@ class Yardstick:
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """The responses of every suspect that can stand beside the changes of a fit."""
         accepted = [c.suspect for c in at.changes]
-        possible = [s for s in everyone if not any(clash(s, a) for a in accepted)]
-        tried = [start for s in possible for start in starts(self.problem, s, self._of_joint(at, s))]
+        beside = [s for s in self.possible(at, everyone) if not any(clash(s, a) for a in accepted)]
+        tried = [start for s in beside for start in starts(self.problem, s, self._of_joint(at, s))]
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
+
+    def possible(self, at: Fit, everyone: Sequence[Suspect]) -> list[Suspect]:
+        """The suspects that could act in the model of a fit."""
+        plant = changed(self.problem.plant, at.changes, self.problem.plant)
+        return [s for s in everyone if s.possible(plant)]
 
     def stand_at(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """Let laws be imperfect as they may be at a fit, and count facts as what that leaves lasts; the responses of
