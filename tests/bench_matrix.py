@@ -1,49 +1,95 @@
 """How long a matrix takes with one worker process and with two, each from an empty folder.
 
-    REALITYGAP_DATA=... python tests/bench_matrix.py [MATRIX] [--jobs 1 2] [--scheduler]
+    REALITYGAP_DATA=... python tests/bench_matrix.py [MATRIX] [--twenty] [--jobs 1 2] [--scheduler]
 
-`--scheduler` gives the cells to a local Dask scheduler with that many worker processes instead.
+`--twenty` is a matrix of 20 cells, five kicks of a humanoid in four engines. `--scheduler` gives the cells to a local
+Dask scheduler with that many worker processes instead. Beside the wall time stands the processor time of all processes
+and of the one that plans, collects and draws alone, which says what more workers can gain at most on a quiet machine.
 """
 
 import argparse
+import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-COMMAND = Path(sys.executable).with_name("realitygap")
+COMMAND = (sys.executable, "-m", "realitygap.cli.main")
+TWENTY = f"""name: twenty
+scenarios: {ROOT / "scenarios" / "sigmaban" / "scenario.yaml"}
+engines: [mujoco, pybullet, drake, dart]
+recordings: kick_*
+"""
+TICKS = os.sysconf("SC_CLK_TCK")
 
 
-def seconds(matrix: Path, *options: object) -> float:
-    """Wall time of the command [s]."""
+@dataclass(frozen=True)
+class Took:
+    """Wall time, processor time of all processes, and of the command's own [s]."""
+
+    wall: float
+    processor: float
+    alone: float
+
+
+def took(matrix: Path, *options: object) -> Took:
+    """What the command takes, from an empty folder."""
     with tempfile.TemporaryDirectory() as out:
-        start = time.perf_counter()
-        subprocess.run([COMMAND, "matrix", matrix, "--out", out, *map(str, options)], check=True, capture_output=True)
-        return time.perf_counter() - start
+        start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+        alone = 0.0
+        command = [*COMMAND, "matrix", str(matrix), "--out", out, *map(str, options)]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+            stat = Path(f"/proc/{process.pid}/stat")
+            while process.poll() is None:
+                with suppress(OSError, IndexError):  # just ended
+                    fields = stat.read_text().rpartition(")")[2].split()
+                    alone = max(alone, (int(fields[11]) + int(fields[12])) / TICKS)
+                time.sleep(0.02)
+        if process.returncode:
+            raise SystemExit(f"{' '.join(command)} ended with {process.returncode}")
+        wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+        return Took(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, alone)
 
 
 def main() -> None:
     """Print one line per number of workers."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("matrix", nargs="?", type=Path, default=ROOT / "scenarios" / "cube_toss" / "matrix.yaml")
+    parser.add_argument("--twenty", action="store_true")
     parser.add_argument("--jobs", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--scheduler", action="store_true")
     args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        if args.twenty:
+            args.matrix = Path(folder) / "matrix.yaml"
+            args.matrix.write_text(TWENTY)
+        _measure(args.matrix, args.jobs, scheduler=args.scheduler)
+
+
+def _measure(matrix: Path, numbers: Sequence[int], *, scheduler: bool) -> None:
     first = None
-    for jobs in args.jobs:
-        if args.scheduler:
+    for jobs in numbers:
+        if scheduler:
             from distributed import LocalCluster  # an extra that only this needs
 
             with LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None) as cluster:
-                took = seconds(args.matrix, "--scheduler", cluster.scheduler_address)
+                now = took(matrix, "--scheduler", cluster.scheduler_address)
         else:
-            took = seconds(args.matrix, "-j", jobs)
-        first = first or took
-        sys.stdout.write(
-            f"{jobs} worker{'s' * (jobs > 1)}: {took:.1f} s, {first / took:.2f} times as fast as the first\n"
+            now = took(matrix, "-j", jobs)
+        first = first or now
+        limit = first.processor / (first.alone + (first.processor - first.alone) / jobs)
+        workers = f"{jobs} worker{'s' * (jobs > 1)}"
+        lines = (
+            f"{workers}: {now.wall:.1f} s, {first.wall / now.wall:.2f} times as fast as the first",
+            f"  processor time {now.processor:.1f} s, {now.alone:.1f} s of it alone: {limit:.2f} times as fast at most",
         )
+        sys.stdout.write("\n".join([*lines, ""]))
         sys.stdout.flush()
 
 
