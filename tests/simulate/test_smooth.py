@@ -75,6 +75,17 @@ def test_missing_readings_are_bridged() -> None:
     assert (found.error[2, 502] > found.error[2, 400]).all()
 
 
+@pytest.mark.parametrize("size", [1e3, 1e9, 1e15])
+def test_an_expectation_that_runs_away_leaves_finite_differences(size: float) -> None:
+    time, quantum = clock(), 1.5e-3
+    expected = size * np.exp(-((time[:, None] - 8.0) ** 2)) * np.array([1.0, -1.0])
+    expected[-2:] = np.inf
+    found = smooth(time, np.round(swing(time)[0] / quantum) * quantum, around=expected)
+    assert np.isfinite(found.value).all()
+    assert np.isfinite(found.error).all()
+    assert np.abs(found.value[0, :-2] + expected[:-2]).max() < 1e-3 * size + 2.0
+
+
 def test_a_joint_that_does_not_move_has_no_derivatives() -> None:
     time = clock(100)
     found = smooth(time, np.full((100, 1), 0.7))

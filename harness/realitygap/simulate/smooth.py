@@ -24,8 +24,9 @@ TOLERANCE = 0.02
 """Of the logarithm of the bandwidth: the acceleration's error changes by a twentieth."""
 FEWEST = 4
 """Readings below which a joint's derivatives are not told."""
-FINEST = 1e-6
-"""The unit of readings without a quantum, as a share of their range."""
+FINEST = 1e-7
+"""What of their range readings are not told better than, whatever their quantum: the filter starts vague, and forgets
+its start by differences of squares in double precision."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ def smooth(time: Array, position: Array, *, wider: float = 1.0, around: Array | 
         time: of the readings [s].
         position: the readings [rad or m].
         wider: what the chosen bandwidths are multiplied by, to see what depends on them.
-        around: a motion (t, n) that is expected; what is smoothed and told is how the readings differ from it.
+        around: a motion (t, n) that is expected; what is smoothed and told is how the readings differ from it,
+            where it is finite.
     """
     n = position.shape[1]
     out = Smoothed(time, np.zeros((3, *position.shape)), np.zeros((3, *position.shape)), np.zeros(n), np.zeros(n))
@@ -68,10 +70,10 @@ def smooth(time: Array, position: Array, *, wider: float = 1.0, around: Array | 
         if known.sum() < FEWEST or not np.ptp(reading[known]) > 0:
             out.value[0, :, j] = np.nanmean(reading) if known.any() else np.nan
             continue
-        middle = float(np.mean(reading[known]))
-        unit = float(rounding[j]) or np.ptp(reading[known]) * FINEST  # about the noise, so that the filter starts vague
+        reading, middle = np.where(known, reading, np.nan), float(np.mean(reading[known]))
+        unit = max(float(rounding[j]), float(np.ptp(reading[known])) * FINEST)
         counts = (reading - middle) / unit
-        rate, noise = _likeliest(time, counts, step, float(rounding[j]) / unit)
+        rate, noise = _likeliest(time, counts, step)
         value, spread = _smooth(time, counts, _jerk(rate * wider, step) * noise**2, noise**2)
         out.value[:, :, j], out.error[:, :, j] = value * unit, np.sqrt(spread) * unit
         out.value[0, :, j] += middle
@@ -86,8 +88,8 @@ def _jerk(rate: float, step: float) -> float:
     return step * rate**6
 
 
-def _likeliest(time: Array, reading: Array, step: float, rounding: float) -> tuple[float, float]:
-    """The rate [rad/s] and noise [rad or m] that make the readings most likely; the noise is at least the rounding."""
+def _likeliest(time: Array, reading: Array, step: float) -> tuple[float, float]:
+    """The rate [rad/s] and the noise that make the readings most likely; the noise is at least their unit."""
     bounds = np.log(2 * np.pi / (time[-1] - time[0])), np.log(np.pi / step)
 
     def free(log_rate: float) -> float:
@@ -96,14 +98,14 @@ def _likeliest(time: Array, reading: Array, step: float, rounding: float) -> tup
 
     def bounded(log_rate: float) -> float:
         log_s, misfit, _ = _innovations(time, reading, _jerk(np.exp(log_rate), step))
-        return float(log_s + misfit / rounding**2)
+        return float(log_s + misfit)
 
     best = minimize_scalar(free, bounds=bounds, method="bounded", options={"xatol": TOLERANCE}).x
     _, misfit, count = _innovations(time, reading, _jerk(np.exp(best), step))
     noise = float(np.sqrt(misfit / count))
-    if noise < rounding:
+    if noise < 1.0:
         best = minimize_scalar(bounded, bounds=bounds, method="bounded", options={"xatol": TOLERANCE}).x
-        noise = rounding
+        noise = 1.0
     return float(np.exp(best)), noise
 
 
