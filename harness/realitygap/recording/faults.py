@@ -15,6 +15,8 @@ from realitygap.trace.trace import Array
 
 STRETCH = 0.15  # s: over which the travel by velocity and by position are compared
 TIMES = np.linspace(0.0, 0.1, 51)  # s: low-pass filters that are tried
+SURE = 0.9  # correlation of travel by velocity with travel by position from which on a filter is believed
+OFF = 0.04  # a scale of a velocity further than this from 1 is a fault
 CLOCK_DRIFT = 100e-6  # quartz clocks drift by 20 to 50 millionths
 
 
@@ -41,8 +43,7 @@ def velocity_faults(recording: Recording) -> list[Fault]:
 
     A first-order filter of time constant τ and a scale a make v = a·LP(q̇), so that the travel by velocity over a
     stretch of time is a·(LP(q) at its end - LP(q) at its start). Travel, unlike a derivative, does not amplify the
-    quantum of the encoder. Said where the scale is more than 4 % off or τ above the sampling period, and the filter
-    explains the velocity (correlation above 0.9).
+    quantum of the encoder.
     """
     trace = recording.trace
     if trace.position is None or trace.velocity is None:
@@ -51,7 +52,7 @@ def velocity_faults(recording: Recording) -> list[Fault]:
     fits = {}
     for i, joint in enumerate(trace.joints):
         fit = velocity_of_position(trace.time, trace.position[:, i], trace.velocity[:, i])
-        if fit is not None and abs(fit[2]) > 0.9 and (abs(fit[0] - 1.0) > 0.04 or fit[1] > period):
+        if fit is not None and at_fault(*fit, period):
             fits[joint] = fit
     if not fits:
         return []
@@ -61,6 +62,13 @@ def velocity_faults(recording: Recording) -> list[Fault]:
         f"the position, low-passed with {1e3 * time:.0f} ms (medians): the sensor, not the robot"
     )
     return [Fault("velocity", tuple(fits), sentence, {"scale": scale, "time": time})]
+
+
+def at_fault(scale: float, constant: float, correlation: float, period: float) -> bool:
+    """Whether a filter of a velocity is one of the sensor: seen for sure, and more than a plain difference of positions
+    does, which is the mean over the last period and so late by half of it [s].
+    """
+    return abs(correlation) > SURE and (abs(scale - 1.0) > OFF or constant > 0.5 * period + TIMES[1])
 
 
 def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple[float, float, float] | None:

@@ -10,12 +10,8 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.recording.faults import velocity_of_position
+from realitygap.recording.faults import OFF, SURE, at_fault, velocity_of_position
 
-SURE = 0.9
-"""Correlation of the travel by velocity with that by position from which on a filter is believed."""
-OFF = 0.04
-"""A scale further than this from 1, or a time constant above the sampling period, is a fault."""
 MOST = 0.8
 """The share of the runs that could tell in which a joint's velocity must be at fault."""
 
@@ -23,20 +19,23 @@ MOST = 0.8
 def velocity_filters(problem: Problem, suspects: Sequence[Suspect]) -> list[Change]:
     """The velocity filters that the recordings show by themselves, held at the scale and time constant seen there.
 
-    One for all joints where every joint that can tell has it, otherwise one per joint.
+    One for all joints where they have the same, otherwise one per joint.
     """
     filters = [s for s in suspects if s.effect == "velocity_filter"]
     seen = {int(j): _seen(problem, int(j)) for j in np.flatnonzero(problem.judged)}
     told = {j: rows for j, rows in seen.items() if rows}
     faulty = {j: rows for j, rows in told.items() if np.mean([bad for *_, bad in rows]) >= MOST}
-    if not faulty:
-        return []
+    own = [_change(problem, s, faulty[s.indices[0]]) for s in filters if len(s.indices) == 1 and s.indices[0] in faulty]
     everywhere = [s for s in filters if s.target == "*"]
-    if everywhere and len(faulty) >= MOST * len(told) and len(faulty) > 1:
+    if everywhere and len(faulty) >= MOST * len(told) and len(faulty) > 1 and _alike(own):
         return [_change(problem, everywhere[0], [row for rows in faulty.values() for row in rows])]
-    return [
-        _change(problem, s, faulty[s.indices[0]]) for s in filters if len(s.indices) == 1 and s.indices[0] in faulty
-    ]
+    return own
+
+
+def _alike(own: Sequence[Change]) -> bool:
+    """Whether joints have one scale, as far as a scale is told."""
+    scales = np.array([change.parameters["scale"] for change in own])
+    return bool(np.ptp(scales) <= OFF)
 
 
 def _seen(problem: Problem, joint: int) -> list[tuple[float, float, bool]]:
@@ -48,8 +47,7 @@ def _seen(problem: Problem, joint: int) -> list[tuple[float, float, bool]]:
         time = case.measured.time
         fit = velocity_of_position(time, case.value("position")[:, joint], case.value("velocity")[:, joint])
         if fit is not None and abs(fit[2]) > SURE:
-            period = float(np.median(np.diff(time)))
-            out.append((fit[0], fit[1], abs(fit[0] - 1.0) > OFF or fit[1] > period))
+            out.append((fit[0], fit[1], at_fault(*fit, float(np.median(np.diff(time))))))
     return out
 
 
