@@ -34,7 +34,8 @@ SHORTER = 0.4
 """How much shorter the step is that follows one that was too long."""
 CHEAP, PATIENCE = 8, 2
 """Derivatives are simulated anew where a step fails: at once where there are fewer values than this, for then they cost
-little more than a step; else after so many shorter steps that fail as well."""
+little more than a step. With more, so many shorter steps are tried, and a fit that is only compared ends there: the
+metric moves with it, and tells more than derivatives do until it has settled."""
 TINY = 1e-12
 """A box has an inside."""
 LITTLE = 0.2
@@ -81,6 +82,7 @@ def fit(
     coarse: Sequence[float],
     known: Fit | None = None,
     care: Care = "whole",
+    anew: bool = False,
 ) -> Fit | None:
     """Fit changes jointly to the training motions; None where they cannot be simulated.
 
@@ -92,7 +94,8 @@ def fit(
         coarse: the least faithful share of the step rate, by case, for derivatives.
         known: a fitted model that shares values with the changes: what these do is taken from it at first.
         care: `quick` takes `FEW` steps and no derivative anew of what is known, `compared` takes them where a step
-            fails, `whole` ends with those of where it is.
+            fails and there are few values, `whole` ends with those of where it is.
+        anew: whether to begin with derivatives of where it is.
     """
     space = Space(simulations.problem, changes)
     quick, whole = care == "quick", care == "whole"
@@ -101,9 +104,10 @@ def fit(
     now = None if near is None else residual_near(simulations, near, changes, train, coarse)
     if near is None or now is None:
         return None
-    x, (slopes, here) = space.first, _slopes(simulations, known, space, train, coarse)
+    x, (slopes, here) = space.first, _slopes(simulations, None if anew else known, space, train, coarse)
     cost, box = _cost(metric, space, x, now), FIRST
-    failed, patience = 0, PATIENCE if len(x) >= CHEAP else 0
+    many, failed = len(x) >= CHEAP, 0
+    patience = PATIENCE if many else 0
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, promised = _step(metric, space, x, now, slopes, box)
         if promised >= 2.0 * LITTLE:
@@ -119,6 +123,8 @@ def fit(
             if good or quick or failed <= patience:
                 continue
         elif here or not (whole or failed):
+            break
+        if many and not whole:
             break
         if not here:
             slopes, here = slope(simulations, space, x, train, coarse), True

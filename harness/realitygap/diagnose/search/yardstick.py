@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Care, Fit, fit, residual_near
+from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
@@ -21,8 +21,11 @@ from realitygap.robot.drive import Array
 ELSEWHERE = (0.8, 1.25)
 """The fit of a body without joints is tried again from these multiples of its values: contacts, of which all is made
 that it does, make it rough."""
-SETTLE = 4
-"""How often a model is fitted at most, each time in the metric of what the one before leaves."""
+SETTLE, SETTLE_MANY = 4, 12
+"""How often a model is fitted at most, each time in the metric of what the one before leaves; the same with many values
+(`fit.CHEAP`), which a pass takes fewer steps with."""
+SETTLED = 1.0
+"""The gain in evidence below which a model has settled, with many values where derivatives are those of where it is."""
 BENT = 3
 """Up to so many new values are followed by their own slopes in a quick fit, anew in each pass: they bend most."""
 
@@ -114,18 +117,22 @@ class Yardstick:
         if first is None:
             return None
         start = self.plain(Fit(tuple(changes), first))
-        for _ in range(SETTLE):
-            passes: Care = "quick" if care == "quick" else "compared"
-            done = fit(self.simulations, start.fit.changes, train, start.metric, coarse, near, passes)
+        passes: Care = "quick" if care == "quick" else "compared"
+        many, anew = care != "quick" and sum(len(c.free) for c in changes) >= CHEAP, False
+        for _ in range(SETTLE_MANY if many else SETTLE):
+            done = fit(self.simulations, start.fit.changes, train, start.metric, coarse, near, passes, anew)
             if done is None:
                 break
             if near is None or care != "quick" or len(done.names) - len(near.names) > BENT:
                 near = done
             start = self.plain(done)
             gain = start.evidence - best.evidence if best is not None else np.inf
-            best = start if gain > 0.0 else best
-            if gain < 1.0:
+            best = start if gain > 0.0 or best is None else best
+            if gain < SETTLED and (anew or not many):
                 break
+            anew = gain < SETTLED
+            if anew:
+                start, near = best, best.fit
         if best is None or (care != "quick" and any(absurd(c) for c in best.fit.changes)):
             return None
         found: Fit | None = best.fit
