@@ -1,14 +1,18 @@
 """Steps of a fit and moves of the search, by themselves."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
 from demo_problem import demo_problem, suspect_of
-from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import LATER
 from realitygap.diagnose.fit.fit import secant
+from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.search.grow import LOOSER, with_shape
+from realitygap.diagnose.search.linear import Linear
 
 
 def test_slopes_tell_the_step_that_was_taken_and_what_lies_across_it_as_before() -> None:
@@ -36,3 +40,19 @@ def test_a_limit_beside_another_begins_at_several_sizes(effect: str) -> None:
         for name in new:
             assert try_.parameters[name] == pytest.approx(looser * tries[0].parameters[name] / LOOSER[0])
     assert with_shape(problem.plant, tries[0], LOOSER[-1]) == tries[0]
+
+
+def test_what_is_tried_beside_a_plain_fit_gains_what_it_and_the_fit_leave_less() -> None:
+    problem, rng = demo_problem(), np.random.default_rng(2)
+    effects = ["viscous_friction", "coulomb_friction", "command_profile"]
+    tried = [starts(problem, suspect_of(problem, e, "elbow"))[0] for e in effects]
+    columns = rng.standard_normal((40, 3))
+    left = -columns @ [1.0, 2.0, 1.0] + 0.01 * rng.standard_normal(40)
+    blocks = [Block(start, columns[:, [k]]) for k, start in enumerate(tried)]
+    lines = Linear(cast("Metric", np.asarray), left, np.zeros((40, 0)), blocks)
+    fixed = left + columns[:, 2]
+    best, *_ = np.linalg.lstsq(columns[:, :2], -fixed, rcond=None)
+    after = fixed + columns[:, :2] @ best
+    assert lines.gain([0, 1], 2) == pytest.approx(0.5 * (left @ left - after @ after))
+    assert lines.gain([0, 1]) < lines.gain([0, 1], 2)
+    np.testing.assert_allclose([p.amounts[0] for p in lines.together([0, 1], 2)], best, rtol=1e-6)

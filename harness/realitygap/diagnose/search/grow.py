@@ -10,8 +10,9 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Suspect, clash
-from realitygap.diagnose.fit.responses import Block, single
+from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
+from realitygap.diagnose.search.exchange import FAR
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
@@ -27,7 +28,8 @@ FITTED = 3
 LOOSER = (1.0, 2.0, 4.0)
 """What the first size of a limit is multiplied by beside another limit of its effect."""
 HOPEFUL = 0.5
-"""A quick fit finds at least this share of what a way gains: two steps take most of the way (`fit.FEW`)."""
+"""A quick fit finds at least this share of what a way gains: two steps take most of the way (`fit.FEW`). One that has
+less in it is judged as a rival is (`exchange.FAR`)."""
 SURE = 3.0
 """A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
 
@@ -49,7 +51,7 @@ def grown(round_: Round, keep: Sequence[Suspect], ways: Ways | None = None) -> S
         quick = round_.adjusted(way)
         if quick is not None:
             gain = quick.evidence - round_.now.evidence
-            if gain > HOPEFUL * needs or needs <= 0.0:
+            if gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit:
                 tried.append((quick.evidence - needs, quick.fit, needs))
     better: list[tuple[float, Scored]] = []
     most = 0.0
@@ -98,9 +100,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     several = linear_at(round_.look, [p.block for p in round_.promised]).several(limit)
     for number in sorted({min(len(several), AT_ONCE), len(several)} - {0, 1}):
         ways.append(([*accepted, *(p.block.start.first for p in several[:number])], limit * number))
-    plain = _plain_fit(round_)
-    if len(plain) > 1:
-        ways.append(([*accepted, *plain], limit))
+    ways += [([*accepted, *plain], limit) for plain in _plain_fits(round_)]
     for change in accepted:
         beside = [c for c in accepted if c is not change]
         each = _each(round_, change, beside)
@@ -143,19 +143,38 @@ def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
     return Change(groups[0], tuple(middle.items()), alike[0].free)
 
 
-def _plain_fit(round_: Round) -> list[Change]:
-    """All that a plain fit would have free beside the accepted model, where straight lines lead."""
+def _plain_fits(round_: Round) -> list[list[Change]]:
+    """All that a plain fit would have free beside the accepted model, where straight lines lead: alone, and beside each
+    of those that are far from a straight line that promise most there. What limits a motion shows little before its
+    friction and gains are right, and these are mended in its place.
+    """
+    lines, plain = round_.lines, _plain_blocks(round_)
+    suspect = [b.suspect for b in lines.blocks]
+    if len(plain) < 2 or lines.gain(plain) <= 0.0:
+        return []
+    beside: dict[tuple[Suspect, tuple[str, ...]], tuple[float, list[Change]]] = {}
+    for i, block in enumerate(lines.blocks):
+        if block.start.kind == "linear" or block.columns.shape[1] > 1:
+            continue
+        free = [k for k in plain if not clash(suspect[k], suspect[i])]
+        which, gain = (suspect[i], block.start.first.free), lines.gain(free, i)
+        if gain > max(lines.gain(plain), beside[which][0] if which in beside else 0.0):
+            beside[which] = gain, [*(p.change for p in lines.together(free, i)), block.start.tries[0]]
+    best = sorted(beside.values(), key=lambda b: -b[0])[:BEYOND]
+    return [[p.change for p in lines.together(plain)], *(changes for _, changes in best)]
+
+
+def _plain_blocks(round_: Round) -> list[int]:
+    """The numbers of the blocks of a plain fit: at single joints where that can be."""
     problem = round_.simulations.problem
-    chosen: dict[tuple[str, int], Block] = {}
-    for block in round_.blocks:
+    chosen: dict[tuple[str, int], int] = {}
+    for number, block in enumerate(round_.blocks):
         suspect = block.suspect
         for i in suspect.indices if everyday(problem, suspect) and block.start.kind == "linear" else ():
-            known = chosen.setdefault((suspect.effect, i), block)
-            if len(suspect.indices) < len(known.suspect.indices):
-                chosen[suspect.effect, i] = block
-    blocks = list({b.suspect: b for b in chosen.values()}.values())
-    linear = linear_at(round_.look, blocks)
-    return [p.change for p in linear.together()] if linear.gain() > 0.0 else []
+            known = chosen.setdefault((suspect.effect, i), number)
+            if len(suspect.indices) < len(round_.blocks[known].suspect.indices):
+                chosen[suspect.effect, i] = number
+    return list({round_.blocks[n].suspect: n for n in chosen.values()}.values())
 
 
 def _everywhere(round_: Round, start: Change) -> list[Change]:

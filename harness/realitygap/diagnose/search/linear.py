@@ -72,21 +72,25 @@ class Linear:
         """What every block gains alone, best first."""
         return sorted((self.promise(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
 
-    def gain(self) -> float:
-        """The gain in evidence of all blocks at once, at most: nothing is taken off for what they could do besides."""
-        every = list(range(len(self.blocks)))
-        if not every:
-            return 0.0
-        x, gram = self._amounts(every), self.gram[1:, 1:]
-        return float(-self.gram[1:, 0] @ x - 0.5 * x @ gram @ x)
+    def gain(self, numbers: Sequence[int], tried: int | None = None) -> float:
+        """The gain in evidence of some blocks at once, at most: nothing is taken off for what they could do besides.
 
-    def together(self) -> list[Promise]:
-        """All blocks at once, at their best amounts; what each gains is not told."""
-        every = list(range(len(self.blocks)))
-        amounts, ends = self._amounts(every), np.cumsum([0, *(len(p) for p in self.places)])
+        With a block that is `tried` beside them it is what both gain, that one as it was simulated.
+        """
+        gram, x = self.gram, self._amounts(numbers, tried)
+        at = np.concatenate([self.places[i] for i in numbers]) if numbers else np.zeros(0, dtype=int)
+        if tried is not None:
+            at, x = np.append(at, self.places[tried]), np.append(x, np.ones(len(self.places[tried])))
+        return float(-gram[at, 0] @ x - 0.5 * x @ gram[np.ix_(at, at)] @ x)
+
+    def together(self, numbers: Sequence[int], tried: int | None = None) -> list[Promise]:
+        """Some blocks at once, at their best amounts (beside one that is `tried` as it was simulated); what each gains
+        is not told.
+        """
+        amounts, ends = self._amounts(numbers, tried), np.cumsum([0, *(len(self.places[i]) for i in numbers)])
         return [
-            Promise(b, tuple(amounts[i:j].tolist()), 0.0)
-            for b, (i, j) in zip(self.blocks, pairwise(ends.tolist()), strict=True)
+            Promise(self.blocks[n], tuple(amounts[i:j].tolist()), 0.0)
+            for n, (i, j) in zip(numbers, pairwise(ends.tolist()), strict=True)
         ]
 
     def several(self, least: float) -> list[Promise]:
@@ -163,20 +167,22 @@ class Linear:
             gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
         return gain
 
-    def _amounts(self, numbers: Sequence[int]) -> Array:
+    def _amounts(self, numbers: Sequence[int], tried: int | None = None) -> Array:
         """The best amounts of some blocks together, within reach."""
         if not numbers:
             return np.zeros(0)
         at = np.concatenate([self.places[i] for i in numbers])
         low, high = self.low[at - 1], self.high[at - 1]
         g = self.gram[np.ix_(at, at)] + 1e-9 * np.eye(len(at))
+        beside = np.zeros(0, dtype=int) if tried is None else self.places[tried]
+        left = self.gram[at, 0] + self.gram[np.ix_(at, beside)].sum(axis=1)
         try:
-            x = np.linalg.solve(g, -self.gram[at, 0])
+            x = np.linalg.solve(g, -left)
         except np.linalg.LinAlgError:
             x = np.zeros(len(at))
         if ((x < low) | (x > high)).any():
             factor = np.linalg.cholesky(g + 1e-12 * np.trace(g) * np.eye(len(at)))
-            right = np.linalg.solve(factor, -self.gram[at, 0])
+            right = np.linalg.solve(factor, -left)
             fixed = low == high
             high = np.where(fixed, high + 1e-9, high)
             x = lsq_linear(factor.T, right, bounds=(low, high)).x

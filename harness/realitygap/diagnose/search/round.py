@@ -53,6 +53,7 @@ class Round:
         now: the accepted model, fitted.
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
+        lines: the straight-line model of all blocks.
         straight: what straight lines promise of each, best first.
         promised: what promises most where straight lines lead, best first.
     """
@@ -77,7 +78,8 @@ class Round:
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
             + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
         )
-        self.straight = linear_at(self.look, self.blocks).promises()
+        self.lines = linear_at(self.look, self.blocks)
+        self.straight = self.lines.promises()
         followed = self._followed(self.straight)
         self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 
