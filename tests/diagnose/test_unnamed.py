@@ -19,6 +19,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.library import Diagnosed, diagnose
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import summary
+from realitygap.diagnose.search.exchange import simpler
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 from realitygap.diagnose.search.unnamed import with_unnamed
@@ -46,6 +47,14 @@ def problem() -> Problem:
 def simulations(problem: Problem) -> Iterator[Simulations]:
     with Simulations(problem, 1) as made:
         yield made
+
+
+def test_every_law_is_simpler_than_a_table(problem: Problem) -> None:
+    small, large = (Suspect("effort_map", "elbow", (1,), table=table) for table in (TABLE, CROSSED))
+    for law in suspects(problem):
+        assert simpler(problem, law, small)
+        assert not simpler(problem, small, law)
+    assert simpler(problem, small, large)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from realitygap_engines import Unsupported
+from realitygap_engines import Failed, Unsupported
 
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -22,11 +22,11 @@ MOST = 24
 def unnamed(problem: Problem, changes: Sequence[Change], joints: Sequence[int]) -> list[tuple[Change, ...]]:
     """What the missing effort of some joints depends on, of a model with changes: the tables of one joint each.
 
-    None where no missing effort can be told: of a floating base, of coupled joints.
+    None where no missing effort can be told: of a floating base, of coupled joints, where the engine fails.
     """
     try:
         runs = [_missing(problem, changes, c) for c in problem.of("train")]
-    except (InputError, Unsupported):
+    except (InputError, Unsupported, Failed):
         return []
     out = []
     for j in joints:

@@ -170,17 +170,21 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
 
 
 def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
-    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table.
+    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table of effects.
 
-    On a linear axis without a stated armature, inertia is the link's mass.
+    An effort that no law explains stands behind every law. On a linear axis without a stated armature, inertia is the
+    link's mass.
     """
     order = list(EFFECTS)
 
-    def place(suspect: Suspect) -> tuple[int, float]:
+    def place(suspect: Suspect) -> tuple[bool, int, float]:
+        if suspect.table is not None:
+            return True, len(suspect.kind.parameters), 0.0
         joints, drive = problem.plant.model.joints, problem.plant.drive
         linear = suspect.effect == "rotor_inertia" and all(
             joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
         )
-        return len(fitted(suspect.kind)), order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
+        at = order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
+        return False, len(fitted(suspect.kind)), at
 
     return place(a) < place(b)
