@@ -16,10 +16,11 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.round import Round
 
 DOUBTFUL = 2.0
-"""A finding is tried without where a straight line says that it gains less than this many times what a name needs."""
+"""A finding is tried without where a straight line says that it gains less than this many times what a name needs; what
+its interval does not tell is left out where a fit says the same."""
 TOLD = 0.95
-"""A finding whose interval at this level holds what a model without it has is none, whatever its evidence: stretches of
-the recordings scatter more than the likelihood says."""
+"""A finding whose interval at this level holds what a model without it has is doubtful, whatever its evidence: what
+stretches of the recordings say scatters more than the likelihood tells."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class Loss:
 def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
     """A model without the findings that gain less than a name needs, each tried in a quick fit; `keep` stays.
 
-    With `told`, also without those that their intervals do not tell: of a model that is whole. Before, stretches
-    scatter by what is still missing.
+    With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
+    that is whole. Before, stretches scatter by what is still missing.
     """
     needed = set(keep)
     now = found
@@ -47,9 +48,8 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
         least = min(doubtful, key=lambda s: doubtful[s].evidence)
         rest = [c for c in now.fit.changes if c.suspect != least]
         without = round_.adjusted(rest, now.fit)
-        if without is not None and (
-            now.evidence - without.evidence < round_.limit or (told and not doubtful[least].told)
-        ):
+        enough = DOUBTFUL if told and not doubtful[least].told else 1.0
+        if without is not None and now.evidence - without.evidence < enough * round_.limit:
             now = without
         else:
             needed.add(least)
