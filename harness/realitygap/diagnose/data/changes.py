@@ -36,6 +36,11 @@ class Suspect:
         """The effect itself."""
         return EFFECTS[self.effect] if self.table is None else tabulated(self.table)
 
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """The joints that it belongs to: of a link, the one that moves it; -1 for the base."""
+        return tuple(i - 1 for i in self.indices) if self.kind.sits_at == "link" else self.indices
+
     def possible(self, plant: Plant) -> bool:
         """Whether the effect can act there on a plant."""
         return all(self.kind.possible(plant, i) is None for i in self.indices)

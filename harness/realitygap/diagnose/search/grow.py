@@ -150,7 +150,8 @@ def _plain_fits(round_: Round) -> list[list[Change]]:
     """
     lines, plain = round_.lines, _plain_blocks(round_)
     suspect = [b.suspect for b in lines.blocks]
-    if len(plain) < 2 or lines.gain(plain) <= 0.0:
+    alone = lines.gain(plain)
+    if len(plain) < 2 or alone <= 0.0:
         return []
     beside: dict[tuple[Suspect, tuple[str, ...]], tuple[float, list[Change]]] = {}
     for i, block in enumerate(lines.blocks):
@@ -158,7 +159,7 @@ def _plain_fits(round_: Round) -> list[list[Change]]:
             continue
         free = [k for k in plain if not clash(suspect[k], suspect[i])]
         which, gain = (suspect[i], block.start.first.free), lines.gain(free, i)
-        if gain > max(lines.gain(plain), beside[which][0] if which in beside else 0.0):
+        if gain > (beside[which][0] if which in beside else alone):
             beside[which] = gain, [*(p.change for p in lines.together(free, i)), block.start.tries[0]]
     best = sorted(beside.values(), key=lambda b: -b[0])[:BEYOND]
     return [[p.change for p in lines.together(plain)], *(changes for _, changes in best)]

@@ -155,7 +155,7 @@ def _of(blocks: Sequence[Block]) -> list[_Known]:
         for k, change in enumerate(block.start.tries):
             law = suspect.kind.law
             times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
-            out.append(_Known(law, _places(suspect), block.columns[:, k], max(times, default=0.0)))
+            out.append(_Known(law, suspect.joints, block.columns[:, k], max(times, default=0.0)))
     return out
 
 
@@ -165,13 +165,8 @@ def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
     for k, ((i, name), value) in enumerate(zip(at.names, at.value, strict=True)):
         suspect = at.changes[i].suspect
         if not suspect.kind.parameter(name).shape:
-            known = _Known(suspect.kind.law, _places(suspect), at.slope[:, k], abs(value) / at.size[k])
+            known = _Known(suspect.kind.law, suspect.joints, at.slope[:, k], abs(value) / at.size[k])
             absent = neutral(problem.plant, suspect)[name]
             absent = absent if np.isfinite(absent) else 0.0
             out.append((known, Accepted(len(out), suspect, name, abs(float(value)), absent)))
     return out
-
-
-def _places(suspect: Suspect) -> tuple[int, ...]:
-    """The joints that a suspect belongs to: of a link, the one that moves it; -1 for the base."""
-    return tuple(i - 1 for i in suspect.indices) if suspect.kind.sits_at == "link" else suspect.indices

@@ -36,7 +36,7 @@ def parted(round_: Round) -> list[tuple[list[Change], float]]:
 
 def _carried(suspect: Suspect, rotor: Suspect) -> bool:
     """Whether an effect is of the link that a joint carries."""
-    return suspect.kind.sits_at == "link" and suspect.indices == (rotor.indices[0] + 1,)
+    return suspect.kind.sits_at == "link" and suspect.joints == rotor.joints
 
 
 def _added(round_: Round, change: Change, rotor: Suspect) -> float:

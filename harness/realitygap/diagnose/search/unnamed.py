@@ -63,7 +63,7 @@ def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
     joints = [int(j) for j in np.flatnonzero(problem.judged)]
     ways = [_Way(now.changes, tables) for tables in unnamed(problem, now.changes, joints)]
     for j in joints:
-        beside = tuple(c for c in now.changes if c.suspect in keep or not _belongs(c.suspect, j))
+        beside = tuple(c for c in now.changes if c.suspect in keep or c.suspect.joints != (j,))
         if len(beside) < len(now.changes):
             ways += [_Way(beside, tables) for tables in unnamed(problem, beside, [j])]
     variants = [now.changes, *(way.changes for way in ways)]
@@ -75,8 +75,3 @@ def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
             if gain > 0.0:
                 promised.append((gain, way))
     return [way for _, way in sorted(promised, key=lambda p: -p[0])[:TRIED]]
-
-
-def _belongs(suspect: Suspect, joint: int) -> bool:
-    """Whether a finding sits at a joint alone, or at the link that it moves."""
-    return suspect.indices == ((joint + 1,) if suspect.kind.sits_at == "link" else (joint,))
