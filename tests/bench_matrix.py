@@ -3,8 +3,9 @@
     REALITYGAP_DATA=... python tests/bench_matrix.py [MATRIX] [--twenty] [--jobs 1 2] [--scheduler]
 
 `--twenty` is a matrix of 20 cells, five kicks of a humanoid in four engines. `--scheduler` gives the cells to a local
-Dask scheduler with that many worker processes instead. Beside the wall time stands the processor time of all processes
-and of the one that plans, collects and draws alone, which says what more workers can gain at most on a quiet machine.
+Dask scheduler with that many worker processes instead. Beside the wall time stands the processor time of all processes,
+of the one that plans, collects and writes the page alone, and of the worker that took most: what has to happen one
+after the other is the sum of the last two, from which follows what more workers gain where nothing else runs.
 """
 
 import argparse
@@ -31,30 +32,53 @@ TICKS = os.sysconf("SC_CLK_TCK")
 
 @dataclass(frozen=True)
 class Took:
-    """Wall time, processor time of all processes, and of the command's own [s]."""
+    """Wall time, processor time of all processes, of the command's own, and of its worker that took most [s]."""
 
     wall: float
     processor: float
     alone: float
+    most: float
+
+    @property
+    def path(self) -> float:
+        """What has to happen one after the other [s]."""
+        return self.alone + self.most
 
 
 def took(matrix: Path, *options: object) -> Took:
     """What the command takes, from an empty folder."""
     with tempfile.TemporaryDirectory() as out:
         start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-        alone = 0.0
+        spent: dict[int, float] = {}
         command = [*COMMAND, "matrix", str(matrix), "--out", out, *map(str, options)]
         with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
-            stat = Path(f"/proc/{process.pid}/stat")
             while process.poll() is None:
-                with suppress(OSError, IndexError):  # just ended
-                    fields = stat.read_text().rpartition(")")[2].split()
-                    alone = max(alone, (int(fields[11]) + int(fields[12])) / TICKS)
+                for pid in (process.pid, *children(process.pid)):
+                    spent[pid] = max(spent.get(pid, 0.0), processor(pid))
                 time.sleep(0.02)
         if process.returncode:
             raise SystemExit(f"{' '.join(command)} ended with {process.returncode}")
         wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-        return Took(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, alone)
+        alone = spent.pop(process.pid)
+        whole = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        return Took(wall, whole, alone, max(spent.values(), default=0.0))
+
+
+def processor(pid: int) -> float:
+    """The processor time of a process so far [s]; 0 of one that has just ended."""
+    with suppress(OSError, IndexError):
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICKS
+    return 0.0
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process has started."""
+    found: list[int] = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(OSError):
+            found += map(int, task.read_text().split())
+    return found
 
 
 def main() -> None:
@@ -83,11 +107,11 @@ def _measure(matrix: Path, numbers: Sequence[int], *, scheduler: bool) -> None:
         else:
             now = took(matrix, "-j", jobs)
         first = first or now
-        limit = first.processor / (first.alone + (first.processor - first.alone) / jobs)
         workers = f"{jobs} worker{'s' * (jobs > 1)}"
         lines = (
             f"{workers}: {now.wall:.1f} s, {first.wall / now.wall:.2f} times as fast as the first",
-            f"  processor time {now.processor:.1f} s, {now.alone:.1f} s of it alone: {limit:.2f} times as fast at most",
+            f"  processor time {now.processor:.1f} s; {now.alone:.1f} s alone and {now.most:.1f} s of one worker make "
+            f"{now.path:.1f} s: {first.path / now.path:.2f} times as fast where nothing else runs",
         )
         sys.stdout.write("\n".join([*lines, ""]))
         sys.stdout.flush()

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import pytest
 from realitygap.compare.table import read_gaps
-from realitygap.matrix.local import run_local
+from realitygap.matrix.local import local
 from realitygap.matrix.matrix import finished
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
@@ -90,7 +90,8 @@ def run(
     sender = threading.Thread(target=send, args=(signals, store), daemon=True)
     sender.start()
     there = finished(tasks, store)
-    run_local([t for t in tasks if t.key not in there], 1, str(folder), limit, done)
+    with local(1) as here:
+        here.cells([t for t in tasks if t.key not in there], str(folder), limit, done)
     sender.join()
     return finished(tasks, store), undone
 
@@ -194,7 +195,8 @@ def test_a_broken_file_of_a_cell_counts_as_absent(matrix: Path, tmp_path: Path) 
     """Cut off, or with any bit of it turned over."""
     tasks = plan(load_matrix(matrix))[:2]
     store = FolderStore(tmp_path / "cells")
-    run_local(tasks, 1, str(tmp_path / "cells"), 60.0, lambda *_: None)
+    with local(1) as here:
+        here.cells(tasks, str(tmp_path / "cells"), 60.0, lambda *_: None)
     assert len(finished(tasks, store)) == 2
     whole = store.read(tasks[0].key)
     store.write(tasks[0].key, whole[:500])

@@ -10,7 +10,6 @@ from realitygap_engines import GRAVITY
 from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.model.robot import quaternion_from_rotation, rotation_from_rpy
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import savgol_filter
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
@@ -141,6 +140,8 @@ class Observed:
     @cached_property
     def _smoothed(self) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration, smoothed. Shapes (k, n)."""
+        from scipy.signal import savgol_filter  # loads all of statistics, which takes long, and few need it
+
         width = min(max(5, 2 * round(0.5 * SMOOTHED / self.step) + 1), len(self.clock) // 2 * 2 - 1)
         q, w, a = (savgol_filter(self.position, width, 3, deriv=k, delta=self.step, axis=0) for k in range(3))
         return q, w, a

@@ -44,7 +44,7 @@ def run(
     file = load_scenario(path)
     limits = stated_budget(file.scenario.budget) | dict(budget)
     lacking: list[str] = []
-    with results(matrix_of(file, chosen, whole=whole), out, ONCE, progress) as (made, folder):
+    with results(matrix_of(file, chosen, whole=whole), out, ONCE, progress) as (made, folder, _):
         if missing:
             with spared("the missing effort", made.failures):
                 lacking = add_missing(folder, file, chosen, progress)
@@ -75,8 +75,8 @@ def make(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) 
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
     """
-    with results(matrix, out, settings, progress) as (made, folder):
-        made.failures.extend(write_report(folder))
+    with results(matrix, out, settings, progress) as (made, folder, here):
+        made.failures.extend(write_report(folder, here.each))
     return made
 
 

@@ -1,10 +1,11 @@
 """Getting one cell done, whatever happens to the process that does it."""
 
+import pickle
 import threading
 from pathlib import Path
 
 from realitygap.matrix.store import open_store
-from realitygap.matrix.task import Task, lost
+from realitygap.matrix.task import Task, compute, lost
 from realitygap.matrix.worker import Died, Hung, Worker
 
 TRIES = 2
@@ -48,6 +49,13 @@ class Workers:
                 worker.kill()
 
 
+def kept(pickled: bytes, store: str) -> None:
+    """Compute a cell here, and keep its file in the store."""
+    task: Task = pickle.loads(pickled)
+    data = compute(task)
+    open_store(store).write(task.key, data)
+
+
 def attend(task: Task, pickled: bytes, store: str, limit: float, workers: Workers) -> str | None:
     """Compute a cell in the process that belongs to this thread. Afterwards its file is in the store.
 
@@ -60,7 +68,7 @@ def attend(task: Task, pickled: bytes, store: str, limit: float, workers: Worker
     what = ""
     for _ in range(TRIES):
         try:
-            workers.own().run(pickled, store, limit)
+            workers.own().run(kept, pickled, store, limit=limit)
             return None
         except Hung:
             data = lost(task, "timeout", f"took longer than the time limit of {limit:g} s")

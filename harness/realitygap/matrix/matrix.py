@@ -15,7 +15,7 @@ from realitygap.matrix.checked import checked
 from realitygap.matrix.cluster import run_cluster
 from realitygap.matrix.collect import Collected, collect
 from realitygap.matrix.estimate import StepCost, costs
-from realitygap.matrix.local import run_local
+from realitygap.matrix.local import Local, local
 from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import Reader, plan
 from realitygap.matrix.store import Store, open_store
@@ -53,11 +53,13 @@ ONCE = Settings(keep=False)
 
 
 @contextmanager
-def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) -> Iterator[tuple[Collected, Path]]:
+def results(
+    matrix: MatrixFile, out: Path, settings: Settings, progress: Progress
+) -> Iterator[tuple[Collected, Path, Local]]:
     """Compute the cells that are not there yet and make the result folder.
 
-    Yields what was found and the folder, which is still aside and takes further files: a page, figures. At the end of
-    the `with` block all of it takes the place of `out`, whole.
+    Yields what was found; the folder, which is still aside and takes further files: a page, figures; and the processes
+    that have computed cells, for more work. At the end of the `with` block all of it takes the place of `out`, whole.
 
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
@@ -68,15 +70,16 @@ def results(matrix: MatrixFile, out: Path, settings: Settings, progress: Progres
         stack.enter_context(made(out))
         aside = stack.enter_context(laid_aside(tasks, out))
         tasks = aside.tasks
+        here = stack.enter_context(local(settings.jobs))
         if settings.keep:
             place = settings.place(out)
-            undone = work(aside, place, settings, matrix.matrix.time_limit, progress)
+            undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)
             folder = stack.enter_context(written_whole(out))
         else:
             folder = stack.enter_context(written_whole(out))
             place = stack.enter_context(TemporaryDirectory(prefix="cells-", dir=folder))
-            undone = work(aside, place, settings, matrix.matrix.time_limit, progress)
-        yield collect(matrix, tasks, undone, open_store(place), folder, warnings), folder
+            undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)
+        yield collect(matrix, tasks, undone, open_store(place), folder, warnings), folder, here
 
 
 def _planned(matrix: MatrixFile, progress: Progress) -> tuple[list[str], list[Task]]:
@@ -85,7 +88,7 @@ def _planned(matrix: MatrixFile, progress: Progress) -> tuple[list[str], list[Ta
     return checked(matrix, progress.say, read), plan(matrix, read)
 
 
-def work(aside: Aside, place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
+def work(aside: Aside, here: Local, place: str, settings: Settings, limit: float, progress: Progress) -> dict[str, str]:
     """Compute the cells whose files are not in the store at `place`, each within `limit` [s].
 
     Returns:
@@ -111,7 +114,7 @@ def work(aside: Aside, place: str, settings: Settings, limit: float, progress: P
         if todo and settings.scheduler:
             run_cluster(todo, settings.scheduler, place, limit, done)
         elif todo:
-            run_local(todo, jobs, place, limit, done, aside.pickled)
+            here.cells(todo, place, limit, done, aside.pickled)
     return undone
 
 

@@ -1,4 +1,4 @@
-"""A process that computes cells one after the other, and the handle that its parent holds.
+"""A process that does one piece of work after the other, and the handle that its parent holds.
 
 Whatever happens to a cell happens to this process alone. The process ends when its parent is gone.
 """
@@ -10,14 +10,14 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 from realitygap_engines.errors import in_a_line
 
 from realitygap.files.lifeline import end_with
-from realitygap.matrix.store import open_store
-from realitygap.matrix.task import Task, compute
 from realitygap.simulate.opened import kept_open
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -28,7 +28,7 @@ KILLS = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 
 
 class Died(Exception):
-    """The process ended at a cell; `killed` says that someone else ended it."""
+    """The process ended at its work; `killed` says that someone else ended it."""
 
     def __init__(self, what: str, killed: bool) -> None:
         super().__init__(what)
@@ -66,33 +66,34 @@ class Worker:
         """The process's number."""
         return self._process.pid
 
-    def run(self, task: bytes, store: str, limit: float) -> str:
-        """Compute a pickled task, keep its file in the store and return its outcome.
+    def run(self, work: Callable[..., Any], *arguments: Any, limit: float) -> Any:
+        """Call a function of a module in the process, and return what it returns.
 
         Raises:
-            Died: where the process ended.
+            Died: where the process ended, or the function raised something.
             Hung: where it took longer than `limit` [s].
         """
+        asked = pickle.dumps((work, arguments), pickle.HIGHEST_PROTOCOL)
         try:
             if not self._ready:
                 self._answer(START)
                 self._ready = True
-            self._connection.send_bytes(pickle.dumps((task, store)))
-            kind, text = self._answer(limit)
+            self._connection.send_bytes(asked)
+            kind, result = self._answer(limit)
         except (EOFError, OSError):
             raise self._ended() from None
         except Hung:
             self.close()
             raise
         if kind == "failed":
-            raise Died(text, killed=False)
-        return text
+            raise Died(str(result), killed=False)
+        return result
 
-    def _answer(self, limit: float) -> tuple[str, str]:
+    def _answer(self, limit: float) -> tuple[str, Any]:
         if not self._connection.poll(limit):
             raise Hung
-        kind, text = self._connection.recv()
-        return str(kind), str(text)
+        kind, result = self._connection.recv()
+        return str(kind), result
 
     def _ended(self) -> Died:
         """How the process ended, in words that are the same every time."""
@@ -118,19 +119,17 @@ class Worker:
 
 
 def serve(connection: Connection) -> None:
-    """Compute the tasks that come through a connection until it is closed."""
+    """Do the work that comes through a connection until it is closed."""
     with contextlib.suppress(EOFError, OSError):
         connection.send(("ready", ""))
         while True:
-            task_bytes, store = pickle.loads(connection.recv_bytes())
-            task: Task = pickle.loads(task_bytes)
+            work, arguments = pickle.loads(connection.recv_bytes())
             try:
-                data = compute(task)
-            except Exception as error:  # whatever it is, it is this cell's outcome
+                result = work(*arguments)
+            except Exception as error:  # whatever it is, it is what became of this work
                 connection.send(("failed", f"{type(error).__name__}: {in_a_line(error)}"))
                 continue
-            open_store(store).write(task.key, data)
-            connection.send(("done", "ok"))
+            connection.send(("done", result))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
-from scipy.signal import lfilter
 
 from realitygap.recording.delay import delay, moving_commands
 from realitygap.recording.outliers import told
@@ -103,6 +102,8 @@ def low_pass(value: Array, constant: float, period: float) -> Array:
     """A first-order low-pass of time constant `constant` [s], exact for input that is linear between samples."""
     if constant < 1e-9:
         return value
+    from scipy.signal import lfilter  # loads all of statistics, which takes long, and few need it
+
     decay = float(np.exp(-period / constant))
     lead = constant / period * (1.0 - decay)
     out, _ = lfilter([1.0 - lead, lead - decay], [1.0, -decay], value, zi=[lead * value[0]])  # out[0] = value[0]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from realitygap.files.errors import spared
 from realitygap.files.result_folder import settle, written_whole
+from realitygap.report.each import Each, one_by_one
 from realitygap.report.figures import write_figures
 from realitygap.report.folder import read_folder
 from realitygap.report.page import write_page
@@ -14,13 +15,16 @@ RESULTS = ("traces/*", "gaps.csv", "timings.csv", "missing_effort.*")
 """What page and figures are made of."""
 
 
-def write_report(folder: Path) -> list[str]:
-    """Write the figures and the page of a new result folder. Returns sentences on what could not be drawn."""
+def write_report(folder: Path, each: Each = one_by_one) -> list[str]:
+    """Write the figures and the page of a new result folder. Returns sentences on what could not be drawn.
+
+    `each` does work for every item, in other processes where there are some.
+    """
     failures: list[str] = []
     with spared("figures", failures):
-        write_figures(folder, failures=failures)
+        write_figures(folder, failures=failures, each=each)
     with spared("the page", failures):
-        write_page(folder)
+        write_page(folder, each=each)
     return failures
 
 

@@ -12,6 +12,7 @@ from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
 from realitygap.report.curves import write_curves
+from realitygap.report.each import Each, one_by_one
 from realitygap.report.folder import Results, read_folder
 from realitygap.report.missing import missing_pictures
 from realitygap.report.payload import payload
@@ -37,19 +38,21 @@ TAGS = {
 }
 
 
-def write_page(folder: Path, out: Path | None = None) -> Path:
+def write_page(folder: Path, out: Path | None = None, each: Each = one_by_one) -> Path:
     """Write `report.html` and its `curves/`, from the table and traces of a result folder. Returns the page.
 
     Args:
         folder: the result folder.
         out: where to write (default: there).
+        each: does work for every item, in other processes where there are some.
 
     Raises:
         InputError: where the folder holds no result table, or a file of it is damaged.
     """
     results = read_folder(folder)
     out = out or folder
-    drawn = sorted({file for path in results.traces.values() for file in write_curves(out, read_traces(path))})
+    written = each(_curves_of, [(path, out) for path in results.traces.values()])
+    drawn = sorted({file for found in written for file in found})
     web = files("realitygap.report") / "web"
     said = sentences(results)
     text = render(
@@ -63,7 +66,7 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
         tags=TAGS,
         missing=_missing(results, out),
         published=_published() if is_wolfgang(results) else (),
-        spread=_spread_rows(results),
+        spread=_spread_rows(results, each),
         settings=_settings(results),
         limitations=_limitations(results),
         provenance=_provenance(results),
@@ -74,6 +77,12 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
     path = out / "report.html"
     write_whole(path, text)
     return path
+
+
+def _curves_of(cell: tuple[Path, Path]) -> list[Path]:
+    """Write the curves of the cell whose traces lie in a file, below a folder."""
+    path, out = cell
+    return write_curves(out, read_traces(path))
 
 
 def _missing(results: Results, out: Path) -> list[tuple[str, str]]:
@@ -118,10 +127,10 @@ def _inlined(paths: Sequence[Path]) -> str:
     return "".join(p.read_text(encoding="utf-8") for p in paths)
 
 
-def _spread_rows(results: Results) -> list[tuple[str, ...]]:
+def _spread_rows(results: Results, each: Each) -> list[tuple[str, ...]]:
     return [
         (f"{engine_label(s.first)} and {engine_label(s.second)}", number(s.degrees), f"{s.radians:.2e}", str(s.cells))
-        for s in spread(results)
+        for s in spread(results, each)
     ]
 
 

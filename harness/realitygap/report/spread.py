@@ -8,6 +8,7 @@ import numpy as np
 
 from realitygap.compare.traces import read_traces
 from realitygap.page.style import AXES
+from realitygap.report.each import Each, one_by_one
 from realitygap.report.folder import Results, cell_key
 from realitygap.trace.trace import Array, Trace
 
@@ -27,10 +28,11 @@ class Spread:
         return float(np.deg2rad(self.degrees))
 
 
-def spread(results: Results) -> list[Spread]:
+def spread(results: Results, each: Each = one_by_one) -> list[Spread]:
     """The spread of every pair of engines, in the order of the table. Prismatic joints are left out.
 
-    Where positions are given and not simulated, as in motions that are followed, there is none.
+    `each` works out one condition after the other, in other processes where there are some. Where positions are given
+    and not simulated, as in motions that are followed, there is none.
     """
     if not results.gaps.empty and not (results.gaps["signal"] == "position").any():
         return []
@@ -41,16 +43,21 @@ def spread(results: Results) -> list[Spread]:
         if path is not None:
             contexts.setdefault(tuple(str(record[a]) for a in others), {})[str(record["engine"])] = path
     squares: dict[tuple[str, str], list[float]] = {}
-    for paths in contexts.values():
-        turned = {engine: found for engine, path in paths.items() if (found := _hinges(path)) is not None}
-        for first, second in combinations(results.engines, 2):
-            if first in turned and second in turned:
-                squares.setdefault((first, second), []).append(_mean_square(turned[first], turned[second]))
+    ordered = [{e: paths[e] for e in results.engines if e in paths} for paths in contexts.values()]
+    for found in each(_mean_squares, ordered):
+        for pair, square in found.items():
+            squares.setdefault(pair, []).append(square)
     return [
         Spread(*pair, float(np.rad2deg(np.sqrt(np.mean(squares[pair])))), len(squares[pair]))
         for pair in combinations(results.engines, 2)
         if pair in squares
     ]
+
+
+def _mean_squares(paths: dict[str, Path]) -> dict[tuple[str, str], float]:
+    """Of every two engines of one condition."""
+    turned = {engine: found for engine, path in paths.items() if (found := _hinges(path)) is not None}
+    return {(a, b): _mean_square(turned[a], turned[b]) for a, b in combinations(turned, 2)}
 
 
 def _hinges(path: Path) -> Trace | None:

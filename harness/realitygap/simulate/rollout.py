@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from realitygap_engines import Diverged, Simulation, State
-from scipy.signal import lfilter
 
 from realitygap.robot.drive import STATE, Array
 from realitygap.robot.drive_law import arrive
@@ -164,6 +163,8 @@ def sensed(velocity: Array, lag: Array, h: float | Array, before: Array | None =
     """
     if not lag.any() or not len(velocity):
         return velocity
+    from scipy.signal import lfilter  # loads all of statistics, which takes long, and few need it
+
     out = velocity.copy()
     first = velocity[0] if before is None else before
     for j in np.flatnonzero(lag > 0):
