@@ -28,7 +28,8 @@ class Aside:
     def __init__(self, folder: Path, tasks: Sequence[Task]) -> None:
         files: dict[int, tuple[Path, Array]] = {}
         self._pickled = {task.key: _pickled(task, folder, files) for task in tasks}
-        self.tasks: list[Task] = [pickle.loads(self._pickled[task.key]) for task in tasks]
+        # where nothing is laid aside, the tasks are as they were
+        self.tasks: list[Task] = [pickle.loads(self._pickled[t.key]) for t in tasks] if files else list(tasks)
 
     def pickled(self, task: Task) -> bytes:
         """A task for a process of this machine."""

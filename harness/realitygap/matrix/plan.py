@@ -47,11 +47,12 @@ def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
     engine_names = matrix.engine_names()
     digest, read = Digest(), read or Reader()
     tasks: dict[str, Task] = {}
+    known: dict[int, tuple[Scenario, str]] = {}
     for file in matrix.scenarios:
         variants = list(_variants(matrix, file, read))
         check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
         for axes, revision, found in variants:
-            contents = [digest.of(_content(motion, digest)) for motion in found[1]]
+            contents = [digest.of(_content(motion, digest, known)) for motion in found[1]]
             for (motion, content), engine in product(zip(found[1], contents, strict=True), engine_names):
                 task = _task(matrix, found[0], motion, content, engine, revision, axes, digest)
                 if _left_out(matrix, task):
@@ -114,8 +115,10 @@ def changes_of(matrix: MatrixFile, file: ScenarioFile, axes: dict[str, Any]) -> 
 
 
 def _with_axes(experiment: Experiment, others: dict[str, Any]) -> Experiment:
-    overrides = json.loads(experiment.overrides) | others
-    return replace(experiment, overrides=json.dumps(overrides, sort_keys=True))
+    overrides = json.dumps(json.loads(experiment.overrides) | others, sort_keys=True)
+    if overrides == experiment.overrides:
+        return experiment  # with what it has found out already, as how a body was thrown
+    return replace(experiment, overrides=overrides)
 
 
 def regrouped(first: tuple[list[Experiment], list[RepeatedMotion]], found: list[Experiment]) -> list[RepeatedMotion]:
@@ -146,13 +149,18 @@ def _task(
     return Task(d.of(parts)[:32], file, motion, engine, revision, axes, m.floors, m.traces)
 
 
-def _content(motion: RepeatedMotion, digest: Digest) -> list[Any]:
-    """What a motion's result depends on: of the scenario, not what concerns other recordings or budgets."""
+def _content(motion: RepeatedMotion, digest: Digest, known: dict[int, tuple[Scenario, str]]) -> list[Any]:
+    """What a motion's result depends on: of the scenario, not what concerns other recordings or budgets.
+
+    What was digested of a scenario, which most motions share, is `known` from then on.
+    """
     parts: list[Any] = [motion.name, digest.of(motion.measured), list(motion.shifts)]
     parts.append({"/".join(k): v for k, v in motion.noise.items()})
     for e in motion.experiments:
-        dump = e.scenario.model_dump(exclude={"revisions": True, "budget": True, "recordings": {"runs"}})
-        parts += [e.name, dump, digest.of(e.plant), digest.of(e.recording), digest.of(e.commands)]
+        if id(e.scenario) not in known:  # holding the scenario keeps its id from being given away
+            dump = e.scenario.model_dump(exclude={"revisions": True, "budget": True, "recordings": {"runs"}})
+            known[id(e.scenario)] = e.scenario, digest.of(dump)
+        parts += [e.name, known[id(e.scenario)][1], digest.of(e.plant), digest.of(e.recording), digest.of(e.commands)]
         parts += [e.begin, e.duration, e.use, list(e.window), e.overrides]
     return parts
 

@@ -21,6 +21,8 @@ def delay(reference: Recording, other: Recording) -> float:
     shorter one: for all delays by cross-correlation through the Fourier transform, then refined below the sampling
     step. Of several equally good ones, as in a periodic motion, the smallest is taken.
     """
+    if not reference.command.size or not other.command.size:
+        return 0.0
     moving = moving_commands(reference) & moving_commands(other)
     if not moving.any():
         return 0.0

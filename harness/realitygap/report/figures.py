@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from realitygap.compare.gap import BASE
 from realitygap.compare.table import file_name
@@ -12,10 +12,12 @@ from realitygap.compare.traces import CellTraces, read_traces
 from realitygap.files.errors import spared
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label, unit_label
 from realitygap.report.curves import boxes, series, thinned
-from realitygap.report.draw import BoxSet, Curve, draw_boxes, draw_curves
 from realitygap.report.each import Each, one_by_one
 from realitygap.report.folder import Results, cell_key, read_folder
 from realitygap.trace.trace import Array, Trace
+
+if TYPE_CHECKING:
+    from realitygap.report.draw import BoxSet
 
 MOST = 6
 """Conditions that get figures of their own; a larger matrix has its page."""
@@ -133,6 +135,8 @@ def drawn(one: Drawing) -> tuple[Path | None, list[str]]:
     Raises:
         InputError: where a file of traces is damaged.
     """
+    from realitygap.report.draw import BoxSet, draw_boxes  # matplotlib, which who only hands out drawings does not need
+
     signals = Trace.SIGNALS if one.signal is None else _columns(one.signal)
     traces = {s.label: read_traces(s.path, signals) for s in one.shown if s.path}
     failures: list[str] = []
@@ -150,8 +154,10 @@ def _columns(signal: str) -> tuple[str, ...]:
     return (signal,) if base is None else (base, base.replace("base_", "imu_"))
 
 
-def _curves(one: Drawing, traces: dict[str, CellTraces], sets: Sequence[BoxSet]) -> Path | None:
+def _curves(one: Drawing, traces: dict[str, CellTraces], sets: Sequence["BoxSet"]) -> Path | None:
     """The curves of the joints with the largest gaps, measured and in every engine, in the first signal there is."""
+    from realitygap.report.draw import Curve, draw_curves
+
     first = next(iter(traces.values()))
     named = series(first.simulated, first)
     signal = next((s for s in SIGNALS if s in named), None)

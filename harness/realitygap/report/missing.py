@@ -5,7 +5,6 @@ from pathlib import Path
 
 from realitygap.missing.effort import MissingEffort
 from realitygap.missing.files import NAME, of_trace, read_told
-from realitygap.report.draw_missing import draw_missing
 from realitygap.report.folder import Results
 from realitygap.trace.parquet import read_about, read_parquet
 
@@ -29,6 +28,8 @@ def missing_pictures(results: Results, out: Path) -> list[Picture]:
     runs = _runs(results) if told else []
     if not runs:
         return [Picture(one["sentence"], None) for one in told]
+    from realitygap.report.draw_missing import draw_missing  # matplotlib, which few pages need here
+
     order = sorted(told, key=lambda one: -one["rms"] * (1 - min(one["noise"], 1.0)))
     pictures = []
     for one in told:

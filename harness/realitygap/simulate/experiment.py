@@ -118,10 +118,11 @@ def experiments(
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")
-        return [_prepare(file, file.scenario, file.scenario.name, None, read, effects)]
+        return [_prepare(file, file.scenario, file.scenario.name, None, read, effects, {})]
     fitted = file.scenario.effort_is_fitted  # of all runs, whichever are asked for
     chosen = [case for case in cases if fitted or any(fnmatchcase(case.name, p) for p in only)]
-    found = [_prepare(file, case.scenario, case.name, case, read, effects) for case in chosen]
+    plants: dict[int, Plant] = {}
+    found = [_prepare(file, case.scenario, case.name, case, read, effects, plants) for case in chosen]
     if fitted:
         found = _with_fitted_gains(file, found)
     return [e for e in found if any(fnmatchcase(e.name, p) for p in only)]
@@ -160,13 +161,17 @@ def _prepare(
     case: RunCase | None,
     read: Read,
     effects: Sequence[EffectSpec],
+    plants: dict[int, Plant],
 ) -> Experiment:
+    """`plants` are those that were made already, by their scenario's id: most runs share both."""
     run = case.run if case else None
-    plant = build_plant(file, scenario)
-    try:
-        plant = place(plant, [*scenario.effects, *effects])
-    except InputError as error:
-        raise InputError(f"{file.path}: {error}") from None
+    if id(scenario) not in plants:
+        plant = build_plant(file, scenario)
+        try:
+            plants[id(scenario)] = place(plant, [*scenario.effects, *effects])
+        except InputError as error:
+            raise InputError(f"{file.path}: {error}") from None
+    plant = plants[id(scenario)]
     recording, notes = None, list[str]()
     if case is not None:
         recording = read(case.path, scenario, plant.model.joint_names, file=file.path)

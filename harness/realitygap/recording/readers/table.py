@@ -88,7 +88,7 @@ def _of_text(path: Path) -> pd.DataFrame:
     frame: pd.DataFrame = pd.read_csv(path, **dialect.arguments())
     frame.columns = [str(name).strip() for name in frame.columns]
     spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
-    frame = frame.drop(columns=spare)  # every line ended with a separator
+    frame = frame.drop(columns=spare) if spare else frame  # every line ended with a separator
     frame.attrs["first_line"] = dialect.first_line
     return frame
 
