@@ -87,8 +87,20 @@ class Ambiguous:
         return path
 
 
-def generate(robot: str, effect: str, motion: str, seed: int, out: Path, *, effort: bool) -> Ambiguous:
-    """Plant one effect and record one kind of motion, three times and once more to judge on."""
+def generate(
+    robot: str, effect: str, motion: str, seed: int, out: Path, *, effort: bool, swing: float = 1.0
+) -> Ambiguous:
+    """Plant one effect and record one kind of motion, three times and once more to judge on.
+
+    Args:
+        robot: one of `BUILDERS`.
+        effect: that is planted.
+        motion: one of `motions.MOTIONS`.
+        seed: of what is drawn.
+        out: the folder in which the case gets its own.
+        effort: whether the motor's effort is recorded.
+        swing: how far the motion goes, as a share of the usual: small motions leave much open.
+    """
     name = f"{robot}_{effect}_{motion}_{seed}"
     random = np.random.default_rng([seed, zlib.crc32(name.encode())])
     sensing = Sensing(effort=effort)
@@ -96,7 +108,10 @@ def generate(robot: str, effect: str, motion: str, seed: int, out: Path, *, effo
         body = BUILDERS[robot](random)
         sensing = replace(sensing, quantum=body.quantum)
         train, held = (int(x) for x in random.integers(1, 2**31, 2))
-        runs = [Run(motion, "train", train, 4.0, repetitions=3), Run(motion, "held_out", held, 4.0)]
+        runs = [
+            Run(motion, "train", train, 4.0, repetitions=3, swing=swing),
+            Run(motion, "held_out", held, 4.0, swing=swing),
+        ]
         clean = measure(body, runs, sensing)
         joint = int(random.integers(len(body.joints)))
         truth, shown = sized(

@@ -20,7 +20,7 @@ VISIBLE = 4.0
 
 @dataclass
 class Run:
-    """One recorded motion."""
+    """One recorded motion; `swing` is how far it goes, as a share of the usual."""
 
     motion: str
     use: str
@@ -29,6 +29,7 @@ class Run:
     repetitions: int = 1
     gain: float = 1.0
     load: float = 1.0
+    swing: float = 1.0
     sent: list[Command] = field(default_factory=list)
 
 
@@ -80,7 +81,8 @@ PERFECT = Hidden()
 
 def command(robot: Robot, run: Run, sensing: Sensing) -> Command:
     """What is sent in one run."""
-    return motions.command(run.motion, len(robot.joints), robot.reach, sensing.rate, run.length, run.seed)
+    reach = run.swing * robot.reach
+    return motions.command(run.motion, len(robot.joints), reach, sensing.rate, run.length, run.seed)
 
 
 def perform(plant: Foreign, run: Run, sent: Command, noise: np.ndarray | None = None) -> Motion:

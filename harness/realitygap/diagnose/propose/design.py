@@ -41,6 +41,10 @@ class Answer:
         """The smaller of both."""
         return min(self.one, self.other)
 
+    def moves(self, question: Question) -> bool:
+        """Whether the odds become others, whichever side is true."""
+        return max(self.one - question.now, self.other + question.now) > APART
+
 
 def answer(question: Question, gram: Array, beliefs: Sequence[Belief]) -> Answer:
     """What motions would do to a question."""

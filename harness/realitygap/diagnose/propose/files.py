@@ -102,7 +102,7 @@ def write_proposal(result: Proposal, out: Path) -> ProposalFile:
     content = to_file(result)
     with last():
         for proposed in result.proposed:
-            _write_motion(result, proposed, out)
+            write_motion(result, proposed.motion, out)
         write_whole(out / "proposal.json", content.model_dump_json(indent=1) + "\n")
         with spared("the page", result.notes):
             write_page(result, content.model_dump(), out)
@@ -186,8 +186,9 @@ def seen(shown: Rehearsal) -> list[str]:
     ]
 
 
-def _write_motion(result: Proposal, proposed: Proposed, out: Path) -> None:
-    motion, model = proposed.motion, result.problem.plant.model
+def write_motion(result: Proposal, motion: Excitation, out: Path) -> None:
+    """The files of a motion."""
+    model = result.problem.plant.model
     text = json.dumps(animation(motion, model.joint_names), indent=1, ensure_ascii=False)
     write_whole(out / f"{motion.name}.json", text + "\n")
     write_whole(out / f"{motion.name}.csv", _commands(motion, model.joint_names))

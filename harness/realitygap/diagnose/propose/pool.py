@@ -11,9 +11,9 @@ import numpy as np
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.propose.condition import conditions
 from realitygap.diagnose.propose.design import Goal, chosen
+from realitygap.diagnose.propose.evolve import Part
 from realitygap.diagnose.propose.excitation import Excitation, period_of
 from realitygap.diagnose.propose.explanations import Open
-from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.segments import Builder
@@ -24,15 +24,20 @@ Held = tuple[Excitation, tuple[str, ...], Array]
 """A motion, the engines in which it stays within the limits, and the gram of its segments. Shape (c, c)."""
 
 
+def builders(result: Proposal) -> dict[int, Builder]:
+    """Of the joints that are in question."""
+    problem = result.problem
+    period, names = period_of(problem), labels(problem)
+    return {j: Builder(j, result.home, result.limits, period, names[j]) for j in _joints(problem, result.open)}
+
+
 def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
     """Single segments of the joints that are in question, under every condition."""
     problem = result.problem
     period, every = period_of(problem), conditions(problem, spec)
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
-    names = labels(problem)
-    made = [Builder(j, result.home, result.limits, period, names[j]) for j in _joints(problem, result.open)]
-    segments = [s for builder in made for s in builder.every(kinds)]
+    segments = [s for builder in builders(result).values() for s in builder.every(kinds)]
     return [Excitation(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
 
 
@@ -63,8 +68,7 @@ def _joints(problem: Problem, open_: Open) -> list[int]:
 
 def motions_of(
     result: Proposal,
-    pool: Sequence[Excitation],
-    predictions: Predictions,
+    parts: Sequence[Part],
     goal: Goal,
     engines: Sequence[str],
     seconds: float,
@@ -75,14 +79,13 @@ def motions_of(
 
     Args:
         result: the proposal.
-        pool: of single segments, which are the last cases of `predictions`.
-        predictions: of the segments that can be simulated and stay within the limits.
+        parts: the segments that can be simulated and stay within the limits.
         goal: what motions are worth.
         engines: in which motions have to stay within the limits.
         seconds: that each may take.
         most: how many.
     """
-    table = _Table(result, pool, predictions, goal, seconds)
+    table = _Table(parts, goal, seconds)
     todo = [table.best(k, frozenset(), frozenset()) for k in range(len(table.conditions))]
     given = 0
     while given < most and any(todo):
@@ -107,18 +110,9 @@ AGAIN = 100.0
 class _Table:
     """What every segment tells, by condition."""
 
-    def __init__(
-        self,
-        result: Proposal,
-        pool: Sequence[Excitation],
-        predictions: Predictions,
-        goal: Goal,
-        seconds: float,
-    ) -> None:
-        own = len(result.problem.cases)
-        self.goal, self.seconds = goal, seconds
-        self.parts = [(pool[c - own], g) for c, g in zip(predictions.cases, predictions.grams, strict=True)]
-        self.conditions = list({id(m.condition): m.condition for m in pool}.values())
+    def __init__(self, parts: Sequence[Part], goal: Goal, seconds: float) -> None:
+        self.parts, self.goal, self.seconds = parts, goal, seconds
+        self.conditions = list({id(m.condition): m.condition for m, _ in parts}.values())
 
     def best(self, condition: int, without: frozenset[str], bad: frozenset[str]) -> Candidate | None:
         """The best motion under a condition without some kinds and segments; None where none tells anything."""

@@ -139,7 +139,8 @@ def _beliefs(
         fit, shares = e.fit, np.zeros(0)
         old = fit.slope.reshape(len(fit.residual), -1)
         if wrong is not None:
-            shares = wrong.told.shares(fit) * np.array([e.imperfect.get(law, 1.0) for law in wrong.told.laws])
+            named = wrong.named
+            shares = named.shares(fit) * np.array([e.imperfect.get(law, 1.0) for law in named.laws])
             old = np.column_stack([old, wrong.before * shares])
         white, _ = e.metric.whitening(np.nan_to_num(np.column_stack([fit.residual, old])), e.metric.weight)
         lean, stiff = _prior(simulations, fit, laws)

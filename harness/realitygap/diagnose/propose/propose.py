@@ -15,19 +15,20 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.design import Answer, answer, separable, sharper, worth
+from realitygap.diagnose.propose.evolve import Part, evolved
 from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.pool import motions_of, pool_of
+from realitygap.diagnose.propose.pool import builders, motions_of, pool_of
 from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
-from realitygap.diagnose.propose.refit import simulated
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.screening import screen
 from realitygap.diagnose.propose.told import found_changes, opened, origin_of
 from realitygap.diagnose.propose.weak import weak
-from realitygap.diagnose.propose.wrong import wrong
+from realitygap.diagnose.propose.wrong import Wrong, wrong
 from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.round import Say
 from realitygap.files.errors import InputError
@@ -115,7 +116,7 @@ def propose(
     if not open_.questions and not values:
         return result
     try:
-        _design(result, spec, floors, engines, seconds, motions, say, workers)
+        design(result, spec, floors, engines, seconds, motions, say, workers)
         if result.proposed:
             _judge(result, say, workers)
             del result.proposed[motions:]
@@ -129,7 +130,7 @@ def propose(
     return result
 
 
-def _design(
+def design(
     result: Proposal,
     spec: ProposeSpec,
     floors: Floors,
@@ -140,28 +141,43 @@ def _design(
     workers: int | None,
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
-    problem, open_ = result.problem, result.open
-    pool = pool_of(result, spec)
-    own, wide = len(problem.cases), with_motions(problem, pool)
+    open_, pool = result.open, pool_of(result, spec)
     say(f"{len(pool)} pieces of motion, each under {len(open_.explanations)} explanations")
-    with Simulations(wide, workers) as simulations:
-        rough = expected_floors(wide, floors, own)
-        good = safe_cases(simulations, open_.explanations, range(own, len(wide.cases)), rough, result.limits)
-        predictions = predict(simulations, open_.explanations, good, rough) if good else None
-    if predictions is None:
+    parts, beliefs = _parts(result, pool, floors, workers)
+    if not parts:
         result.hopeless = open_.questions
         return
-    beliefs = predictions.beliefs
-    apart = separable(open_.questions, predictions.grams, beliefs)
+    apart = separable(open_.questions, [gram for _, gram in parts], beliefs)
     result.hopeless = tuple(q for q in open_.questions if q not in apart)
     values = len(open_.explanations[0].fit.names)
     if not apart and not values:
         return
     goal = partial(worth, apart, beliefs) if apart else partial(sharper, beliefs[0], values)
+
+    def told(motions: list[Excitation]) -> list[Part]:
+        return _parts(result, motions, floors, workers)[0]
+
+    better = evolved(parts, goal, told, builders(result), np.random.default_rng(0))
+    say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
     most = max(motions, min(len({id(m.condition) for m in pool}), TRIED))
-    for motion, held, gram in motions_of(result, pool, predictions, goal, engines, seconds, most):
+    for motion, held, gram in motions_of(result, [*parts, *better], goal, engines, seconds, most):
         result.proposed.append(_proposed(result, motion, held, gram, beliefs))
         say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")
+
+
+def _parts(
+    result: Proposal, pool: Sequence[Excitation], floors: Floors, workers: int | None
+) -> tuple[list[Part], tuple[Belief, ...]]:
+    """The segments that stay within the limits, with what they tell as if laws were exact; and the explanations."""
+    own, wide = len(result.problem.cases), with_motions(result.problem, pool)
+    explanations = result.open.explanations
+    with Simulations(wide, workers) as simulations:
+        rough = expected_floors(wide, floors, own)
+        good = safe_cases(simulations, explanations, range(own, len(wide.cases)), rough, result.limits)
+        predictions = predict(simulations, explanations, good, rough) if good else None
+    if predictions is None:
+        return [], ()
+    return [(pool[c - own], g) for c, g in zip(predictions.cases, predictions.grams, strict=True)], predictions.beliefs
 
 
 def _proposed(
@@ -181,9 +197,9 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
     say(f"{len(designed)} motions as a whole, with what laws may be off by")
     with Simulations(problem, workers) as simulations:
         floors = measure(simulations, explanations[0].fit.changes)
-        off = wrong(simulations, explanations[0], suspects(problem), cases, floors)
+        off = wrong(simulations, explanations, suspects(problem), cases, floors)
         predictions = predict(simulations, explanations, cases, floors, off)
-        answers = [] if predictions is None else _answers(simulations, result, predictions, floors)
+        answers = [] if predictions is None else _answers(simulations, result, predictions, floors, off)
     if predictions is None:
         result.notes.append("the motions could not be simulated as a whole: odds are as if laws were exact")
         return
@@ -192,22 +208,22 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
         replace(_proposed(result, p.motion, p.engines, gram, beliefs, case), answers=told)
         for case, p, gram, told in zip(cases, designed, predictions.grams, answers, strict=True)
     ]
+    moved = {q for p in whole for q, a in zip(result.open.questions, p.answers, strict=True) if a.moves(q)}
+    result.hopeless = tuple(q for q in result.open.questions if q in result.hopeless or q not in moved)
     result.proposed = sorted(whole, key=result.least, reverse=True)
     result.problem, result.predictions = problem, predictions
 
 
 def _answers(
-    simulations: Simulations, result: Proposal, predictions: Predictions, floors: Floors
+    simulations: Simulations, result: Proposal, predictions: Predictions, floors: Floors, off: Wrong | None
 ) -> list[tuple[Answer, ...]]:
-    """What every motion does to every question, with refits in simulation where it may be moved at all."""
+    """What every motion does to every question, as a diagnosis would tell it where it may be moved at all."""
+    asked = [q for q in result.open.questions if q not in result.hopeless]
     out = []
     for case, gram in zip(predictions.cases, predictions.grams, strict=True):
-        out.append(
-            tuple(
-                answer(q, gram, predictions.beliefs)
-                if q in result.hopeless
-                else simulated(simulations, result.open, q, predictions, case, floors)
-                for q in result.open.questions
-            )
-        )
+        foreseen = {}
+        if off is not None:
+            told = Foreseen(simulations, result.open, predictions, floors, off, case).answers(asked)
+            foreseen = {q: a for q, a in zip(asked, told, strict=True) if a is not None}
+        out.append(tuple(foreseen.get(q) or answer(q, gram, predictions.beliefs) for q in result.open.questions))
     return out

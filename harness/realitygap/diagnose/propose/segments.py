@@ -6,13 +6,14 @@ Because of that they can be put one behind the other in any order, and what each
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.diagnose.propose.limits import Limits
+from realitygap.diagnose.propose.multisine import BANDS, FADE, LENGTH, PHASES, Multisine, drawn
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import SegmentKind
 
@@ -24,8 +25,6 @@ PEAK = 1.875
 """The largest speed of a smooth way is so many times its mean (minimum jerk, Flash & Hogan 1985)."""
 USED = 0.8
 """Share of the largest speed that waves and triangles may ask for: a joint overshoots."""
-PHASES = 3
-"""Multisines of each band that are tried, with other phases."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +37,7 @@ class Segment:
         joints: those that move.
         value: commands [rad or m]. Shape (m, n).
         enabled: whether the servos of the joints that move are on. Shape (m,).
+        wave: of a multisine.
     """
 
     kind: SegmentKind
@@ -45,6 +45,7 @@ class Segment:
     joints: tuple[int, ...]
     value: Array
     enabled: NDArray[np.bool_]
+    wave: Multisine | None = None
 
     def commands(self) -> Array:
         """The commands, NaN where a servo is off. Shape (m, n)."""
@@ -178,21 +179,19 @@ class Builder:
         return np.asarray(shape * min(size / float(np.abs(shape).max()), USED * self._fast * self.period / steepest))
 
     def _multisines(self) -> Iterator[Segment]:
-        low, high = self._ends
-        length = 3.5
-        t = self.period * np.arange(1, self._ticks(length) + 1)
         for number in range(PHASES):
             random = np.random.default_rng(number)
-            for name, band in (("slow", (0.3, 1.2)), ("fast", (0.6, 4.0))):
-                frequency = np.linspace(*band, 5)
-                phase = random.uniform(0, 2 * np.pi, len(frequency))
-                angle = 2 * np.pi * frequency * t[:, None] + phase
-                fade = np.minimum(1.0, np.minimum(t, length - t) / 0.5)
-                middle = 0.5 * (low + high)
-                wave = self._wave(np.sin(angle) @ (1.0 / frequency) * fade, 0.45 * (high - low))
-                yield self._segment(
-                    "multisine", f"{name} multisine {number + 1}", [self._to(0.0, middle), middle + wave]
-                )
+            for name, band in BANDS.items():
+                yield self.multisine(drawn(band, random), f"{name} multisine {number + 1}")
+
+    def multisine(self, wave: Multisine, label: str) -> Segment:
+        """A multisine about the middle of where the joint may go, as large as limits allow."""
+        low, high = self._ends
+        t = self.period * np.arange(1, self._ticks(LENGTH) + 1, dtype=float)
+        fade = np.minimum(1.0, np.minimum(t, LENGTH - t) / FADE)
+        middle = 0.5 * (low + high)
+        shape = self._wave(wave.at(t) * fade, wave.size * 0.5 * (high - low))
+        return replace(self._segment("multisine", label, [self._to(0.0, middle), middle + shape]), wave=wave)
 
     def _reversals(self) -> Iterator[Segment]:
         """Small triangles about places where the joint is loaded: play, spring and dry friction part there."""

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.data.changes import Suspect, clash
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import slope
-from realitygap.diagnose.fit.responses import residuals, respond, single
+from realitygap.diagnose.fit.fit import Fit, slope
+from realitygap.diagnose.fit.responses import Block, residuals, respond, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.metric import marginalised
-from realitygap.diagnose.likelihood.whitening import channels
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
@@ -23,57 +26,93 @@ from realitygap.robot.drive import Array
 
 @dataclass(frozen=True)
 class Wrong:
-    """What laws may be off by.
+    """What laws may be off by, on training cases and motions.
 
     Attributes:
-        told: what is off, by how much, on training cases and motions.
-        rows: how many of the stacked samples are of training cases.
+        problem: with the motions.
+        found: the channels of what is stacked: training cases, then motions.
+        fits: every explanation, with residual and slopes of all of these.
+        blocks: responses of what could be added to the named model.
+        whitening: of the named model's recordings.
     """
 
-    told: Imperfections
-    rows: int
+    problem: Problem
+    found: tuple[Channel, ...]
+    fits: tuple[Fit, ...]
+    blocks: tuple[Block, ...]
+    whitening: Whitening
+
+    @cached_property
+    def named(self) -> Imperfections:
+        """At the named model."""
+        return self._told(0, {c.case for c in self.found})
 
     @property
     def before(self) -> Array:
-        """The responses on training cases. Shape (m₀, q)."""
-        return self.told.responses[: self.rows]
+        """The responses at the named model on training cases. Shape (m₀, q)."""
+        return self.named.responses[self._of(self.problem.of("train"))]
 
     @property
     def ahead(self) -> Array:
-        """The responses on motions. Shape (m, q)."""
-        return self.told.responses[self.rows :]
+        """The responses at the named model on motions. Shape (m, q)."""
+        return self.named.responses[~self._of(self.problem.of("train"))]
+
+    def at(self, number: int, case: int) -> Imperfections:
+        """At an explanation, on training cases and one motion."""
+        return self._told(number, {*self.problem.of("train"), case})
+
+    def _told(self, number: int, cases: Collection[int]) -> Imperfections:
+        rows, fit = self._of(cases), self.fits[number]
+        fit = replace(fit, residual=fit.residual[rows], slope=fit.slope[rows])
+        here = [c.suspect for c in fit.changes]
+        beside = [b for b in self.blocks if not any(clash(b.suspect, s) for s in here)]
+        found = tuple(c for c in self.found if c.case in cases)
+        whitening = self.whitening.elsewhere(found)
+        metric = marginalised(whitening, np.ones(len(fit.residual)), np.zeros((len(whitening.rows), 0)), 0.0)
+        return imperfections(self.problem, fit, [replace(b, columns=b.columns[rows]) for b in beside], metric)
+
+    def _of(self, cases: Collection[int]) -> NDArray[np.bool_]:
+        """Which stacked samples are those of some cases. Shape (m,)."""
+        return np.concatenate([np.full(len(c.time), c.case in cases) for c in self.found])
 
 
 def wrong(
-    simulations: Simulations, named: Scored, everyone: Sequence[Suspect], cases: Sequence[int], floors: Floors
+    simulations: Simulations,
+    explanations: Sequence[Scored],
+    everyone: Sequence[Suspect],
+    cases: Sequence[int],
+    floors: Floors,
 ) -> Wrong | None:
-    """What laws may be imperfect by at a named model, on training cases and motions; None where it cannot be simulated.
+    """What laws may be imperfect by, on training cases and motions; None where an explanation cannot be simulated.
 
     Args:
         simulations: of the problem with the motions.
-        named: the model.
+        explanations: the models, the named one first.
         everyone: the suspects that count: those at single targets that follow a straight line.
         cases: the motions.
         floors: of all cases.
     """
     problem = simulations.problem
-    train = problem.of("train")
-    both = [*train, *cases]
-    found = channels(problem, floors, both)
-    fit = named.fit
-    (now,) = residuals(simulations, [fit.changes], both, floors.coarse)
-    if now is None:
+    both = [*problem.of("train"), *cases]
+    found = tuple(channels(problem, floors, both))
+    named = explanations[0]
+    fits = [_everywhere(simulations, e.fit, both, floors) for e in explanations]
+    good = tuple(f for f in fits if f is not None)
+    if len(good) < len(fits):
         return None
-    space = Space(problem, fit.changes)
-    there = slope(simulations, space, space.first, both, floors.coarse)
-    there = there * (fit.size / space.scale if len(space.scale) else 1.0)
-    accepted = [c.suspect for c in fit.changes]
+    accepted = [c.suspect for c in named.fit.changes]
     alone = [s for s in everyone if s.kind.sits_at != "joint" or single(s)]
     possible = [s for s in alone if not any(clash(s, a) for a in accepted)]
     tried = [start for s in possible for start in starts(problem, s) if start.kind == "linear"]
-    blocks = respond(simulations, fit.changes, tried, both, floors.coarse, found)
-    whitening = named.metric.whitening.elsewhere(found)
-    metric = marginalised(whitening, np.ones(len(now)), np.zeros((len(whitening.rows), 0)), 0.0)
-    told = imperfections(problem, replace(fit, residual=now, slope=there), blocks, metric)
-    rows = sum(len(c.time) for c in found if c.case in train)
-    return Wrong(told, rows)
+    blocks = respond(simulations, named.fit.changes, tried, both, floors.coarse, found)
+    return Wrong(problem, found, good, tuple(blocks), named.metric.whitening)
+
+
+def _everywhere(simulations: Simulations, fit: Fit, cases: Sequence[int], floors: Floors) -> Fit | None:
+    """A fit with residual and slopes of these cases."""
+    (now,) = residuals(simulations, [fit.changes], cases, floors.coarse)
+    if now is None:
+        return None
+    space = Space(simulations.problem, fit.changes)
+    there = slope(simulations, space, space.first, cases, floors.coarse)
+    return replace(fit, residual=now, slope=there * (fit.size / space.scale if len(space.scale) else 1.0))

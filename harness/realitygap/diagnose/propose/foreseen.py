@@ -1,0 +1,175 @@
+"""Foreseen odds: what a diagnosis would say if a motion were recorded as one explanation predicts it.
+
+Recordings of the motion are what the explanation that is taken for true predicts as it stands, with noise as it lasts
+in the present ones. Both explanations are then fitted in simulation to the old recordings and the foreseen one
+together, and compared by the evidence that a diagnosis goes by. What laws may be off by, what no law explains, what is
+an outlier and how many facts there are is thus told by what the wrong one leaves, as it will be: a likelihood in which
+all of that was known beforehand promises odds that no diagnosis gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from realitygap.diagnose.data.case import JOINT_SIGNALS
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.whitening import Channel, channels, spans
+from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.explanations import Open, Question
+from realitygap.diagnose.propose.predict import Predictions
+from realitygap.diagnose.propose.refit import refitted
+from realitygap.diagnose.propose.wrong import Wrong
+from realitygap.diagnose.search.evidence import STRETCH, Scored
+from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.robot.drive import Array
+
+DRAWS = 5
+"""Recordings with other noise that are foreseen for each explanation; the median of their odds is told."""
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """One motion, recorded behind the training motions.
+
+    Attributes:
+        simulations: of the problem with the motions.
+        open: the explanations.
+        predictions: of the motions.
+        floors: of all cases.
+        off: what laws may be off by.
+        case: the number of the motion.
+    """
+
+    simulations: Simulations
+    open: Open
+    predictions: Predictions
+    floors: Floors
+    off: Wrong
+    case: int
+
+    def answers(self, questions: Sequence[Question]) -> list[Answer | None]:
+        """What the motion does to questions: the median of the logarithm of the odds for each side, if it is true; None
+        where a side cannot be fitted to it.
+        """
+        sides = [(q.one, q.other) for q in questions]
+        sides += [(b, a) for a, b in sides]
+        told: dict[tuple[int, int], float] = {}
+        for true in dict.fromkeys(a for a, _ in sides):
+            others = [b for a, b in sides if a == true]
+            told |= {(true, b): odds for b, odds in self._odds(true, others).items()}
+        pairs = [(told.get((q.one, q.other)), told.get((q.other, q.one))) for q in questions]
+        return [None if a is None or b is None else Answer(a, b) for a, b in pairs]
+
+    def _odds(self, true: int, others: Sequence[int]) -> dict[int, float]:
+        """The odds of an explanation, if it is true, over others that can be fitted to it."""
+        random = np.random.default_rng([self.case, true])
+        drawn = [self._noise(self.open.explanations[true], random) for _ in range(DRAWS)]
+        still, columns = self.predictions.of(self.case)
+        first = self._yardstick(still + columns[:, true] + drawn[0])
+        right = _fitted(first, self.open.explanations[true].fit)
+        fits = {k: _fitted(first, self.open.explanations[k].fit) for k in others if right is not None}
+        first.wrong = replace(self.off.at(true, self.case), facts=first.wrong.facts)
+        out = {}
+        for k, other in fits.items():
+            if right is not None and other is not None:
+                both = right.fit, other.fit
+                told = [_compared(first, [self._beside(fit, d - drawn[0]) for fit in both]) for d in drawn]
+                out[k] = float(np.median(told))
+        return out
+
+    def _yardstick(self, shown: Array) -> Yardstick:
+        """What models are compared on, where the motion showed this. Shape (m,)."""
+        problem = _recorded(self.simulations.problem, self.case, shown)
+        simulations = copy(self.simulations)
+        simulations.problem = problem
+        changes = self.open.explanations[0].fit.changes
+        yardstick = Yardstick(simulations, changes)
+        left = residual(simulations, changes, yardstick.train)
+        assert left is not None
+        yardstick.take_facts(left)
+        return yardstick
+
+    def _noise(self, true: Scored, random: np.random.Generator) -> Array:
+        """Stretches of what an explanation leaves of the recordings, in floors, one behind the other, of all channels
+        at once (moving blocks, Künsch 1989). Shape (m,).
+        """
+        problem = self.simulations.problem
+        train = problem.of("train")
+        left: dict[tuple[int, str, int], Array] = {}
+        for channel, span in spans(channels(problem, self.floors, train)):
+            floor = np.hypot(channel.noise, channel.slow)
+            left[channel.case, *channel.key] = np.nan_to_num(true.left[span] / floor)
+        new: Sequence[Channel] = channels(problem, self.floors, [self.case])
+        picks = _stretches(problem, train, len(new[0].time), random)
+        parts = []
+        for channel in new:
+            drawn = np.concatenate([left[c, *channel.key][rows] for c, rows in picks])[: len(channel.time)]
+            parts.append(drawn * np.hypot(channel.noise, channel.slow))
+        return np.concatenate(parts)
+
+    def _beside(self, fit: Fit, more: Array) -> Fit:
+        """A fit where the motion shows something more. Shape (m,)."""
+        changed = fit.residual.copy()
+        changed[len(changed) - len(more) :] -= more
+        return replace(fit, residual=changed)
+
+
+def _fitted(yardstick: Yardstick, fit: Fit) -> Scored | None:
+    """An explanation, fitted in simulation."""
+    if fit.names:
+        return yardstick.fit(fit.changes, care="compared")
+    still = residual(yardstick.simulations, fit.changes, yardstick.train)
+    return None if still is None else yardstick.score(replace(fit, residual=still, slope=np.zeros((len(still), 0))))
+
+
+def _compared(yardstick: Yardstick, both: Sequence[Fit]) -> float:
+    """The logarithm of the odds for the first of two explanations near where they were fitted, with facts as the better
+    one leaves them.
+    """
+    here = copy(yardstick)
+    fits = [refitted(here.problem, fit, here.plain(fit).metric) for fit in both]
+    here.take_facts(fits[0].residual)
+    here.take_facts(max((here.score(fit) for fit in fits), key=lambda s: s.evidence).left)
+    one, other = (here.score(fit) for fit in fits)
+    return one.evidence - other.evidence
+
+
+def _recorded(problem: Problem, case: int, shown: Array) -> Problem:
+    """The problem where a motion was recorded and showed this, stacked as its channels are. Shape (m,)."""
+    cases = list(problem.cases)
+    own = cases[case]
+    rows, first = len(own.measured.time), 0
+    signals = dict[str, Array]()
+    for signal in problem.signals(case):
+        value = np.zeros((rows, len(problem.judged)))
+        number = int(problem.judged.sum())
+        value[:, problem.judged] = shown[first : first + rows * number].reshape(number, rows).T
+        signals[signal], first = value, first + rows * number
+    joints = {s: signals.get(s) for s in JOINT_SIGNALS}
+    measured = replace(own.measured, position=joints["position"], velocity=joints["velocity"], effort=joints["effort"])
+    cases[case] = replace(own, measured=measured, use="train")
+    return replace(problem, cases=tuple(cases))
+
+
+def _stretches(
+    problem: Problem, train: Sequence[int], number: int, random: np.random.Generator
+) -> list[tuple[int, NDArray[np.int64]]]:
+    """Samples of training motions, a stretch of one behind that of another, so many at least."""
+    out, count = list[tuple[int, NDArray[np.int64]]](), 0
+    while count < number:
+        case = int(random.choice(train))
+        time = problem.cases[case].measured.time
+        length = min(max(int(STRETCH * (len(time) - 1) / (time[-1] - time[0])), 1), len(time))
+        first = int(random.integers(len(time) - length + 1))
+        out.append((case, np.arange(first, first + length)))
+        count += length
+    return out
