@@ -1,10 +1,12 @@
 """The closed loop: recordings that leave several explanations, one more motion, and the diagnosis again.
 
+    python tests/bench_propose.py --safe 1000
     python tests/bench_propose.py [--work DIR] [--begin 0] [--end 16] [--seconds 20] [--arm proposed --arm repeated]
 
 Compared on the same seconds: the proposed motion, the old motion repeated, multisines, the motion that sharpens the
 values of one model most (D-optimal), and the sentence of the diagnosis' table carried out literally. Recordings come
 from the foreign plant of `tests/planted`; diagnoses search in MuJoCo. What is done is kept in DIR and not done again.
+`--safe` draws random scenarios instead, and tries whether any motion leaves a limit under any rival in any engine.
 """
 
 import argparse
@@ -14,14 +16,18 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
+import realitygap_engines as engines
 
 sys.path.insert(0, str(Path(__file__).parent / "planted"))
 
 from ambiguous import GAIN, LOAD, Ambiguous, generate
 from motions import Command
+from open_cases import CASES
+from random_proposals import left
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.candidates.told import velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -47,49 +53,6 @@ from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 
-
-class Planted(NamedTuple):
-    """A case: what is planted, and what is recorded of it. `swing` is how far the motion goes, as a share of the usual:
-    small motions are what leaves much open.
-    """
-
-    robot: str
-    effect: str
-    motion: str
-    seed: int
-    swing: float = 0.25
-    effort: bool = False
-
-
-CASES = [  # those that a diagnosis leaves open; what it settles at once counts for nothing, and is told as skipped
-    Planted("pendulum", "coulomb_friction", "sine", 21, 0.2),
-    Planted("pendulum", "joint_offset", "sine", 21, 0.2),
-    Planted("geared", "controller_gain", "sine", 21, 0.2),
-    Planted("pendulum", "joint_offset", "triangle", 21, 0.2),
-    Planted("pendulum", "link_mass", "sine", 21, 0.2),
-    Planted("geared", "constant_effort", "sine", 21, 0.2),
-    Planted("pendulum", "link_mass", "triangle", 21, 0.2),
-    Planted("geared", "joint_offset", "triangle", 21, 0.2),
-    Planted("pendulum", "load_dependent_friction", "sine", 21, 0.2),
-    Planted("geared", "center_of_mass", "triangle", 21, 0.2),
-    Planted("pendulum", "rotor_inertia", "sine", 21, 0.2),
-    Planted("pendulum", "supply_voltage", "triangle", 21, 0.2),
-    Planted("geared", "rotor_inertia", "sine", 22),
-    Planted("pendulum", "joint_offset", "sine", 22),
-    Planted("geared", "load_dependent_friction", "sine", 22),
-    Planted("pendulum", "joint_offset", "triangle", 22),
-    Planted("pendulum", "rotor_inertia", "sine", 22),
-    Planted("geared", "constant_effort", "sine", 22),
-    Planted("pendulum", "supply_voltage", "sine", 22),
-    Planted("geared", "joint_offset", "sine", 22),
-    Planted("pendulum", "controller_gain", "sine", 22),
-    Planted("geared", "joint_offset", "triangle", 22),
-    Planted("geared", "controller_gain", "triangle", 22),
-    Planted("pendulum", "joint_offset", "triangle", 1, 1.0),
-    Planted("pendulum", "backlash", "triangle", 3, 1.0),
-    Planted("geared", "coulomb_friction", "triangle", 4, 1.0),
-    Planted("planar", "joint_offset", "sine", 41),
-]
 ARMS = ("proposed", "repeated", "multisine", "d_optimal", "table")
 Runs = list[dict[str, Any]]
 
@@ -322,6 +285,19 @@ def report(results: Sequence[dict[str, Any]]) -> list[str]:
     return lines
 
 
+def safe(first: int, number: int) -> str:
+    """Motions for random scenarios, each in MuJoCo and two engines that are drawn."""
+    every, motions, bad = sorted({*engines.available()} - {"mujoco"}), 0, 0
+    for seed in range(first, first + number):
+        drawn = np.random.default_rng(seed).choice(every, min(2, len(every)), replace=False).tolist()
+        with TemporaryDirectory() as folder:
+            count, outside = left(seed, Path(folder), ["mujoco", *drawn])
+        motions, bad = motions + count, bad + bool(outside)
+        for one in outside:
+            print(one, flush=True)
+    return f"{number} random scenarios, {motions} motions: in {bad} scenarios one leaves a limit"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--work", type=Path, default=Path("results/runs/propose"))
@@ -329,7 +305,11 @@ def main() -> None:
     parser.add_argument("--end", type=int, default=len(CASES), help="number behind the last one")
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--arm", choices=ARMS, action="append")
+    parser.add_argument("--safe", type=int, default=0, help="so many random scenarios: does a motion leave a limit?")
     args = parser.parse_args()
+    if args.safe:
+        print(safe(args.begin, args.safe))
+        return
     args.work.mkdir(parents=True, exist_ok=True)
     results = []
     for number in range(args.begin, min(args.end, len(CASES))):

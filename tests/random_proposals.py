@@ -30,8 +30,10 @@ from realitygap_engines import Diverged, Failed, Unsupported
 from robots import BUILDERS
 
 ROBOTS = ("pendulum", "geared", "planar", "skew", "slide")
-SECONDS = 5.0
+SECONDS = 4.0
 """Of a proposed motion: enough for two or three pieces."""
+RIVALS = 2
+"""Effects that are drawn, beside none."""
 LENGTH, RATE = 2.0, 100.0
 """Of the recording that a scenario needs [s], [Hz]."""
 
@@ -66,9 +68,9 @@ def scenario(random: np.random.Generator, folder: Path) -> Path:
         limits[name] = {k: [float(x) for x in v] if k == "position" else float(v) for k, v in own.items()}
     key = "kp" if robot.servo["kind"] == "pid" else "gain"
     have: list[dict[str, Any]] = []
-    if random.random() < 0.5:
+    if random.random() < 0.3:
         have.append({f"servos.drive.{key}": float(robot.servo[key] * random.uniform(0.4, 1.3))})
-    if not robot.prismatic and random.random() < 0.5:
+    if not robot.prismatic and random.random() < 0.3:
         have.append({"robot.urdf": "load.urdf"})
     time = np.arange(0.0, LENGTH, 1.0 / RATE)
     swing = reach * random.uniform(0.05, 0.8, len(names))
@@ -79,7 +81,7 @@ def scenario(random: np.random.Generator, folder: Path) -> Path:
         "servos": [{"name": "drive", "joints": "*", **robot.servo}],
         "motion": {"recorded": "command"},
         "ground": "none",
-        "physics": {"step_rate": 1000},
+        "physics": {"step_rate": 500},
         "recordings": {
             "columns": {what: {n: f"{what}_{n}" for n in names} for what in ("command", "position")},
             "runs": [{"path": "a.csv", "use": "train"}, {"path": "b.csv", "use": "held_out"}],
@@ -106,7 +108,7 @@ def rivals(problem: Problem, random: np.random.Generator) -> list[tuple[Change, 
     """Explanations with one effect each, of any that is visible, from half to twice as large; and none."""
     everyone = suspects(problem)
     out: list[tuple[Change, ...]] = [()]
-    for k in random.permutation(len(everyone))[:3]:
+    for k in random.permutation(len(everyone))[:RIVALS]:
         options = starts(problem, everyone[int(k)])
         if options:
             start = options[int(random.integers(len(options)))]

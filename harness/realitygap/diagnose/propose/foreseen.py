@@ -32,7 +32,7 @@ from realitygap.diagnose.search.evidence import STRETCH, Scored
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
-DRAWS = 5
+DRAWS = 3
 """Recordings with other noise that are foreseen for each explanation; the median of their odds is told."""
 
 
@@ -75,16 +75,16 @@ class Foreseen:
         drawn = [self._noise(self.open.explanations[true], random) for _ in range(DRAWS)]
         still, columns = self.predictions.of(self.case)
         first = self._yardstick(still + columns[:, true] + drawn[0])
-        right = _fitted(first, self.open.explanations[true].fit)
-        fits = {k: _fitted(first, self.open.explanations[k].fit) for k in others if right is not None}
+        tried = {k: _fitted(first, self.open.explanations[k].fit) for k in (true, *others)}
+        fits = {k: scored for k, scored in tried.items() if scored is not None}
+        if true not in fits:
+            return {}
         first.wrong = replace(self.off.at(true, self.case), facts=first.wrong.facts)
-        out = {}
-        for k, other in fits.items():
-            if right is not None and other is not None:
-                both = right.fit, other.fit
-                told = [_compared(first, [self._beside(fit, d - drawn[0]) for fit in both]) for d in drawn]
-                out[k] = float(np.median(told))
-        return out
+        best = max(fits.values(), key=lambda s: s.evidence).fit
+        first.take_facts(best.residual)
+        first.take_facts(first.score(best).left)
+        told = {k: [_evidence(first, self._beside(s.fit, d - drawn[0])) for d in drawn] for k, s in fits.items()}
+        return {k: float(np.median(np.subtract(told[true], told[k]))) for k in fits if k != true}
 
     def _yardstick(self, shown: Array) -> Yardstick:
         """What models are compared on, where the motion showed this. Shape (m,)."""
@@ -131,16 +131,9 @@ def _fitted(yardstick: Yardstick, fit: Fit) -> Scored | None:
     return None if still is None else yardstick.score(replace(fit, residual=still, slope=np.zeros((len(still), 0))))
 
 
-def _compared(yardstick: Yardstick, both: Sequence[Fit]) -> float:
-    """The logarithm of the odds for the first of two explanations near where they were fitted, with facts as the better
-    one leaves them.
-    """
-    here = copy(yardstick)
-    fits = [refitted(here.problem, fit, here.plain(fit).metric) for fit in both]
-    here.take_facts(fits[0].residual)
-    here.take_facts(max((here.score(fit) for fit in fits), key=lambda s: s.evidence).left)
-    one, other = (here.score(fit) for fit in fits)
-    return one.evidence - other.evidence
+def _evidence(yardstick: Yardstick, near: Fit) -> float:
+    """The evidence of an explanation near where it was fitted, refitted along straight lines."""
+    return yardstick.score(refitted(yardstick.problem, near, yardstick.plain(near).metric)).evidence
 
 
 def _recorded(problem: Problem, case: int, shown: Array) -> Problem:

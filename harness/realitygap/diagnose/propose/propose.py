@@ -42,6 +42,8 @@ from realitygap.scenario.propose import ProposeSpec
 TRIED = 4
 """Conditions under which a motion is looked at as a whole, at most: what tells most as if laws were exact need not be
 what tells most."""
+NARROWER = 0.9
+"""An interval that keeps this share of its width is not what one records for."""
 SHORTEST = 4.0
 """A motion shorter than this has no room for a single segment [s]."""
 
@@ -119,7 +121,7 @@ def propose(
         design(result, spec, floors, engines, seconds, motions, say, workers)
         if result.proposed:
             _judge(result, say, workers)
-            del result.proposed[motions:]
+            result.proposed = [p for p in result.proposed if _tells(result, p)][:motions]
     except Interrupted as end:
         if not result.proposed:
             raise
@@ -127,7 +129,14 @@ def propose(
         result.notes.append("ended early: the best so far, with odds as if laws were exact")
     if not result.proposed:
         result.notes.append("no motion within these limits tells more than is known")
+        if not open_.questions:
+            result.notes[-1] += "; what is left of the intervals is what laws themselves may be off by"
     return result
+
+
+def _tells(result: Proposal, proposed: Proposed) -> bool:
+    """Whether a motion moves any odds, or makes any interval narrower that is worth a recording."""
+    return bool(result.reached(proposed)) or any(w.then < NARROWER * w.now for w in proposed.weak)
 
 
 def design(
