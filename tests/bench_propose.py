@@ -235,14 +235,17 @@ def run(number: int, work: Path, seconds: float, arms: Sequence[str]) -> dict[st
     began = time.process_time()
     result = propose(problem, open_, floors, ["mujoco"], seconds, 1, quiet, 1)
     out["propose_seconds"] = round(time.process_time() - began, 1)
-    twins = {e for q in true if q in result.hopeless for e in sides(q)} - {right, ""}
-    true = [q for q in true if q not in result.hopeless]
-    if not result.proposed or not true:
+    if not result.proposed:
         return out | {"skipped": "no motion within the limits moves the question"}
     best = result.proposed[0]
+    answers = dict(zip(open_.questions, best.answers, strict=True))
+    stay = [q for q in true if q in result.hopeless or not answers[q].moves(q)]  # as the page says
+    twins = {e for q in stay for e in sides(q)} - {right, ""}
+    true = [q for q in true if q not in stay]
+    if not true:
+        return out | {"skipped": "the motion does not move the question"}
     out["motion"] = [best.motion.condition.label, *(s.label for s in best.motion.segments)]
     out["twins"] = sorted(twins)
-    answers = dict(zip(open_.questions, best.answers, strict=True))
     question = min(true, key=lambda q: answers[q].least)
     for arm in arms:
         more = (
