@@ -19,11 +19,14 @@ def diagnose(
 
     Where simulation and measurement disagree, which effect explains it, and the gap on held-out runs.
     """
-    from realitygap.diagnose.result.workflow import run_diagnosis, summary
-    from realitygap.files.progress import Progress
+    from realitygap.diagnose.data.processes import started
 
     folder = folder_for(out, f"{scenario.resolve().parent.name}_diagnosis")
-    result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs)
+    with started(jobs if scenario.is_file() else 1) as ahead:  # they load their packages while this one loads its own
+        from realitygap.diagnose.result.workflow import run_diagnosis, summary
+        from realitygap.files.progress import Progress
+
+        result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead)
     say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
     if mjcf:
         from realitygap.robot.mjcf_file import write_scenario_mjcf

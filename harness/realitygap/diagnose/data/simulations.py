@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
-import subprocess
-import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -14,6 +11,7 @@ from typing import cast
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.processes import Died, Process
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.robot.drive import Array
 from realitygap.simulate.opened import kept_open
@@ -23,15 +21,18 @@ KEPT = 256e6
 
 
 class Simulations:
-    """Simulates the cases of a problem with changes, in `workers` processes that load the engines themselves."""
+    """Simulates the cases of a problem with changes, in `workers` processes that load the engines themselves.
 
-    def __init__(self, problem: Problem, workers: int | None = None) -> None:
+    Processes that were started `ahead` are taken from their list first.
+    """
+
+    def __init__(self, problem: Problem, workers: int | None = None, ahead: list[Process] | None = None) -> None:
         self.problem = problem
         self.count = 0
         self._remembered: dict[Query, dict[str, Array] | None] = {}
         self._bytes = 0.0
         self.workers = workers or len(os.sched_getaffinity(0))
-        self._workers = [_Worker(problem) for _ in range(self.workers)] if self.workers > 1 else []
+        self._workers = [_Worker(problem, ahead or []) for _ in range(self.workers)] if self.workers > 1 else []
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
         for worker in self._workers:
             self._idle.put(worker)
@@ -86,9 +87,12 @@ class Simulations:
             self._idle.put(worker)
 
     def close(self) -> None:
-        """End the workers."""
+        """End the workers at once: whoever still waits for one has no answer."""
         if self._threads is not None:
-            self._threads.shutdown(cancel_futures=True)
+            self._threads.shutdown(wait=False, cancel_futures=True)
+            for worker in self._workers:
+                worker.kill()
+            self._threads.shutdown()
         for worker in self._workers:
             worker.close()
         self._ends.close()
@@ -106,46 +110,31 @@ Coarse = Sequence[float]
 
 
 class _Worker:
-    """One process; it starts with the first query."""
+    """A process that knows the problem; it starts with the first query, where none was started ahead."""
 
-    def __init__(self, problem: Problem) -> None:
-        self._problem = problem
-        self._process: subprocess.Popen[bytes] | None = None
+    def __init__(self, problem: Problem, ahead: list[Process]) -> None:
+        self._problem, self._ahead = problem, ahead
+        self._process: Process | None = None
 
     def ask(self, query: Query) -> dict[str, Array] | None:
-        if self._process is None:
-            environment = os.environ | {"PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", "realitygap.diagnose.data.worker"],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                env=environment,
-            )
-            self._write(self._problem)
-        self._write(query)
-        assert self._process.stdout is not None
         try:
-            good, result = pickle.load(self._process.stdout)
-        except (
-            EOFError,
-            pickle.UnpicklingError,
-        ):  # an engine that takes its process down cannot simulate this; the next query has a new one
+            if self._process is None:
+                self._process = self._ahead.pop() if self._ahead else Process()
+                self._process.tell(self._problem)
+            self._process.tell(query)
+            good, result = cast("tuple[bool, object]", self._process.answer())
+        except Died:  # an engine that takes its process down cannot simulate this; the next query has a new one
             self.close()
-            self._process = None
             return None
         if not good:
             raise RuntimeError(result)
         return cast("dict[str, Array] | None", result)
 
-    def _write(self, message: object) -> None:
-        assert self._process is not None
-        assert self._process.stdin is not None
-        pickle.dump(message, self._process.stdin, pickle.HIGHEST_PROTOCOL)
-        self._process.stdin.flush()
+    def kill(self) -> None:
+        if self._process is not None:
+            self._process.kill()
 
     def close(self) -> None:
         if self._process is not None:
-            for stream in (self._process.stdin, self._process.stdout):
-                if stream is not None:
-                    stream.close()
-            self._process.wait()
+            self._process.close()
+        self._process = None

@@ -20,6 +20,7 @@ from realitygap.diagnose.data.push import Push
 from realitygap.diagnose.data.windows import joined
 from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
+from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
 from realitygap.simulate.opened import kept_open
 from realitygap.trace.trace import Trace
@@ -49,7 +50,7 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
         return None
     windows = case.windows or (case.experiment,)
     try:
-        traces = [_simulated(problem, query, e, number) for number, e in enumerate(windows)]
+        traces = [_simulated(plant, query, e, number) for number, e in enumerate(windows)]
     except (Diverged, Failed, Unsupported):
         return None
     trace = joined(windows, traces)
@@ -64,10 +65,10 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     return out
 
 
-def _simulated(problem: Problem, query: Query, experiment: Experiment, number: int) -> Trace:
+def _simulated(plant: Plant, query: Query, experiment: Experiment, number: int) -> Trace:
     """One window, the so manieth, or all of a motion."""
-    plant = problem.changed_plant(query.changes, query.case)
     if query.push is not None:
+        plant = plant.copy()
         query.push.on(plant, experiment)
     if query.nudge is not None and experiment.midway is not None:
         random = np.random.default_rng([query.nudge, number])

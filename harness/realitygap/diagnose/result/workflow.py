@@ -15,6 +15,7 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.candidates.told import velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
 from realitygap.diagnose.judge.held_out import predicted
@@ -44,7 +45,12 @@ Say = Callable[[str], None]
 
 
 def run_diagnosis(
-    path: Path, names: Sequence[str], out: Path, progress: Progress, workers: int | None = None
+    path: Path,
+    names: Sequence[str],
+    out: Path,
+    progress: Progress,
+    workers: int | None = None,
+    ahead: list[Process] | None = None,
 ) -> Diagnosis:
     """Diagnose a scenario and write what was found.
 
@@ -54,23 +60,30 @@ def run_diagnosis(
         out: the result folder.
         progress: told what is being done.
         workers: processes; None for one per core.
+        ahead: those of them that were started already.
 
     Raises:
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
-    result = diagnosed(load_scenario(path), names, progress, workers)
+    result = diagnosed(load_scenario(path), names, progress, workers, ahead)
     with last():
         write_diagnosis(result, out)
     return result
 
 
-def diagnosed(file: ScenarioFile, names: Sequence[str], progress: Progress, workers: int | None = None) -> Diagnosis:
+def diagnosed(
+    file: ScenarioFile,
+    names: Sequence[str],
+    progress: Progress,
+    workers: int | None = None,
+    ahead: list[Process] | None = None,
+) -> Diagnosis:
     """The same without writing anything."""
     chosen = engine_names(names)
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
-    with Simulations(problem, workers) as simulations:
+    with Simulations(problem, workers, ahead) as simulations:
         result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings))
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     return result

@@ -1,0 +1,71 @@
+"""Processes that simulate are the same whether they were started ahead or not, and end with what they are for."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.processes import Died, Process, started
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.scenario.file import load_scenario
+
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    return build_problem(load_scenario(DEMO), "mujoco")
+
+
+def alive(process: Process) -> bool:
+    return process._process.poll() is None
+
+
+def test_processes_started_ahead_answer_as_this_one_does(problem: Problem) -> None:
+    cases = range(len(problem.cases))
+    with Simulations(problem, 1) as own:
+        expected = own.of([], cases)
+    with started(2) as ahead:
+        both = list(ahead)
+        with Simulations(problem, 2, ahead) as simulations:
+            found = simulations.of([], cases)
+            assert not ahead, "others were started"
+            assert all(map(alive, both))
+        assert not any(map(alive, both))
+    for a, b in zip(expected, found, strict=True):
+        assert a is not None
+        assert b is not None
+        assert a.keys() == b.keys()
+        assert all(np.array_equal(a[s], b[s]) for s in a)
+
+
+def test_who_needs_none_ends_them_at_once() -> None:
+    with pytest.raises(ValueError, match="bad input"), started(2) as ahead:  # noqa: PT012 (it is about the end)
+        both, began = list(ahead), time.monotonic()
+        raise ValueError("bad input")
+    assert len(both) == 2
+    assert not any(map(alive, both))
+    assert time.monotonic() - began < 1.0, "they were waited for until they had loaded everything"
+
+
+def test_none_are_started_where_one_process_does_all() -> None:
+    with started(1) as ahead:
+        assert ahead == []
+
+
+def test_one_that_has_ended_says_so() -> None:
+    process = Process()
+    process.kill()
+    with pytest.raises(Died):
+        process.answer()
+    process.close()
+
+
+def test_starting_them_takes_no_package() -> None:
+    """They are started before the command has loaded its own: loading what starts them has to be quick."""
+    heavy = ("numpy", "scipy", "pandas", "numba", "mujoco", "matplotlib")
+    code = f"import sys, realitygap.diagnose.data.processes; print([m for m in {heavy} if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout == b"[]\n"
