@@ -120,7 +120,8 @@ def truth(case: Ambiguous) -> str:
 
 def odds(simulations: Simulations, base: Fit, fits: Sequence[Fit]) -> float | None:
     """The logarithm of the odds for the first of two explanations, each refitted to all recordings, where laws may be
-    off, and facts count, as at the better one: there a diagnosis compares it with its rivals.
+    off, and facts count, as at the one with fewer findings, where a diagnosis asks whether anything more is named; of
+    two with as many, as at the better one.
     """
     problem = simulations.problem
     yardstick = Yardstick(simulations, base.changes)
@@ -132,7 +133,7 @@ def odds(simulations: Simulations, base: Fit, fits: Sequence[Fit]) -> float | No
     good = [n for n in near if n is not None]
     if len(good) < len(near):
         return None
-    yardstick.stand_at(max(good, key=lambda n: n.evidence).fit, suspects(problem))
+    yardstick.stand_at(min(good, key=lambda n: (len(n.fit.changes), -n.evidence)).fit, suspects(problem))
     one, other = (_refitted(yardstick, n.fit.changes) for n in good)
     return None if one is None or other is None else one.evidence - other.evidence
 

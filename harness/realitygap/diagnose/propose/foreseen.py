@@ -9,7 +9,7 @@ all of that was known beforehand promises odds that no diagnosis gives.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -79,12 +79,24 @@ class Foreseen:
         fits = {k: scored for k, scored in tried.items() if scored is not None}
         if true not in fits:
             return {}
-        first.wrong = replace(self.off.at(true, self.case), facts=first.wrong.facts)
-        best = max(fits.values(), key=lambda s: s.evidence).fit
-        first.take_facts(best.residual)
-        first.take_facts(first.score(best).left)
-        told = {k: [_evidence(first, self._beside(s.fit, d - drawn[0])) for d in drawn] for k, s in fits.items()}
-        return {k: float(np.median(np.subtract(told[true], told[k]))) for k in fits if k != true}
+        more = [d - drawn[0] for d in drawn]
+        return {k: float(np.median(self._compared(first, fits, true, k, more))) for k in fits if k != true}
+
+    def _compared(
+        self, first: Yardstick, fits: Mapping[int, Scored], true: int, other: int, more: Sequence[Array]
+    ) -> Array:
+        """The logarithm of the odds for the first of two explanations, near where they were fitted. Shape (draws,).
+
+        What laws may be off by, and how many facts there are, is as at the one with fewer findings, where a diagnosis
+        asks whether anything more is to be named; of two with as many, as at the better one.
+        """
+        at = min((true, other), key=lambda k: (len(fits[k].fit.changes), -fits[k].evidence))
+        here = copy(first)
+        here.wrong = replace(self.off.at(at, self.case), facts=first.wrong.facts)
+        here.take_facts(fits[at].fit.residual)
+        here.take_facts(here.score(fits[at].fit).left)
+        one, two = ([_evidence(here, self._beside(fits[k].fit, m)) for m in more] for k in (true, other))
+        return np.subtract(one, two)
 
     def _yardstick(self, shown: Array) -> Yardstick:
         """What models are compared on, where the motion showed this. Shape (m,)."""
@@ -92,7 +104,7 @@ class Foreseen:
         simulations = copy(self.simulations)
         simulations.problem = problem
         changes = self.open.explanations[0].fit.changes
-        yardstick = Yardstick(simulations, changes)
+        yardstick = Yardstick(simulations, changes, self.floors)
         left = residual(simulations, changes, yardstick.train)
         assert left is not None
         yardstick.take_facts(left)

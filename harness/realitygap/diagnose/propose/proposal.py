@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.design import ENOUGH, Answer
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import Limits
@@ -93,3 +95,10 @@ class Proposal:
     def least(self, proposed: Proposed) -> float:
         """The expected logarithm of the odds of the question that a motion settles least."""
         return min((a.least for _, a in self.reached(proposed)), default=0.0)
+
+    def settled(self, proposed: Proposed) -> float:
+        """How well a motion settles its questions on average: beyond `ENOUGH` one is settled, and one that nothing
+        settles does not decide between motions.
+        """
+        told = [max(min(a.least, ENOUGH), -ENOUGH) for _, a in self.reached(proposed)]
+        return float(np.mean(told)) if told else 0.0

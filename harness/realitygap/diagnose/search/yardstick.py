@@ -35,16 +35,16 @@ class Yardstick:
 
     Attributes:
         simulations: of the problem.
-        floors: of the model that the round started from.
+        floors: of the model that the round started from; measured where they are not known.
         train: the cases that are fitted.
         channels: of their stacked residual.
         wrong: what laws may be imperfect by.
     """
 
-    def __init__(self, simulations: Simulations, changes: Sequence[Change]) -> None:
+    def __init__(self, simulations: Simulations, changes: Sequence[Change], floors: Floors | None = None) -> None:
         self.simulations, self.problem = simulations, simulations.problem
         self.train = self.problem.of("train")
-        self.floors: Floors = measure(simulations, changes, self.train)
+        self.floors: Floors = measure(simulations, changes, self.train) if floors is None else floors
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
         self.wrong = Imperfections(np.ones(len(self.channels)), none)
