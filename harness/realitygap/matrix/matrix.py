@@ -73,11 +73,13 @@ def results(
         here = stack.enter_context(local(settings.jobs))
         if settings.keep:
             place = settings.place(out)
+            stack.callback(here.close)
             undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)
             folder = stack.enter_context(written_whole(out))
         else:
             folder = stack.enter_context(written_whole(out))
             place = stack.enter_context(TemporaryDirectory(prefix="cells-", dir=folder))
+            stack.callback(here.close)  # before the folder goes that they write to
             undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)
         yield collect(matrix, tasks, undone, open_store(place), folder, warnings), folder, here
 
