@@ -26,7 +26,14 @@ def test_the_power_is_what_least_squares_says(size: float, middle: float) -> Non
         line = np.column_stack([np.ones(len(angle)), angle])
         wave = np.column_stack([line, np.sin(grid[k] * angle), np.cos(grid[k] * angle)])
         left = [np.sum((residual - m @ np.linalg.lstsq(m, residual, rcond=None)[0]) ** 2, axis=0) for m in (line, wave)]
-        np.testing.assert_allclose(found[k], left[0] - left[1], rtol=0.05, atol=0.5)
+        np.testing.assert_allclose(found[k] * left[0], left[0] - left[1], rtol=0.05, atol=0.5)
+
+
+def test_a_motion_that_is_far_off_for_another_cause_hides_no_ripple() -> None:
+    quiet, far = swinging(1.0), swinging(0.7, 0.2)
+    ripple = 2.0 * np.sin(24.0 * quiet)[:, None] * np.array([0.3, 1.0]) + noise(5)
+    other = 60.0 * np.sign(np.sin(3.1 * TIME))[:, None] + noise(6)
+    assert min(abs(p - 24.0) for p in periods_of([quiet, far], [ripple, other], ORDINARY)[:1]) < 0.3
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,9 @@
 
 A ripple moves the joint, and the effort, by nearly the same sine of the angle: sine and cosine are fitted to the
 residual beside a straight line at every period that the angles resolve (a Lomb-Scargle periodogram with a floating mean
-and trend: Zechmeister and Kürster 2009). All sums that the fits take are transforms of what falls into narrow bins of
-the angle (Press and Rybicki 1989).
+and trend: Zechmeister and Kürster 2009). Every signal of every motion has an unknown noise of its own, so that a share
+s that is explained of it counts −ln(1 − s): what is far off for another cause tells no more than the rest. All sums
+that the fits take are transforms of what falls into narrow bins of the angle (Press and Rybicki 1989).
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ LOBES = 40
 """Widths of a peak over which the spectrum around it is looked at."""
 NARROW = 8.0
 """Bins in the shortest period: its sums are 2.6 % too small then."""
+ALL = 1.0 - 1e-9
+"""A wave never explains more than this: readings are rounded."""
 LEAST = 500
 """Bins in the range of the motion at least."""
 
@@ -52,7 +55,7 @@ def periods_of(angles: Sequence[Array], residuals: Sequence[Array], highest: flo
     tops = [min(resolved(a), highest) for a, _ in runs]
     grid: Array = step * np.arange(math.ceil(LOWEST / step), math.ceil(max(*tops, ORDINARY) / step), dtype=float)
     powers = [power(a, r, grid) for a, r in runs]
-    slow = np.where(grid < ORDINARY, sum(p.sum(axis=1) for p in powers), 0.0)
+    slow = np.where(grid < ORDINARY, -sum(np.log1p(-p).sum(axis=1) for p in powers), 0.0)
     fast, many = np.zeros(len(grid)), np.zeros(len(grid))
     lobe = max(1, round(2.0 * math.pi / widest / step))
     for p, top in zip(powers, tops, strict=True):
@@ -74,7 +77,10 @@ def resolved(angle: Array) -> float:
 
 
 def power(angle: Array, residual: Array, grid: Array) -> Array:
-    """What a sine at each period of an even grid explains of a residual (t, k) beside a straight line. Shape (p, k)."""
+    """The share that a sine at each period of an even grid explains of a residual (t, k) beside a straight line.
+
+    Shape (p, k), less than one.
+    """
     step = float(grid[1] - grid[0])
     whole = 2.0 * math.pi / step  # every wave of the grid repeats itself after so much
     finest = max(NARROW * float(grid[-1]) / (2.0 * math.pi), LEAST / float(np.ptp(angle)))  # bins per rad
@@ -96,7 +102,8 @@ def power(angle: Array, residual: Array, grid: Array) -> Array:
     told = determinant > 1e-10 * number * (cosine + sine)  # a wave and a line that differ
     with np.errstate(divide="ignore", invalid="ignore"):
         found = (sine[:, None] * c**2 - 2.0 * both[:, None] * c * s + cosine[:, None] * s**2) / determinant[:, None]
-    return np.where(told[:, None], np.maximum(found, 0.0), 0.0)
+    share = found / np.maximum((rest**2).sum(axis=0), 1e-300)
+    return np.where(told[:, None], np.clip(share, 0.0, ALL), 0.0)
 
 
 def _peaks(grid: Array, score: Array, apart: int) -> list[float]:
