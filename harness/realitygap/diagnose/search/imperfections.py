@@ -114,11 +114,34 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     for k, s in zip(known, size, strict=True):
         for place in k.places:
             does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * s)
-    columns = [(k.law, _scale(k, s, does) * k.response) for k, s in zip(known, size, strict=True)]
+    scaled = [(k, _scale(k, s, does) * k.response) for k, s in zip(known, size, strict=True)]
+    columns = [(k.law, c) for k, c in scaled[: len(own)]]
+    for law, places in dict.fromkeys((k.law, k.places) for k, _ in scaled[len(own) :]):
+        alike = np.column_stack([c for k, c in scaled[len(own) :] if (k.law, k.places) == (law, places)])
+        most = SHARE[law] * max(does[law, p] for p in places) if law else np.inf
+        columns += [(law, c) for c in _once(alike, metric(alike), most).T]
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
     return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
+
+
+def _once(columns: Array, white: Array, most: float) -> Array:
+    """The same imperfections where none of what they do is larger than all laws of their kind may be off by.
+
+    Laws of one kind do much the same: Coulomb friction, friction by direction and the Stribeck effect are one fault of
+    friction, not three that add up. So of their common covariance no direction has more than `most`².
+
+    Args:
+        columns: of the residual. Shape (m, n).
+        white: the same in the metric. Shape (r, n).
+        most: the length in the metric of what the kind of law may be off by.
+    """
+    if not np.isfinite(most):
+        return columns
+    square, turn = np.linalg.eigh(white.T @ white)
+    length = np.sqrt(np.maximum(square, 0.0))
+    return np.asarray(columns @ (turn * np.minimum(1.0, most / np.maximum(length, 1e-300))))
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
@@ -144,12 +167,13 @@ def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> lis
 
 
 def _of(blocks: Sequence[Block]) -> list[_Known]:
-    """What could be added at single targets, and follows a straight line."""
+    """What could be added at single targets, and follows a straight line, or turns with the angle as friction does."""
     out, seen = [], set[Suspect]()
     for block in blocks:
         suspect, zero = block.suspect, dict(block.start.zero)
         alone = suspect.kind.sits_at != "joint" or single(suspect)
-        if block.start.kind != "linear" or suspect in seen or not alone:
+        uneven = block.start.kind == "wave" and suspect.kind.law == "friction"
+        if not (block.start.kind == "linear" or uneven) or suspect in seen or not alone:
             continue
         seen.add(suspect)
         for k, change in enumerate(block.start.tries):
