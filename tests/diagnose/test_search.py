@@ -1,6 +1,7 @@
 """The search on the bundled demo (synthetic): moves that the straight-line model promises come true in simulation."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -152,6 +153,40 @@ def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yar
     own = neutral(problem.plant, friction)["torque"]
     assert wrong.shares(at)[0] == 1.0
     assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
+
+
+def test_what_laws_of_a_kind_do_alike_counts_once(
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
+) -> None:
+    """Friction of four laws, uneven friction among them, is off by no more in any direction than friction may be."""
+    at = Fit((), _of(simulations, yardstick, []))
+    names = ("coulomb_friction", "viscous_friction", "direction_friction", "friction_ripple")
+    blocks = yardstick.responses(at, [suspect_of(problem, n, "elbow") for n in names])
+    metric = yardstick.plain(at).metric
+    wrong = imperfections(problem, at, blocks, metric)
+    friction = metric(wrong.responses[:, [law == "friction" for law in wrong.laws]])
+    assert friction.shape[1] == 6  # one, one, two directions, sine and cosine
+    most = SHARE["friction"] * wrong.does["friction", 1]
+    lengths = np.linalg.svd(friction, compute_uv=False)
+    assert most > 0.0
+    assert lengths.max() == pytest.approx(most, rel=1e-6)
+    assert np.linalg.norm(friction, axis=0).max() <= most * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("times", [0.5, 1.3])
+def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
+    problem: Problem, simulations: Simulations, yardstick: Yardstick, times: float
+) -> None:
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    found = yardstick.fit([friction])
+    assert found is not None
+    own = Yardstick(simulations, found.fit.changes)
+    own.stand_at(found.fit, [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")])
+    away = found.fit.changes[0].at({"torque": times * FRICTION})
+    start = replace(found.fit, changes=(away,), residual=_of(simulations, own, [away]), here=False)
+    settled = own.settled(start)
+    assert settled.evidence > own.score(start).evidence + 10.0
+    assert settled.fit.value[0] == pytest.approx(FRICTION, rel=0.05)
 
 
 def _of(simulations: Simulations, yardstick: Yardstick, changes: list[Change]) -> Array:

@@ -100,9 +100,10 @@ class Yardstick:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
         not these effects, which a quick fit leaves open.
 
-        Values are fitted as if laws were exact, which tells them best; what laws may be wrong by counts in the
-        evidence and in the intervals. Each pass fits in the metric of what the one before left: what is an outlier,
-        and what no law explains, is told by the model itself.
+        Values are fitted as if laws were exact, which tells them best: what laws may be wrong by could do much the same
+        as they. Models that are only compared are moved on from there to where their evidence is best (`settled`).
+        Each pass fits in the metric of what the one before left: what is an outlier, and what no law explains, is told
+        by the model itself.
 
         Args:
             changes: with first guesses.
@@ -135,10 +136,31 @@ class Yardstick:
                 start, near = best, best.fit
         if best is None or (care != "quick" and any(absurd(c) for c in best.fit.changes)):
             return None
-        found: Fit | None = best.fit
-        if care == "whole":
-            found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
+        if care != "whole":
+            return self.settled(best.fit, passes)
+        found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
+
+    def settled(self, at: Fit, care: Care = "compared") -> Scored:
+        """A fit, moved on in the metric of moves to where its evidence is best, for models to be compared as they are.
+
+        What laws are off by draws values away where it counts as noise, and another effect may mend that: a ripple of
+        0.235 N·m was fitted as 0.213 beside friction that is uneven by some per cent, and an offset that the joint has
+        not gained 80 in evidence; it gains 14 where both models are at their best.
+        """
+        best = self.score(at)
+        passes = 1 if care == "quick" else SETTLE
+        for _ in range(passes if self.wrong.laws and at.names else 0):
+            metric = self.sharp(best.fit).metric
+            done = fit(self.simulations, best.fit.changes, self.train, metric, self.floors.coarse, best.fit, care)
+            if done is None:
+                break
+            there = self.score(done)
+            gain = there.evidence - best.evidence
+            best = there if gain > 0.0 else best
+            if gain < SETTLED:
+                break
+        return best
 
     def elsewhere(self, found: Scored) -> Scored:
         """The best of a model and of its fits from other values, where contacts make fits rough: without joints."""
