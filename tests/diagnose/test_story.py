@@ -50,20 +50,22 @@ def judged() -> Any:
         done = yardstick.fit([change])
         every = range(len(problem.cases))
         signals = [dict(enumerate(simulations.of(c, every))) for c in (list[Change](), done.fit.changes)]
-    return problem, yardstick.floors, base, done, *signals
+    return problem, yardstick, base, done, *signals
 
 
 @pytest.fixture(scope="module")
 def told(judged: Any) -> Callable[[str], Diagnosis]:
     """A function from a verdict to the diagnosis that has it; the costs are invented, everything else is not."""
-    problem, floors, base, done, before, after = judged
+    problem, yardstick, base, done, before, after = judged
+    floors = yardstick.floors
 
     def make(verdict: str) -> Diagnosis:
         was, left = (dict.fromkeys(range(len(problem.cases)), cost) for cost in VERDICTS[verdict])
         named = verdict in ("explained", "partly explained")
         best = done if named else base
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
-        found = Found(base, best, best, 6.0, floors, {FRICTION: 41.0}, {FRICTION: [rival]})
+        gains, rivals = {FRICTION: 41.0}, {FRICTION: [rival]}
+        found = Found(base, best, best, 6.0, floors, yardstick, gains=gains, rivals=rivals)
         gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 4.0),), ("gain",))
         result = Diagnosis(
             problem=problem,

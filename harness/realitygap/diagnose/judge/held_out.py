@@ -1,21 +1,25 @@
-"""Held-out runs, looked at once after the model is chosen: the difference in log predictive density, with its error."""
+"""Held-out runs, looked at once after the model is chosen: the difference in log predictive density, with its error.
+
+First of every finding beside all others, then of the whole model beside the scenario's own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import score
-from realitygap.diagnose.search.exchange import Rival, compare
+from realitygap.diagnose.search.evidence import Scored, score
+from realitygap.diagnose.search.exchange import ERRORS, ODDS, compare
 from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.search import Found
 
 NOTHING = 0.1
 """What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9)."""
@@ -36,19 +40,61 @@ class Verdict:
         return self.gain < -NOTHING
 
 
-def predicted(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> Verdict:
-    """The difference in log predictive density on the held-out runs: with the changes, less without."""
+def predicted(
+    simulations: Simulations, floors: Floors, changes: Sequence[Change], beside: Sequence[Change] = ()
+) -> Verdict:
+    """The difference in log predictive density on the held-out runs: with the changes, less with those `beside`."""
     judge = simulations.problem.of("held_out")
     watched = channels(simulations.problem, floors, judge)
-    both = [residual(simulations, c, judge) for c in ([], changes)]
-    if both[1] is None:
+    before, after = (residual(simulations, c, judge) for c in (beside, changes))
+    if after is None:
         return Verdict(-np.inf, 0.0)
-    if both[0] is None:
+    if before is None:
         return Verdict(np.inf, 0.0)
-    none = np.zeros((len(both[1]), 0))
-    nothing = Imperfections(facts(watched, both[1]), none)
-    before, after = (score(watched, Fit((), r), nothing) for r in both if r is not None)
-    apart: Rival | None = None
-    if changes:
-        apart = compare(watched, after, before, changes[0].suspect)
-    return Verdict(0.0, 0.0) if apart is None else Verdict(apart.behind, apart.error)
+    if tuple(changes) == tuple(beside):
+        return Verdict(0.0, 0.0)
+    nothing = Imperfections(facts(watched, after), np.zeros((len(after), 0)))
+    apart = compare(watched, *(score(watched, Fit((), r), nothing) for r in (after, before)))
+    return Verdict(*apart)
+
+
+def supported(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, dict[Suspect, float]]:
+    """What was found without the findings that held-out runs speak against, one after the other, the least first; and
+    what held-out runs gain by each of these (less than nothing). `keep` stays.
+
+    They speak against one that makes them less probable by more than a rival may be behind that cannot be told apart:
+    what mends training runs so is not their cause.
+    """
+    against: dict[Suspect, float] = {}
+    while True:
+        verdicts = {
+            s: predicted(simulations, found.floors, found.best.fit.changes, other.fit.changes)
+            for s, other in found.without.items()
+            if s not in keep
+        }
+        doubted = {s: v.gain for s, v in verdicts.items() if -v.gain > max(ODDS, ERRORS * v.error)}
+        if not doubted:
+            return found, against
+        least = min(doubted, key=lambda s: doubted[s])
+        against[least] = doubted[least]
+        found = _without(simulations, found, least)
+
+
+def _without(simulations: Simulations, found: Found, suspect: Suspect) -> Found:
+    """What was found without one finding, and without each of the others besides."""
+    yardstick, quick = found.yardstick, found.without[suspect].fit
+    best = yardstick.fit(quick.changes, quick) or found.without[suspect]
+    without: dict[Suspect, Scored] = {}
+    for change in best.fit.changes:
+        other = yardstick.fit([c for c in best.fit.changes if c is not change], best.fit, "compared")
+        if other is not None:
+            without[change.suspect] = other
+    return replace(
+        found,
+        best=best,
+        cautious=yardstick.cautious(best.fit),
+        floors=measure(simulations, best.fit.changes),
+        gains={s: best.evidence - other.evidence for s, other in without.items()},
+        without=without,
+        rivals={s: rivals for s, rivals in found.rivals.items() if s in without},
+    )

@@ -18,7 +18,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
-from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.judge.held_out import predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
@@ -106,8 +106,7 @@ def diagnose(
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = velocity_filters(problem, everyone)
-    found = search(simulations, everyone, told, say)
-    say("looking at held-out runs and other engines")
+    found, against = _searched(simulations, everyone, told, say)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, changes, engines)
     mended = artefacts(proofs)
@@ -115,9 +114,13 @@ def diagnose(
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
         ]
-        found = search(simulations, [s for s in everyone if s not in mended], told, say)
+        found, against = _searched(simulations, [s for s in everyone if s not in mended], told, say)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, changes, engines)
+    notes += [
+        f"{s} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not named"
+        for s, gain in against.items()
+    ]
     judged = predicted(simulations, found.floors, changes)
     if judged.worse:
         notes.append(
@@ -152,6 +155,15 @@ def diagnose(
     )
     rest = changes and result.verdict != "explained"
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
+
+
+def _searched(
+    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say
+) -> tuple[Found, dict[Suspect, float]]:
+    """What a search finds and held-out runs do not speak against; what they speak against, and how much."""
+    found = search(simulations, everyone, told, say)
+    say("looking at held-out runs and other engines")
+    return supported(simulations, found, {c.suspect for c in told})
 
 
 def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:

@@ -55,13 +55,13 @@ class Rival:
         return self.behind <= max(ODDS, ERRORS * self.error)
 
 
-def compare(channels: Sequence[Channel], best: Scored, other: Scored, suspect: Suspect) -> Rival:
-    """How far another model is behind the best one."""
+def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[float, float]:
+    """How much evidence another model has less than the best one, and the standard error of that."""
     number = stretches(channels)
     a, b = (_stretches(number, s) for s in (best, other))
     apart = a - b
     error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
-    return Rival(suspect, other, best.evidence - other.evidence, error)
+    return best.evidence - other.evidence, error
 
 
 def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
@@ -81,11 +81,13 @@ class Exchanged:
     Attributes:
         better: a model that is better for it; None where there is none.
         gains: evidence that is lost without each finding, by suspect.
+        without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
     """
 
     better: Scored | None = None
     gains: dict[Suspect, float] = field(default_factory=dict)
+    without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
 
     def offer(self, other: Scored) -> None:
@@ -112,7 +114,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         if alone is None:
             continue
         gain = now.evidence - alone.evidence
-        out.gains[change.suspect] = gain
+        out.gains[change.suspect], out.without[change.suspect] = gain, alone
         if gain < round_.limit:
             round_.say(f"  without {change.suspect}: {-gain:+.1f}")
             out.offer(alone)
@@ -163,7 +165,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         close = round_.now.evidence - quick.evidence < FAR * round_.limit
         scored = yardstick.fit(quick.fit.changes, quick.fit, "compared") if close else quick
         if scored is not None:
-            out.append(compare(yardstick.channels, round_.now, scored, suspect))
+            out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored)))
             if close:
                 round_.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
     return sorted(out, key=lambda r: r.behind)

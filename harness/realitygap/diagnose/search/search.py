@@ -19,6 +19,7 @@ from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
+from realitygap.diagnose.search.yardstick import Yardstick
 
 LIKELY = 80
 """Suspects that a round looks at again: those that promised most in the one before; all, where none of them helps."""
@@ -38,7 +39,9 @@ class Found:
         cautious: the same, for intervals.
         limit: what a finding has to gain.
         floors: of the best model.
+        yardstick: what models were compared on in the last round.
         gains: evidence that is lost without each finding, by suspect.
+        without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
         promised: what was closest and not taken, best first.
     """
@@ -48,7 +51,9 @@ class Found:
     cautious: Scored
     limit: float
     floors: Floors
+    yardstick: Yardstick
     gains: dict[Suspect, float] = field(default_factory=dict)
+    without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
     promised: list[Promise] = field(default_factory=list)
 
@@ -97,9 +102,20 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)
         say("; ".join(told_change(c) for c in at.changes))
     start = round_.yardstick.score(nothing)
-    floors = measure(simulations, round_.now.fit.changes)
-    cautious = round_.yardstick.cautious(round_.now.fit)
-    return Found(start, round_.now, cautious, limit, floors, last.gains, last.rivals, round_.promised)
+    floors = measure(simulations, round_.told.fit.changes)
+    cautious = round_.yardstick.cautious(round_.told.fit)
+    return Found(
+        base=start,
+        best=round_.told,
+        cautious=cautious,
+        limit=limit,
+        floors=floors,
+        yardstick=round_.yardstick,
+        gains=last.gains,
+        without=last.without,
+        rivals=last.rivals,
+        promised=round_.promised,
+    )
 
 
 def standing(scored: Scored) -> Standing:
