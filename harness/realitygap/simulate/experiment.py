@@ -255,7 +255,8 @@ def _start(experiment: Experiment) -> State:
     if wanted == "recording" and recording is not None and recording.trace.position is not None:
         position = recording.trace.position[0] + plant.drive["offset"]
     elif wanted in ("recording", "keyframe") and scenario.motion is not None and scenario.motion.keyframes is not None:
-        position = np.nan_to_num(experiment.commands.value[min(1, len(experiment.commands.value) - 1)])
+        goals = experiment.commands.value[min(1, len(experiment.commands.value) - 1)]
+        position = np.nan_to_num(goals) + plant.drive["offset"]  # a servo holds its reading there
     elif isinstance(wanted, dict):
         names = plant.model.joint_names
         for joint, angle in wanted.items():

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.robot.drive import Array
-from realitygap.simulate.motion import TICK
+from realitygap.scenario.schema import Motion
+from realitygap.simulate.experiment import SETTLE, Experiment
+from realitygap.simulate.motion import TICK, Animation, first_goals, play
 
 EXACT = 2e-4
 """How far straight lines between keyframes may be from the motion [rad or m]: a tenth of a small servo's quantum."""
@@ -70,3 +74,24 @@ def animation(motion: Excitation, joints: Sequence[str]) -> dict[str, Any]:
             frame["torque"] = {name: int(good) for name, good in zip(joints, on[k], strict=True)}
         frames.append(frame)
     return {"name": motion.name, "keyframes": frames}
+
+
+def played(motion: Excitation, designed: Experiment) -> Experiment:
+    """The simulation of a motion as its animation is played, on the motion's clock: it begins a tick before.
+
+    The commands are not those that were designed: a step takes a tick, goals are rounded, and a servo that samples them
+    slowly samples others, a tick apart.
+    """
+    path, model = Path(f"{motion.name}.json"), designed.plant.model
+    content = Animation.model_validate(animation(motion, model.joint_names))
+    commands, length = play(path, content, model, first_goals(path, content, model))
+    scenario = designed.scenario
+    robot = scenario.robot.model_copy(update={"start": "keyframe"})
+    return replace(
+        designed,
+        scenario=scenario.model_copy(update={"robot": robot, "motion": Motion(keyframes=path.name)}),
+        recording=None,
+        commands=commands,
+        begin=-TICK,
+        duration=length + SETTLE,
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from realitygap_engines import Diverged, Failed, Unsupported
@@ -11,12 +12,14 @@ from realitygap.diagnose.data.changes import changed
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.propose.excitation import SETTLE, Excitation, experiment_of
+from realitygap.diagnose.propose.excitation import Excitation, experiment_of
+from realitygap.diagnose.propose.keyframes import played
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
+from realitygap.simulate.motion import TICK
 from realitygap.trace.trace import Trace
 
 
@@ -72,21 +75,22 @@ def left_limits(
     experiment: Experiment, motion: Excitation, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
 ) -> tuple[int | None, tuple[str, ...]]:
     """The number of the segment that leaves a limit first, in any engine and plant, None where none does; and the
-    engines that can simulate the motion.
+    engines that can simulate the motion: as it was designed, and as its keyframes are played.
     """
     ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
+    ways = (experiment, played(motion, experiment))
     held = []
     for engine in engines:
         can = True
-        for plant in plants:
+        for way, plant in product(ways, plants):
             try:
-                trace = simulate(experiment.with_plant(plant), engine).trace
+                trace = simulate(way.with_plant(plant), engine).trace
             except (Unsupported, Failed):
                 can = False
                 break
             except Diverged as error:
-                return min(int(np.searchsorted(ends, error.time - SETTLE)), len(ends) - 1), ()
-            found = limits.first(trace.between(0.0, np.inf))
+                return min(int(np.searchsorted(ends, error.time + way.begin)), len(ends) - 1), ()
+            found = limits.first(trace.between(-TICK, np.inf))  # from where keyframes begin
             if found is not None:
                 return min(int(np.searchsorted(ends, found)), len(ends) - 1), ()
         if can:
