@@ -134,7 +134,7 @@ def serve(connection: Connection) -> None:
 
 if __name__ == "__main__":
     end_with(int(sys.argv[2]))
-    import realitygap.matrix.attend  # noqa: F401 (what cells need is loaded before the first one is timed)
+    import realitygap.matrix.task  # noqa: F401 (what cells need is loaded before the first one is timed)
 
     with kept_open():
         serve(Connection(int(sys.argv[1])))
