@@ -8,6 +8,8 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.scenario.file import load_scenario
 
 DEMO = Path(__file__).parents[1] / "scenarios" / "demo" / "scenario.yaml"
+FRICTION = 0.6447
+"""Coulomb friction of the recorded elbow [N·m]."""
 
 
 def demo_problem() -> Problem:

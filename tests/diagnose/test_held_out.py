@@ -1,10 +1,9 @@
 """Held-out runs of the bundled demo (synthetic) speak of every finding, after the model is chosen."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from demo_problem import demo_problem, suspect_of
+from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
@@ -16,20 +15,6 @@ from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
-
-FRICTION = 0.6447
-"""Coulomb friction of the recorded elbow [N·m]."""
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return demo_problem()
-
-
-@pytest.fixture(scope="module")
-def simulations(problem: Problem) -> Iterator[Simulations]:
-    with Simulations(problem, 2) as made:
-        yield made
 
 
 @pytest.fixture(scope="module")

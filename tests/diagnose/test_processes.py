@@ -3,21 +3,12 @@
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
-from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.processes import Died, Process, started
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.scenario.file import load_scenario
-
-DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return build_problem(load_scenario(DEMO), "mujoco")
 
 
 def alive(process: Process) -> bool:

@@ -1,11 +1,10 @@
 """The search on the bundled demo (synthetic): moves that the straight-line model promises come true in simulation."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from demo_problem import demo_problem, suspect_of
+from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, clash
@@ -19,20 +18,6 @@ from realitygap.diagnose.search.imperfections import OTHER, SHARE, imperfections
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
-
-FRICTION = 0.6447
-"""Coulomb friction of the recorded elbow [N·m]."""
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return demo_problem()
-
-
-@pytest.fixture(scope="module")
-def simulations(problem: Problem) -> Iterator[Simulations]:
-    with Simulations(problem, 2) as made:
-        yield made
 
 
 @pytest.fixture(scope="module")
@@ -184,8 +169,9 @@ def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
     own.stand_at(found.fit, [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")])
     away = found.fit.changes[0].at({"torque": times * FRICTION})
     start = replace(found.fit, changes=(away,), residual=_of(simulations, own, [away]), here=False)
-    settled = own.settled(start)
-    assert settled.evidence > own.score(start).evidence + 10.0
+    scored = own.score(start)
+    settled = own.settled(scored)
+    assert settled.evidence > scored.evidence + 10.0
     assert settled.fit.value[0] == pytest.approx(FRICTION, rel=0.05)
 
 

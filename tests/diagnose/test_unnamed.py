@@ -1,14 +1,13 @@
 """An effort that no law explains is found, told by what it depends on, and gives way to a law that explains as much."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
-from demo_problem import DEMO, demo_problem, suspect_of
+from demo_problem import DEMO, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
@@ -36,17 +35,6 @@ CROSSED = Table(("angle", "speed"), ((-0.5, 0.5), (-1.0, 0.0, 1.0)))
 def unnamed(joint: str, index: int, table: Table, *values: float) -> Change:
     suspect = Suspect("effort_map", joint, (index,), table=table)
     return Change(suspect, tuple(zip(table.names, values, strict=True)), table.names)
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return demo_problem()
-
-
-@pytest.fixture(scope="module")
-def simulations(problem: Problem) -> Iterator[Simulations]:
-    with Simulations(problem, 1) as made:
-        yield made
 
 
 def test_every_law_is_simpler_than_a_table(problem: Problem) -> None:

@@ -73,7 +73,6 @@ def results(
         here = stack.enter_context(local(settings.jobs))
         if settings.keep:
             place = settings.place(out)
-            stack.callback(here.close)
             undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)
             folder = stack.enter_context(written_whole(out))
         else:

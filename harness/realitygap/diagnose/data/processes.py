@@ -67,12 +67,17 @@ class Process:
         self._process.wait()
 
 
+def number(jobs: int | None) -> int:
+    """How many processes there are for so many jobs; None: as many as cores."""
+    return jobs or len(os.sched_getaffinity(0))
+
+
 @contextmanager
 def started(jobs: int | None) -> Iterator[list[Process]]:
     """As many processes as there are jobs (None: cores), none where one does all; those that are still in the list at
     the end are ended. Who uses one takes it out.
     """
-    count = jobs or len(os.sched_getaffinity(0))
+    count = number(jobs)
     found = [Process() for _ in range(count if count > 1 else 0)]
     try:
         yield found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -11,7 +10,7 @@ from typing import cast
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.processes import Died, Process
+from realitygap.diagnose.data.processes import Died, Process, number
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.robot.drive import Array
 from realitygap.simulate.opened import kept_open
@@ -31,7 +30,7 @@ class Simulations:
         self.count = 0
         self._remembered: dict[Query, dict[str, Array] | None] = {}
         self._bytes = 0.0
-        self.workers = workers or len(os.sched_getaffinity(0))
+        self.workers = number(workers)
         self._workers = [_Worker(problem, ahead or []) for _ in range(self.workers)] if self.workers > 1 else []
         self._idle: SimpleQueue[_Worker] = SimpleQueue()
         for worker in self._workers:

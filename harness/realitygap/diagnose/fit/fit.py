@@ -147,12 +147,17 @@ def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array
     """The best step within a box and the bounds, and what it promises: how much less the cost would be."""
     white = metric(np.column_stack([slopes, residual]))
     white = np.vstack([white, np.column_stack([np.diag(space.prior_slope(x)), space.prior(x)])])
-    _, triangle = np.linalg.qr(white)
     low, high = space.bounds()
     reach = box * np.maximum(np.abs(x), AWAY)
-    low, high = np.maximum(low - x, -reach), np.minimum(high - x, reach)
-    step = np.clip(lsq_linear(triangle[:-1, :-1], -triangle[:-1, -1], bounds=(low - TINY, high + TINY)).x, low, high)
+    step = nearest(white, np.maximum(low - x, -reach), np.minimum(high - x, reach))
     return step, float(np.sum(white[:, -1] ** 2) - np.sum((white[:, -1] + white[:, :-1] @ step) ** 2))
+
+
+def nearest(white: Array, low: Array, high: Array) -> Array:
+    """The amounts of all columns but the last that take most away from that one, within bounds. (r, p + 1) -> (p,)."""
+    _, triangle = np.linalg.qr(white)
+    step = lsq_linear(triangle[:-1, :-1], -triangle[:-1, -1], bounds=(low - TINY, high + TINY)).x
+    return np.asarray(np.clip(step, low, high))
 
 
 def secant(slopes: Array, step: Array, change: Array) -> Array:

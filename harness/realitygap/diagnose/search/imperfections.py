@@ -109,17 +109,24 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     """
     own = _accepted(problem, at)
     known = [k for k, _ in own] + _of(blocks)
-    size = [float(np.linalg.norm(metric(k.response))) for k in known]
+    white = [metric(k.response) for k in known]
+    size = [float(np.linalg.norm(w)) for w in white]
     does: dict[tuple[str, int], float] = {}
     for k, s in zip(known, size, strict=True):
         for place in k.places:
             does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * s)
-    scaled = [(k, _scale(k, s, does) * k.response) for k, s in zip(known, size, strict=True)]
-    columns = [(k.law, c) for k, c in scaled[: len(own)]]
-    for law, places in dict.fromkeys((k.law, k.places) for k, _ in scaled[len(own) :]):
-        alike = np.column_stack([c for k, c in scaled[len(own) :] if (k.law, k.places) == (law, places)])
-        most = SHARE[law] * max(does[law, p] for p in places) if law else np.inf
-        columns += [(law, c) for c in _once(alike, metric(alike), most).T]
+    scale = [_scale(k, s, does) for k, s in zip(known, size, strict=True)]
+    off = [s * k.response for k, s in zip(known, scale, strict=True)]
+    alike: dict[tuple[str, tuple[int, ...]], list[int]] = {}
+    for i in range(len(own), len(known)):
+        alike.setdefault((known[i].law, known[i].places), []).append(i)
+    columns = [(k.law, off[i]) for i, (k, _) in enumerate(own)]
+    for (law, places), at_once in alike.items():
+        found = np.column_stack([off[i] for i in at_once])
+        if law:
+            seen = np.column_stack([scale[i] * white[i] for i in at_once])
+            found = _once(found, seen, SHARE[law] * max(does[law, p] for p in places))
+        columns += [(law, c) for c in found.T]
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
@@ -137,8 +144,6 @@ def _once(columns: Array, white: Array, most: float) -> Array:
         white: the same in the metric. Shape (r, n).
         most: the length in the metric of what the kind of law may be off by.
     """
-    if not np.isfinite(most):
-        return columns
     square, turn = np.linalg.eigh(white.T @ white)
     length = np.sqrt(np.maximum(square, 0.0))
     return np.asarray(columns @ (turn * np.minimum(1.0, most / np.maximum(length, 1e-300))))

@@ -71,7 +71,7 @@ class Round:
         self.now = start if done is None else yardstick.elsewhere(done)
         self.blocks = yardstick.stand_at(self.now.fit, everyone)
         self.told = yardstick.score(self.now.fit)
-        self.now = yardstick.settled(self.now.fit)
+        self.now = yardstick.settled(self.told)
         self.little = LEFT * (self.now.evidence - yardstick.score(nothing).evidence)
         self.look = yardstick.sharp(self.now.fit)
         say(

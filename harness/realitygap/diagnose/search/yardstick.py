@@ -137,20 +137,19 @@ class Yardstick:
         if best is None or (care != "quick" and any(absurd(c) for c in best.fit.changes)):
             return None
         if care != "whole":
-            return self.settled(best.fit, passes)
+            return self.settled(self.score(best.fit), passes)
         found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
 
-    def settled(self, at: Fit, care: Care = "compared") -> Scored:
+    def settled(self, at: Scored, care: Care = "compared") -> Scored:
         """A fit, moved on in the metric of moves to where its evidence is best, for models to be compared as they are.
 
         What laws are off by draws values away where it counts as noise, and another effect may mend that: a ripple of
         0.235 N·m was fitted as 0.213 beside friction that is uneven by some per cent, and an offset that the joint has
         not gained 80 in evidence; it gains 14 where both models are at their best.
         """
-        best = self.score(at)
-        passes = 1 if care == "quick" else SETTLE
-        for _ in range(passes if self.wrong.laws and at.names else 0):
+        best, passes = at, 1 if care == "quick" else SETTLE
+        for _ in range(passes if self.wrong.laws and at.fit.names else 0):
             metric = self.sharp(best.fit).metric
             done = fit(self.simulations, best.fit.changes, self.train, metric, self.floors.coarse, best.fit, care)
             if done is None:
