@@ -3,12 +3,11 @@
 The foreign plant also performs what is proposed for them, so that the loop from diagnosis to motion closes.
 """
 
-import csv
 import json
 import shutil
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ import yaml
 from cases import _entry, _scenario
 from catalogue import Case
 from motions import Command
-from plants import VISIBLE, Hidden, Run, Truth, measure, perform, sane, sized
+from plants import VISIBLE, Hidden, Run, Truth, command, measure, perform, sane, sized
 from recorder import Recording, Sensing, clock, disturbance, record, write_bag, write_csv
 from robots import BUILDERS, Robot
 
@@ -25,6 +24,12 @@ LOAD, GAIN = 1.8, 0.5
 """What the team has at hand: a last link of so many times its mass, and a gain of so many times its own."""
 REST = 1.6
 """Seconds of disturbance beside those of the motion: the plant settles first."""
+TRIED = 20
+"""Robots that are drawn until one shows an effect and stays within its range: what none of them shows is not a case."""
+
+
+class NotShown(ValueError):
+    """A robot cannot show an effect in a motion."""
 
 
 @dataclass
@@ -38,7 +43,7 @@ class Ambiguous:
         sensing: the recorder.
         effect: that was planted.
         runs: entries of the scenario.
-        random: draws noise.
+        seed: of the noise, together with a recording's name: it does not depend on what was recorded before.
     """
 
     folder: Path
@@ -47,16 +52,23 @@ class Ambiguous:
     sensing: Sensing
     effect: str
     runs: list[dict[str, Any]]
-    random: np.random.Generator
-    entries: dict[str, Run] = field(default_factory=dict)
+    seed: int
 
     def perform(self, name: str, sent: Command, gain: float, load: float) -> dict[str, Any]:
         """The foreign plant performs commands; returns the entry of the recording."""
         run = Run(name, "train", 0, float(sent.time[-1]), gain=gain, load=load)
+        return self._recorded(name, run, sent)
+
+    def record(self, name: str, run: Run) -> dict[str, Any]:
+        """The same with the motion that a run names."""
+        return self._recorded(name, run, command(self.robot, run, self.sensing))
+
+    def _recorded(self, name: str, run: Run, sent: Command) -> dict[str, Any]:
+        random = np.random.default_rng([self.seed, zlib.crc32(name.encode())])
         plant = self.hidden.plant(self.robot, run)[0]
-        real = clock(sent, self.sensing, self.random)
-        motion = perform(plant, run, real, disturbance(self.robot, self.sensing, run.length + REST, self.random))
-        taken = record(plant, self.robot, motion, real, self.sensing, int(self.random.integers(2**31)))
+        real = clock(sent, self.sensing, random)
+        motion = perform(plant, run, real, disturbance(self.robot, self.sensing, run.length + REST, random))
+        taken = record(plant, self.robot, motion, real, self.sensing, int(random.integers(2**31)))
         return self._written(taken, run, name)
 
     def _written(self, taken: Recording, run: Run, name: str) -> dict[str, Any]:
@@ -100,11 +112,14 @@ def generate(
         out: the folder in which the case gets its own.
         effort: whether the motor's effort is recorded.
         swing: how far the motion goes, as a share of the usual: small motions leave much open.
+
+    Raises:
+        NotShown: where none of the robots that are drawn shows the effect.
     """
     name = f"{robot}_{effect}_{motion}_{seed}"
     random = np.random.default_rng([seed, zlib.crc32(name.encode())])
     sensing = Sensing(effort=effort)
-    while True:
+    for _ in range(TRIED):
         body = BUILDERS[robot](random)
         sensing = replace(sensing, quantum=body.quantum)
         train, held = (int(x) for x in random.integers(1, 2**31, 2))
@@ -120,33 +135,19 @@ def generate(
         hidden = Hidden((truth,))
         if shown and sane(body, runs, hidden, sensing):
             break
+    else:
+        raise NotShown(f"none of {TRIED} robots of kind {robot} shows {effect} in {motion} within its range")
     folder = out / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    case = Ambiguous(folder, body, hidden, sensing, effect, [], random)
+    case = Ambiguous(folder, body, hidden, sensing, effect, [], seed)
     (folder / "robot.urdf").write_text(body.urdf(), encoding="utf-8")
     (folder / f"robot_load_{LOAD:g}.urdf").write_text(body.urdf(LOAD), encoding="utf-8")
     for run in runs:
-        plant, told, _ = hidden.plant(body, run)
-        for k in range(run.repetitions):
-            from plants import command
-
-            sent = clock(command(body, run, sensing), sensing, random)
-            done = perform(plant, run, sent, disturbance(body, sensing, run.length + REST, random))
-            taken = record(plant, body, done, sent, sensing, int(random.integers(2**31)))
-            case.runs.append(case._written(taken, run, f"{run.use}_{k + 1}"))
+        case.runs += [case.record(f"{run.use}_{k + 1}", run) for k in range(run.repetitions)]
+    told = hidden.plant(body, runs[0])[1][0]
     (folder / "truth.json").write_text(
-        json.dumps({"effect": effect, "target": told[0].target, "parameters": told[0].parameters}), encoding="utf-8"
+        json.dumps({"effect": effect, "target": told.target, "parameters": told.parameters}), encoding="utf-8"
     )
     case.scenario()
     return case
-
-
-def commands(path: Path, joints: Sequence[str]) -> Command:
-    """The commands of a proposed stream."""
-    with path.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    time = np.array([float(r["time"]) for r in rows])
-    value = np.array([[float(r[f"command_{j}"]) for j in joints] for r in rows])
-    enabled = np.array([min(float(r[f"torque_enabled_{j}"]) for j in joints) for r in rows])
-    return Command(time, value, enabled)

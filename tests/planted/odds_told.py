@@ -1,0 +1,105 @@
+"""What recordings say of the explanations that were open before them: odds, refitted, and what a diagnosis names."""
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from ambiguous import Ambiguous
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.propose.explanations import Open, Question
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.exchange import ERRORS, ODDS, compare
+from realitygap.diagnose.search.search import needed, search
+from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.scenario.file import load_scenario
+
+
+def quiet(_: str) -> None:
+    """Says nothing."""
+
+
+def recorded(case: Ambiguous, more: Sequence[dict[str, Any]], name: str) -> Problem:
+    """The problem of a case with further recordings."""
+    return build_problem(load_scenario(case.scenario(more, name)), "mujoco")
+
+
+def diagnosed(problem: Problem, right: set[str]) -> dict[str, Any]:
+    """A diagnosis from nothing: what it names, and whether that is the truth alone, or what no motion tells from it."""
+    everyone = suspects(problem)
+    with Simulations(problem, 1) as simulations:
+        found = search(simulations, everyone, velocity_filters(problem, everyone), quiet)
+    named = [label(c.suspect) for c in found.best.fit.changes]
+    rivals = sorted({label(r.suspect) for listed in found.rivals.values() for r in listed if r.open})
+    return {
+        "named": named,
+        "rivals": rivals,
+        "settled": len(named) == 1 and {*named, *rivals} <= right,
+        "right": bool({*named} & right),
+    }
+
+
+def compared(problem: Problem, open_: Open, questions: Sequence[Question], right: str) -> list[dict[str, Any]]:
+    """What recordings make of questions, with the explanations refitted to old and new ones together: the logarithm of
+    the odds for the truth, where laws may be off and facts count as at the explanation with fewer findings, where a
+    diagnosis asks whether anything more is named, or at the better one of two with as many; and whether that settles
+    the question by the rules of a diagnosis.
+    """
+    everyone, out = suspects(problem), []
+    with Simulations(problem, 1) as simulations:
+        base = open_.explanations[0].fit
+        yardstick = Yardstick(simulations, base.changes)
+        first = residual(simulations, base.changes, yardstick.train)
+        assert first is not None
+        yardstick.take_facts(first)
+        asked = sorted({n for q in questions for n in (q.one, q.other)})
+        near = {n: _refitted(yardstick, open_.explanations[n].fit.changes) for n in asked}
+        stood: dict[int, dict[int, Scored | None]] = {}
+        for q in questions:
+            pair = {n: s for n in (q.one, q.other) if (s := near[n]) is not None}
+            odds = error = None
+            if len(pair) == 2:
+                at = min(pair, key=lambda n: (len(pair[n].fit.changes), -pair[n].evidence))
+                if at not in stood:
+                    yardstick.stand_at(pair[at].fit, everyone)
+                    alike = {n for p in questions for n in (p.one, p.other) if at in (p.one, p.other)}
+                    stood[at] = {n: _refitted(yardstick, s.fit.changes) for n in alike if (s := near[n]) is not None}
+                true, false = (q.one, q.other) if sides(q)[0] == right else (q.other, q.one)
+                one, other = stood[at][true], stood[at][false]
+                if one is not None and other is not None:
+                    odds, error = compare(yardstick.channels, one, other)
+            nested = len(open_.explanations[q.one].fit.changes) != len(open_.explanations[q.other].fit.changes)
+            least = needed(len(everyone)) if nested else max(ODDS, ERRORS * (error or 0.0))
+            settled = odds is not None and odds > least
+            out.append({"question": str(q), "odds": odds, "error": error, "settled": settled})
+    return out
+
+
+def _refitted(yardstick: Yardstick, changes: Sequence[Change]) -> Scored | None:
+    if changes:
+        return yardstick.fit(changes, care="compared")
+    still = residual(yardstick.simulations, (), yardstick.train)
+    return None if still is None else yardstick.score(Fit((), still))
+
+
+def sides(question: Question) -> list[str]:
+    """What both sides name; empty for what has no name."""
+    first, *last = [label(t) for t in question.targets]
+    return [first, *(last or [""])]
+
+
+def label(suspect: Suspect) -> str:
+    """An effect and where it sits; those that are everywhere by their name alone."""
+    return f"{suspect.effect} at {suspect.target}" if isinstance(suspect.target, str) else suspect.effect
+
+
+def truth(case: Ambiguous) -> str:
+    """What was planted, as a suspect of it is told."""
+    told = json.loads((case.folder / "truth.json").read_text(encoding="utf-8"))
+    at = told["target"]
+    return f"{told['effect']} at {at}" if isinstance(at, str) else str(told["effect"])
