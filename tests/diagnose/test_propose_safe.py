@@ -18,12 +18,13 @@ from realitygap.diagnose.propose.condition import Condition
 from realitygap.diagnose.propose.excitation import Excitation, experiment_of
 from realitygap.diagnose.propose.keyframes import played
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.safe import left_limits
+from realitygap.diagnose.propose.safe import later, left_limits, phases
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.robot.effects.place import place
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.experiment import Experiment, experiments, simulate
+from realitygap.simulate.motion import TICK
 
 URDF = """<robot name="pendulum"><link name="base"/>
 <link name="arm"><inertial><origin xyz="0 0 -0.15"/><mass value="1.2"/>
@@ -79,15 +80,25 @@ def designed(tmp_path: Path) -> tuple[Excitation, Experiment]:
 def test_limits_hold_as_a_motion_is_designed_and_as_it_is_played(
     designed: tuple[Excitation, Experiment], rate: float
 ) -> None:
-    """A servo that samples slowly samples other commands a tick later: either way may be the faster one."""
+    """A servo that samples slowly samples other commands where a motion begins later: any may be the fastest."""
     motion, one = designed
     plant = place(one.plant, [EffectSpec(effect="servo_rate", target="elbow", rate=rate)])
-    traces = [simulate(e.with_plant(plant), "mujoco").trace for e in (one, played(motion, one))]
+    ways = [later(way, k / 4 / rate).with_plant(plant) for way in (one, played(motion, one)) for k in range(4)]
+    traces = [simulate(way, "mujoco").trace.between(-TICK, np.inf) for way in ways]
     fastest = [float(np.abs(t.velocity).max()) for t in traces if t.velocity is not None]
     assert fastest[0] != pytest.approx(fastest[1], rel=1e-4)
+    assert fastest[0] != pytest.approx(fastest[4], rel=1e-4)
     for share, held in ((1.001, ("mujoco",)), (0.999, ())):
         limits = Limits(WIDE.lower, WIDE.upper, np.array([share * max(fastest)]), WIDE.effort)
         assert left_limits(one, motion, [plant], ["mujoco"], limits)[1] == held
+
+
+def test_when_a_motion_begins_is_nothing_to_a_servo_without_samples(designed: tuple[Excitation, Experiment]) -> None:
+    _, one = designed
+    assert phases(one.plant) == [0.0]
+    now, then = (simulate(later(one, late), "mujoco").trace.between(0.0, 2.0) for late in (0.0, 0.03))
+    assert now.velocity is not None
+    assert then.at(now.time).velocity == pytest.approx(now.velocity, abs=2e-3)
 
 
 @pytest.mark.parametrize("offset", [-0.2, 0.15])

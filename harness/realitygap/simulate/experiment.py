@@ -36,7 +36,7 @@ Read = Callable[..., Recording]
 """A reader with the arguments of `read_recording`."""
 PART = 1 << 16
 """Steps that are held at a time where not all of them are asked for."""
-SETTLE = 1.0
+AFTER = 1.0
 """How long an animation goes on after its last keyframe [s]."""
 
 
@@ -226,7 +226,7 @@ def _commands(
         if recording is not None and recording.trace.position is not None:
             start = recording.trace.position[0]
         commands, length = play(path, animation, plant.model, start)
-        return commands, begin, duration or length + SETTLE
+        return commands, begin, duration or length + AFTER
     if recording is None or scenario.follows or not len(recording.command_time):
         return Commands(np.zeros(1), np.full((1, n), np.nan), held=not scenario.follows), begin, duration
     held = motion is None or motion.held

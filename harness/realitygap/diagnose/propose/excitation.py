@@ -19,7 +19,7 @@ from realitygap.simulate.commands import Commands
 from realitygap.simulate.experiment import Experiment
 from realitygap.trace.trace import Trace
 
-SETTLE = 1.0
+BEFORE = 1.0
 """How long the robot has been in the pose before a motion begins [s]."""
 USE = "proposed"
 FASTEST, SLOWEST = 1e-3, 0.02
@@ -87,12 +87,12 @@ def experiment_of(motion: Excitation, like: Experiment | None = None) -> Experim
     rest. `like` is what was recorded before, if anything was.
     """
     value, condition = motion.value, motion.condition
-    time = np.concatenate([[-SETTLE], motion.time])
+    time = np.concatenate([[-BEFORE], motion.time])
     told = np.concatenate([value[:1], value])
     robot = condition.scenario.robot.model_copy(update={"start": "recording"})
     still = np.tile(value[0], (2, 1))
     names = tuple(condition.plant.model.joint_names)
-    trace = Trace(np.array([-SETTLE, 0.0]), names, still, np.zeros_like(still))
+    trace = Trace(np.array([-BEFORE, 0.0]), names, still, np.zeros_like(still))
     kind, supply = "position", np.zeros(0)
     if like is not None and like.recording is not None:
         kind, supply = like.recording.command_kind or kind, like.recording.supply
@@ -103,9 +103,9 @@ def experiment_of(motion: Excitation, like: Experiment | None = None) -> Experim
         scenario=condition.scenario.model_copy(update={"robot": robot}),
         plant=condition.plant,
         recording=recording,
-        commands=Commands(time + SETTLE, told, like is None or like.commands.held),
-        begin=-SETTLE,
-        duration=SETTLE + motion.seconds,
+        commands=Commands(time + BEFORE, told, like is None or like.commands.held),
+        begin=-BEFORE,
+        duration=BEFORE + motion.seconds,
         use=USE,
     )
 

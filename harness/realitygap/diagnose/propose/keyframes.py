@@ -13,7 +13,7 @@ import numpy as np
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.robot.drive import Array
 from realitygap.scenario.schema import Motion
-from realitygap.simulate.experiment import SETTLE, Experiment
+from realitygap.simulate.experiment import AFTER, Experiment
 from realitygap.simulate.motion import TICK, Animation, first_goals, play
 
 EXACT = 2e-4
@@ -93,5 +93,5 @@ def played(motion: Excitation, designed: Experiment) -> Experiment:
         recording=None,
         commands=commands,
         begin=-TICK,
-        duration=length + SETTLE,
+        duration=length + AFTER,
     )

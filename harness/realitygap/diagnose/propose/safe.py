@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -21,6 +22,10 @@ from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
 from realitygap.simulate.motion import TICK
 from realitygap.trace.trace import Trace
+
+PHASES = 4
+"""Times between two samples of a slow servo at which a motion is tried to begin: what it asks for at a sample then
+differs by an eighth of a period at most from what was tried."""
 
 
 def safe_cases(
@@ -75,14 +80,16 @@ def left_limits(
     experiment: Experiment, motion: Excitation, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
 ) -> tuple[int | None, tuple[str, ...]]:
     """The number of the segment that leaves a limit first, in any engine and plant, None where none does; and the
-    engines that can simulate the motion: as it was designed, and as its keyframes are played.
+    engines that can simulate the motion: as it was designed, and as its keyframes are played, whenever in between two
+    samples of a slow servo it begins.
     """
     ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
     ways = (experiment, played(motion, experiment))
+    tried = [(later(way, late), plant) for way, plant in product(ways, plants) for late in phases(plant)]
     held = []
     for engine in engines:
         can = True
-        for way, plant in product(ways, plants):
+        for way, plant in tried:
             try:
                 trace = simulate(way.with_plant(plant), engine).trace
             except (Unsupported, Failed):
@@ -96,3 +103,15 @@ def left_limits(
         if can:
             held.append(engine)
     return None, tuple(held)
+
+
+def phases(plant: Plant) -> list[float]:
+    """How much later than a servo's sample motions may begin [s]: at any time in between, for the slowest servo."""
+    period = float(np.max(1.0 / plant.drive["servo_rate"], initial=0.0))
+    return [k * period / PHASES for k in range(PHASES)] if period > 0.0 else [0.0]
+
+
+def later(way: Experiment, late: float) -> Experiment:
+    """A motion that begins later in its simulation [s]: its own clock stays."""
+    commands = replace(way.commands, time=way.commands.time + late)
+    return replace(way, commands=commands, begin=way.begin - late, duration=way.duration + late)
