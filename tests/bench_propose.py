@@ -36,7 +36,7 @@ from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.told import opened
-from realitygap.diagnose.propose.words import MOST
+from realitygap.diagnose.propose.words import MOST, SURE
 from realitygap.scenario.file import load_scenario
 
 Result = dict[str, Any]
@@ -109,12 +109,20 @@ def run(planted: Planted, kept: Path, seconds: float, arms: Sequence[str], whole
 def report(results: Sequence[Result]) -> list[str]:
     """Shares of cases that are settled by each arm, and predicted against realised odds."""
     done = [r for r in results if r["arms"]]
-    lines = [f"{len(results)} cases, {len(done)} ambiguous with the truth in question and within reach"]
+    promised = [r for r in done if min(r["predicted"].values()) > SURE]
+    lines = [
+        f"{len(results)} cases, {len(done)} ambiguous with the truth in question and moved by the proposed motion; "
+        f"in {len(promised)} it is to settle all (20 : 1)"
+    ]
     for arm in ARMS:
         here = [r["arms"][arm] for r in done if arm in r["arms"]]
         if here:
-            settled = sum(all(q["settled"] for q in h["questions"]) for h in here)
-            lines.append(f"{arm}: the truth leaves all that was open behind in {settled} of {len(here)}")
+            sure = [r["arms"][arm] for r in promised if arm in r["arms"]]
+            counts = [sum(all(q["settled"] for q in h["questions"]) for h in part) for part in (here, sure)]
+            lines.append(
+                f"{arm}: the truth leaves all that was open behind in {counts[0]} of {len(here)}, "
+                f"{counts[1]} of the {len(sure)}"
+            )
         whole = [h["diagnosed"] for h in here if "diagnosed" in h]
         if whole:
             alone, named = (sum(h[k] for h in whole) for k in ("settled", "right"))

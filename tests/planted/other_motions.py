@@ -63,21 +63,26 @@ def others(case: Ambiguous, arm: str, open_: Open, floors: Floors, question: Que
         return perform(case, arm, [_d_optimal(result, pool, floors, seconds)])
     pair = frozenset(t.effect for t in question.targets)
     sentence = SEPARATES.get(pair, "another load, another gain and a phase with the servo off")
-    wanted = {
-        "load": lambda s: again(case, "table_load", s, load=LOAD),
-        "gain": lambda s: again(case, "table_gain", s, gain=GAIN),
+    wanted = {  # what a sentence asks for and a recording can be; a level or a voltmeter is none
+        " load": lambda s: again(case, "table_load", s, load=LOAD),
+        " gain": lambda s: again(case, "table_gain", s, gain=GAIN),
         "servo off": lambda s: perform(case, "table_off", [_kind(plain, "release", s)]),
         "triangle": lambda s: perform(case, "table_slow", [_kind(plain, "triangle", s)]),
+        "far to both sides": lambda s: perform(case, "table_far", [_kind(plain, "triangle", s)]),
         "angles": lambda s: perform(case, "table_hold", [_kind(plain, "hold", s)]),
+        "saturation": lambda s: perform(case, "table_steps", [_kind(plain, "step", s)]),
+        "speed limit": lambda s: perform(case, "table_fast", [_kind(plain, "chirp", s)]),
     }
     chosen: list[Callable[[float], Runs]] = [do for word, do in wanted.items() if word in sentence]
     return [run for do in chosen or [lambda s: again(case, arm, s)] for run in do(seconds / max(len(chosen), 1))]
 
 
 def _filled(motions: Sequence[Excitation], seconds: float) -> Excitation:
-    """Segments one behind the other, as many as there is time for."""
+    """Segments one behind the other, of every joint in turn, as many as there is time for."""
     taken: list[Any] = []
-    for m in motions:
+    joints = [m.segments[0].joints for m in motions]
+    for k in sorted(range(len(motions)), key=lambda k: joints[:k].count(joints[k])):
+        m = motions[k]
         if sum(len(s.value) for s in taken) * m.period + m.seconds <= seconds:
             taken.append(m.segments[0])
     return replace(motions[0], segments=tuple(taken or [motions[0].segments[0]]))
