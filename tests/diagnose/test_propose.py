@@ -1,7 +1,6 @@
 """Proposals: odds as in closed form, segments within limits, files that play what was designed."""
 
 import json
-from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from one_joint import pendulum, wheel
 from realitygap.diagnose.propose.condition import Condition
-from realitygap.diagnose.propose.design import answer, chosen, separable, sharpened, worth
+from realitygap.diagnose.propose.design import answer, chosen, separable, settling, sharpened
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import EXACT, animation, waypoints
@@ -85,12 +84,25 @@ def test_what_tells_most_in_its_time_is_chosen_and_the_worst_question_counts() -
         return np.asarray(x.T @ x)
 
     grams = [gram(8.0, 0.0), gram(0.0, 8.0), gram(1.0, 1.0), gram(16.0, 0.0)]
-    goal = partial(worth, questions, beliefs)
+    goal = settling(questions, beliefs, [(grams, [4.0] * 4)], 8.0)
     picked = chosen(goal, grams, [4.0, 4.0, 4.0, 4.0], 8.0)
     assert set(picked) == {1, 3}
     assert answer(questions[1], grams[1], beliefs).least == pytest.approx(4.0)
     assert chosen(goal, grams, [4.0] * 4, 3.0) == []
     assert chosen(goal, [], [], 3.0) == []
+
+
+def test_of_explanations_that_hardly_part_what_little_can_be_had_counts_no_more_than_what_much_there_is_of_others() -> (
+    None
+):
+    """One segment tells all there is of a pair that hardly parts, another much of a pair that parts well."""
+    beliefs = [Belief(np.eye(3)[k], np.zeros((3, 0)), np.zeros((0, 0))) for k in range(3)]
+    questions = [Question(0, 1, ("a", "b"), (), 0.0), Question(0, 2, ("a", "c"), (), 0.0)]
+    grams = [np.diag([0.0, *x]) for x in ((1.0, 0.0), (0.9, 9.0), (0.0, 10.0))]
+    goal = settling(questions, beliefs, [(grams, [4.0] * 3)], 4.0)
+    assert goal.most == pytest.approx([0.5, 5.0])
+    assert goal(np.array(grams)) == pytest.approx([0.025, 0.945, 0.025])
+    assert chosen(goal, grams, [4.0] * 3, 4.0) == [1]
 
 
 def test_an_interval_shrinks_as_with_the_root_of_the_time_until_laws_themselves_are_in_doubt() -> None:

@@ -146,8 +146,8 @@ def test_a_segment_that_leaves_a_limit_is_found_in_every_engine(
     segments = {m.segments[0].label: m for m in pool}
     first = segments["tiny steps"]
     both = Excitation("both", (first.segments[0], segments["large steps"].segments[0]), first.condition, first.period)
-    assert left_in_engines(problem, both, open_.explanations, [engine], wide) == (None, (engine,))
-    assert left_in_engines(problem, both, open_.explanations, [engine], narrow) == (1, ())
+    assert left_in_engines(problem, both, open_.explanations, [engine], wide) == (set(), (engine,))
+    assert left_in_engines(problem, both, open_.explanations, [engine], narrow) == ({1}, ())
 
 
 def test_an_interruption_keeps_the_best_so_far(problem: Problem, left: tuple[Open, Floors]) -> None:

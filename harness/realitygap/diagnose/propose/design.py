@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,15 +19,17 @@ from realitygap.robot.drive import Array
 ENOUGH = float(np.log(1000.0))
 """Odds beyond this settle a question: more counts little."""
 MORE = 0.05
-"""How much more than that counts, and the questions beside the worst."""
+"""How much more than that counts, as its root, and the questions beside the worst."""
 PASSES = 3
 """Passes of exchanges at most."""
+LITTLE = 1e-6
+"""A gain no larger than this is none."""
 APART = 1.0
 """Logarithm of odds: a question that all segments together move by less is not for these segments to settle."""
 
 
-Goal = Callable[[Array], float]
-"""What motions are worth, by the gram of what they would show."""
+Goal = Callable[[Array], Array]
+"""What motions are worth, by the gram of what they would show, any number of them: (..., c, c) -> (...)."""
 
 
 @dataclass(frozen=True)
@@ -48,15 +51,67 @@ class Answer:
 
 def answer(question: Question, gram: Array, beliefs: Sequence[Belief]) -> Answer:
     """What motions would do to a question."""
+    return Answer(*(float(x) for x in _sides(question, gram, beliefs)))
+
+
+def _sides(question: Question, gram: Array, beliefs: Sequence[Belief]) -> tuple[Array, Array]:
+    """The expected logarithm of the odds for each side, if it is the true one. Shape (..., c, c) -> (...) each."""
     a, b = beliefs[question.one], beliefs[question.other]
-    return Answer(question.now + expected(gram, a, b), -question.now + expected(gram, b, a))
+    return question.now + expected(gram, a, b), -question.now + expected(gram, b, a)
 
 
-def worth(questions: Sequence[Question], beliefs: Sequence[Belief], gram: Array) -> float:
-    """How well motions settle questions: the worst counts, the others a little."""
-    least = [answer(q, gram, beliefs).least for q in questions]
-    told = [min(x, ENOUGH) + MORE * max(x - ENOUGH, 0.0) ** 0.5 for x in least]
-    return float(min(told) + MORE * np.mean(told))
+def told(questions: Sequence[Question], beliefs: Sequence[Belief], gram: Array) -> Array:
+    """How well motions settle each question: odds beyond `ENOUGH` count little. Shape (..., c, c) -> (q, ...)."""
+    least = np.array([np.minimum(*_sides(q, gram, beliefs)) for q in questions])
+    return np.asarray(np.minimum(least, ENOUGH) + MORE * np.maximum(least - ENOUGH, 0.0) ** 0.5)
+
+
+@dataclass(frozen=True)
+class Settling:
+    """How much of what motions could do to each question alone they do: the worst counts, the others a little.
+
+    A standardised maximin criterion (Dette 1997): of explanations that hardly part, what little can be had counts no
+    more than what much there is of others.
+
+    Attributes:
+        questions: to be settled.
+        beliefs: of every explanation.
+        still: how well the recordings settle each. Shape (q,).
+        most: how well the best motion for each alone does. Shape (q,).
+    """
+
+    questions: Sequence[Question]
+    beliefs: Sequence[Belief]
+    still: Array
+    most: Array
+
+    def __call__(self, gram: Array) -> Array:
+        """Shape (..., c, c) -> (...)."""
+        gained, most = np.moveaxis(told(self.questions, self.beliefs, gram), 0, -1) - self.still, self.most - self.still
+        shares = np.where(most > LITTLE, gained / np.maximum(most, LITTLE), 1.0)
+        return np.asarray(shares.min(axis=-1) + MORE * shares.mean(axis=-1))
+
+
+def settling(
+    questions: Sequence[Question],
+    beliefs: Sequence[Belief],
+    groups: Sequence[tuple[Sequence[Array], Sequence[float]]],
+    room: float,
+) -> Settling:
+    """The goal of settling questions by segments, of one group at a time: their grams, and the seconds that each takes,
+    of which there is some room.
+    """
+    nothing = np.zeros_like(beliefs[0].mean[:, None] * beliefs[0].mean)
+    most = []
+    for q in questions:
+        alone = partial(_one, q, beliefs)
+        taken = [(grams, chosen(alone, grams, seconds, room)) for grams, seconds in groups]
+        most.append(max(float(alone(nothing + sum(grams[i] for i in t))) for grams, t in taken))
+    return Settling(questions, beliefs, told(questions, beliefs, nothing), np.array(most))
+
+
+def _one(question: Question, beliefs: Sequence[Belief], gram: Array) -> Array:
+    return np.asarray(told([question], beliefs, gram)[0])
 
 
 def separable(questions: Sequence[Question], grams: Sequence[Array], beliefs: Sequence[Belief]) -> list[Question]:
@@ -68,15 +123,17 @@ def separable(questions: Sequence[Question], grams: Sequence[Array], beliefs: Se
 
 
 def sharpened(belief: Belief, values: int, gram: Array) -> Array:
-    """How many times smaller the standard deviations of an explanation's own values become. Shape (values,)."""
+    """How many times smaller the standard deviations of an explanation's own values become. Shape (..., values)."""
     before = np.sqrt(np.diag(belief.covariance)[:values])
-    return np.asarray(before / deviation(gram, belief)[:values])
+    return np.asarray(before / deviation(gram, belief)[..., :values])
 
 
-def sharper(belief: Belief, values: int, gram: Array) -> float:
-    """How well motions tell an explanation's own values: the one that is told least counts, the others a little."""
+def sharper(belief: Belief, values: int, gram: Array) -> Array:
+    """How well motions tell an explanation's own values: the one that is told least counts, the others a little. Shape
+    (..., c, c) -> (...).
+    """
     gains = np.log(sharpened(belief, values, gram))
-    return float(gains.min() + MORE * gains.mean())
+    return np.asarray(gains.min(axis=-1) + MORE * gains.mean(axis=-1))
 
 
 def chosen(goal: Goal, grams: Sequence[Array], seconds: Sequence[float], room: float) -> list[int]:
@@ -88,38 +145,39 @@ def chosen(goal: Goal, grams: Sequence[Array], seconds: Sequence[float], room: f
         seconds: that every segment takes.
         room: seconds that there are.
     """
-
-    def value(numbers: Sequence[int]) -> float:
-        return goal(np.sum([np.zeros_like(grams[0]), *(grams[i] for i in numbers)], axis=0))
-
+    taken = list[int]()
     if not grams:
-        return []
-    taken: list[int] = []
+        return taken
+    every, length = np.array(grams), np.array(seconds)
     while True:
-        left = room - sum(seconds[i] for i in taken)
-        fitting = [i for i in range(len(grams)) if i not in taken and seconds[i] <= left]
-        now = value(taken)
-        gains = [((value([*taken, i]) - now) / seconds[i], i) for i in fitting]
-        if not gains or max(gains)[0] <= 1e-6:
+        fitting = _fitting(taken, length, room)
+        if not fitting:
             break
-        taken.append(max(gains)[1])
-    return _exchanged(taken, value, seconds, room)
+        total = every[taken].sum(axis=0)
+        gains = (goal(total + every[fitting]) - goal(total)) / length[fitting]
+        if gains.max() <= LITTLE:
+            break
+        taken.append(fitting[int(np.argmax(gains))])
+    return _exchanged(taken, goal, every, length, room)
 
 
-def _exchanged(
-    taken: list[int], value: Callable[[Sequence[int]], float], seconds: Sequence[float], room: float
-) -> list[int]:
+def _fitting(taken: Sequence[int], length: Array, room: float) -> list[int]:
+    """The segments that there is time for beside those that are taken."""
+    left = room - float(length[list(taken)].sum())
+    return [i for i in range(len(length)) if i not in taken and length[i] <= left]
+
+
+def _exchanged(taken: list[int], goal: Goal, every: Array, length: Array, room: float) -> list[int]:
     """The same with segments exchanged for better ones that fit, as long as that helps."""
-    best = value(taken)
+    best = float(goal(every[taken].sum(axis=0)))
     for _ in range(PASSES):
         before = best
         for place in range(len(taken)):
             others = taken[:place] + taken[place + 1 :]
-            left = room - sum(seconds[i] for i in others)
-            tried = [(value([*others, i]), i) for i in range(len(seconds)) if i not in others and seconds[i] <= left]
-            most, number = max(tried)
-            if most > best + 1e-6:
-                taken, best = [*others, number], most
+            fitting = _fitting(others, length, room)
+            tried = goal(every[others].sum(axis=0) + every[fitting])
+            if tried.max() > best + LITTLE:
+                taken, best = [*others, fitting[int(np.argmax(tried))]], float(tried.max())
         if best == before:
             break
     return taken

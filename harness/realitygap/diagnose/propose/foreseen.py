@@ -80,23 +80,28 @@ class Foreseen:
         if true not in fits:
             return {}
         more = [d - drawn[0] for d in drawn]
-        return {k: float(np.median(self._compared(first, fits, true, k, more))) for k in fits if k != true}
+        asked: dict[int, list[int]] = {}
+        for other in fits:
+            if other != true:
+                asked.setdefault(_simpler(fits, true, other), []).append(other)
+        told = dict[int, float]()
+        for at, beside in asked.items():
+            here = self._standing(first, fits[at], at)
+            one, *two = (self._evidences(here, fits[k].fit, more) for k in (true, *beside))
+            told |= {k: float(np.median(one - e)) for k, e in zip(beside, two, strict=True)}
+        return told
 
-    def _compared(
-        self, first: Yardstick, fits: Mapping[int, Scored], true: int, other: int, more: Sequence[Array]
-    ) -> Array:
-        """The logarithm of the odds for the first of two explanations, near where they were fitted. Shape (draws,).
-
-        What laws may be off by, and how many facts there are, is as at the one with fewer findings, where a diagnosis
-        asks whether anything more is to be named; of two with as many, as at the better one.
-        """
-        at = min((true, other), key=lambda k: (len(fits[k].fit.changes), -fits[k].evidence))
+    def _standing(self, first: Yardstick, fitted: Scored, at: int) -> Yardstick:
+        """The yardstick where laws may be off, and facts count, as at an explanation that was fitted."""
         here = copy(first)
         here.wrong = replace(self.off.at(at, self.case), facts=first.wrong.facts)
-        here.take_facts(fits[at].fit.residual)
-        here.take_facts(here.score(fits[at].fit).left)
-        one, two = ([_evidence(here, self._beside(fits[k].fit, m)) for m in more] for k in (true, other))
-        return np.subtract(one, two)
+        here.take_facts(fitted.fit.residual)
+        here.take_facts(here.score(fitted.fit).left)
+        return here
+
+    def _evidences(self, here: Yardstick, fit: Fit, more: Sequence[Array]) -> Array:
+        """The evidence of an explanation near where it was fitted, for recordings with other noise. Shape (draws,)."""
+        return np.array([_evidence(here, self._beside(fit, m)) for m in more])
 
     def _yardstick(self, shown: Array) -> Yardstick:
         """What models are compared on, where the motion showed this. Shape (m,)."""
@@ -141,6 +146,13 @@ def _fitted(yardstick: Yardstick, fit: Fit) -> Scored | None:
         return yardstick.fit(fit.changes, care="compared")
     still = residual(yardstick.simulations, fit.changes, yardstick.train)
     return None if still is None else yardstick.score(replace(fit, residual=still, slope=np.zeros((len(still), 0))))
+
+
+def _simpler(fits: Mapping[int, Scored], one: int, other: int) -> int:
+    """Where two explanations are compared: at the one with fewer findings, where a diagnosis asks whether anything more
+    is to be named; of two with as many, at the better one.
+    """
+    return min((one, other), key=lambda k: (len(fits[k].fit.changes), -fits[k].evidence))
 
 
 def _evidence(yardstick: Yardstick, near: Fit) -> float:

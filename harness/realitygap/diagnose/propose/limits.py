@@ -46,10 +46,15 @@ class Limits:
         }
         return out if trace.effort is None else out | {"effort": np.abs(trace.effort) - self.effort}
 
+    def left(self, trace: Trace) -> Array:
+        """When a motion is beyond any limit [s]. Shape (k,)."""
+        beyond = np.any([np.any(v > 0.0, axis=1) for v in self.over(trace).values()], axis=0)
+        return np.asarray(trace.time[beyond])
+
     def first(self, trace: Trace) -> float | None:
         """When a motion leaves a limit first [s]; None where it leaves none."""
-        beyond = np.any([np.any(v > 0.0, axis=1) for v in self.over(trace).values()], axis=0)
-        return float(trace.time[int(np.argmax(beyond))]) if beyond.any() else None
+        left = self.left(trace)
+        return float(left[0]) if len(left) else None
 
 
 def limits_of(model: Model, spec: ProposeSpec, position: Array | None, reached: Array | None) -> Limits:

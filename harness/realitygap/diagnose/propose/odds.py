@@ -12,9 +12,9 @@ one.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from realitygap.robot.drive import Array
 
@@ -37,62 +37,43 @@ class Belief:
     precision: Array
     start: Array = field(default_factory=lambda: np.zeros(0))
 
-    @property
+    @cached_property
     def covariance(self) -> Array:
         """Of the values. Shape (v, v)."""
         return np.asarray(np.linalg.inv(self.precision)) if len(self.precision) else self.precision
 
+    @cached_property
+    def known(self) -> float:
+        """The logarithm of the determinant of the precision."""
+        return float(np.linalg.slogdet(self.precision)[1])
+
     def learned(self, gram: Array) -> Array:
-        """The precision of the values with a motion, or several, in addition. Shape (v, v)."""
+        """The precision of the values with a motion, or several, in addition. Shape (..., v, v)."""
         return np.asarray(self.precision + self.ways.T @ gram @ self.ways)
 
 
-def moved(gram: Array, apart: Array, other: Belief) -> tuple[Array, float]:
-    """How an explanation's values move in a refit to motions that differ from what it predicts, and what stays: the
-    squared distance, with what the move costs on the present recordings.
-
-    Args:
-        gram: of the motions. Shape (c, c).
-        apart: what they show less what the explanation predicts, as a combination of the columns. Shape (c,).
-        other: the explanation.
-    """
-    distance = float(apart @ gram @ apart)
-    if not len(other.precision):
-        return np.zeros(0), distance
-    seen = other.ways.T @ gram @ apart
-    values = cho_solve(cho_factor(other.learned(gram), lower=True), seen)
-    return np.asarray(values), distance - float(seen @ values)
-
-
-def expected(gram: Array, true: Belief, other: Belief, distance: float | None = None) -> float:
+def expected(gram: Array, true: Belief, other: Belief) -> Array:
     """The logarithm of the odds that motions are expected to add for the true explanation over another one.
 
     Args:
-        gram: inner products of the columns over the motions, in units of noise, disturbances and law discrepancy.
-            Shape (c, c).
+        gram: inner products of the columns over the motions, in units of noise, disturbances and law discrepancy; any
+            number of them. Shape (..., c, c) -> (...).
         true: the explanation that holds.
         other: the one that is refitted.
-        distance: what its refit leaves (`moved`), where that was simulated; None by straight lines.
     """
     apart = true.mean - other.mean
-    here, there = true.ways.T @ gram @ true.ways, other.ways.T @ gram @ other.ways
+    shown, here, there = gram @ apart, true.learned(gram), other.learned(gram)
     both = other.ways.T @ gram @ true.ways
-    spread = float(np.trace(true.covariance @ here))
-    if len(there):
-        factor = cho_factor(other.precision + there, lower=True)
-        spread -= float(np.trace(cho_solve(factor, there + both @ true.covariance @ both.T)))
-    if distance is None:
-        distance = moved(gram, apart, other)[1]
-    return 0.5 * (distance + spread + _gained(other, there) - _gained(true, here))
-
-
-def _gained(belief: Belief, information: Array) -> float:
-    """The logarithm of how much more is known of the values, in volume squared."""
-    if not len(information):
-        return 0.0
-    return float(np.linalg.slogdet(belief.precision + information)[1] - np.linalg.slogdet(belief.precision)[1])
+    seen = shown @ other.ways
+    new = there - other.precision + both @ true.covariance @ np.swapaxes(both, -1, -2)
+    solved = np.linalg.solve(there, np.concatenate([new, seen[..., None]], axis=-1))
+    distance = shown @ apart - np.sum(seen * solved[..., -1], axis=-1)
+    spread = np.sum(true.covariance * (here - true.precision), axis=(-1, -2))
+    spread -= np.trace(solved[..., :-1], axis1=-2, axis2=-1)
+    gained = (np.linalg.slogdet(there)[1] - other.known) - (np.linalg.slogdet(here)[1] - true.known)
+    return np.asarray(0.5 * (distance + spread + gained))
 
 
 def deviation(gram: Array, belief: Belief) -> Array:
-    """Standard deviations of the values after motions. Shape (v,)."""
-    return np.asarray(np.sqrt(np.diag(np.linalg.inv(belief.learned(gram)))))
+    """Standard deviations of the values after motions. Shape (..., c, c) -> (..., v)."""
+    return np.asarray(np.sqrt(np.diagonal(np.linalg.inv(belief.learned(gram)), axis1=-2, axis2=-1)))

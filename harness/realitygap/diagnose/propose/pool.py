@@ -90,13 +90,23 @@ def motions_of(
     given = 0
     while given < most and any(todo):
         _, motion, condition, without, bad, gram = max((t for t in todo if t is not None), key=lambda t: t[0])
-        at, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits)
-        if at is None:
+        out, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits)
+        if not out:
             given += 1
             yield replace(motion, name=f"{motion.name}_{given}"), held, gram
             todo[condition] = table.best(condition, without | {motion.segments[0].kind}, bad)
         else:
-            todo[condition] = table.best(condition, without, bad | {motion.segments[at].label})
+            todo[condition] = table.best(condition, without, bad | {motion.segments[k].label for k in out})
+
+
+def by_condition(parts: Sequence[Part]) -> list[tuple[list[Array], list[float]]]:
+    """The grams and the seconds of the segments of every condition: a motion has one."""
+    out: dict[int, tuple[list[Array], list[float]]] = {}
+    for motion, gram in parts:
+        grams, seconds = out.setdefault(id(motion.condition), ([], []))
+        grams.append(gram)
+        seconds.append(motion.seconds)
+    return list(out.values())
 
 
 Candidate = tuple[float, Excitation, int, frozenset[str], frozenset[str], Array]
@@ -131,4 +141,4 @@ class _Table:
         segments = tuple(here[i][0].segments[0] for i in picked)
         kinds = list(dict.fromkeys(s.kind for s in segments))
         motion = replace(here[0][0], segments=segments, name="_".join(kinds[:3]))
-        return self.goal(gram) - AGAIN * len(without), motion, condition, without, bad, gram
+        return float(self.goal(gram)) - AGAIN * len(without), motion, condition, without, bad, gram

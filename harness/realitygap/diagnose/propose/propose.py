@@ -14,14 +14,14 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.propose.design import Answer, answer, separable, sharper, worth
+from realitygap.diagnose.propose.design import Answer, Goal, answer, separable, settling, sharper
 from realitygap.diagnose.propose.evolve import Part, evolved
 from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.pool import builders, motions_of, pool_of
+from realitygap.diagnose.propose.pool import builders, by_condition, motions_of, pool_of
 from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
@@ -119,13 +119,14 @@ def propose(
         return result
     try:
         design(result, spec, floors, engines, seconds, motions, say, workers)
-        if result.proposed:
+        if result.proposed and result.ended is None:
             _judge(result, say, workers)
             result.proposed = [p for p in result.proposed if _tells(result, p)][:motions]
     except Interrupted as end:
         if not result.proposed:
             raise
         result.ended = end
+    if result.ended is not None:
         result.notes.append("ended early: the best so far, with odds as if laws were exact")
     if not result.proposed:
         result.notes.append("no motion within these limits tells more than is known")
@@ -161,14 +162,19 @@ def design(
     values = len(open_.explanations[0].fit.names)
     if not apart and not values:
         return
-    goal = partial(worth, apart, beliefs) if apart else partial(sharper, beliefs[0], values)
+    goal: Goal = partial(sharper, beliefs[0], values)
+    if apart:
+        goal = settling(apart, beliefs, by_condition(parts), seconds)
 
     def told(motions: list[Excitation]) -> list[Part]:
         return _parts(result, motions, floors, workers)[0]
 
-    better = evolved(parts, goal, told, builders(result), np.random.default_rng(0))
-    say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
-    most = max(motions, min(len({id(m.condition) for m in pool}), TRIED))
+    most, better = max(motions, min(len({id(m.condition) for m in pool}), TRIED)), list[Part]()
+    try:
+        better = evolved(parts, goal, told, builders(result), np.random.default_rng(0))
+        say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
+    except Interrupted as end:
+        most, result.ended = 1, end
     for motion, held, gram in motions_of(result, [*parts, *better], goal, engines, seconds, most):
         result.proposed.append(_proposed(result, motion, held, gram, beliefs))
         say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")

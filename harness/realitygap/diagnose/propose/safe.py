@@ -69,7 +69,7 @@ def _trace(time: Array, names: Sequence[str], signals: dict[str, Array]) -> Trac
 
 def left_in_engines(
     problem: Problem, motion: Excitation, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
-) -> tuple[int | None, tuple[str, ...]]:
+) -> tuple[set[int], tuple[str, ...]]:
     """The same as `left_limits`, of every explanation's plant."""
     experiment = experiment_of(motion, problem.cases[0].experiment)
     plants = [changed(experiment.plant, e.fit.changes, problem.plant) for e in explanations]
@@ -78,17 +78,17 @@ def left_in_engines(
 
 def left_limits(
     experiment: Experiment, motion: Excitation, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
-) -> tuple[int | None, tuple[str, ...]]:
-    """The number of the segment that leaves a limit first, in any engine and plant, None where none does; and the
-    engines that can simulate the motion: as it was designed, and as its keyframes are played, whenever in between two
-    samples of a slow servo it begins.
+) -> tuple[set[int], tuple[str, ...]]:
+    """The numbers of the segments that leave a limit, in the first engine in which any does in any plant; and the
+    engines that can simulate the motion, where none does: as it was designed, and as its keyframes are played, whenever
+    in between two samples of a slow servo it begins.
     """
     ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
     ways = (experiment, played(motion, experiment))
     tried = [(later(way, late), plant) for way, plant in product(ways, plants) for late in phases(plant)]
     held = []
     for engine in engines:
-        can = True
+        can, left = True, list[float]()
         for way, plant in tried:
             try:
                 trace = simulate(way.with_plant(plant), engine).trace
@@ -96,13 +96,14 @@ def left_limits(
                 can = False
                 break
             except Diverged as error:
-                return min(int(np.searchsorted(ends, error.time + way.begin)), len(ends) - 1), ()
-            found = limits.first(trace.between(-TICK, np.inf))  # from where keyframes begin
-            if found is not None:
-                return min(int(np.searchsorted(ends, found)), len(ends) - 1), ()
+                left.append(error.time + way.begin)
+                continue
+            left += limits.left(trace.between(-TICK, np.inf)).tolist()  # from where keyframes begin
+        if left:
+            return {min(int(k), len(ends) - 1) for k in np.searchsorted(ends, left)}, ()
         if can:
             held.append(engine)
-    return None, tuple(held)
+    return set(), tuple(held)
 
 
 def phases(plant: Plant) -> list[float]:

@@ -75,10 +75,10 @@ def screen(
         kept = Excitation(name, tuple(_turns(here, seconds, 1.0 / RATE)), condition, 1.0 / RATE)
         held: tuple[str, ...] = ()
         while kept.segments:
-            at, held = left_limits(experiment_of(kept), kept, [plant], engines, limits)
-            if at is None:
+            out, held = left_limits(experiment_of(kept), kept, [plant], engines, limits)
+            if not out:
                 break
-            kept = replace(kept, segments=kept.segments[:at] + kept.segments[at + 1 :])
+            kept = replace(kept, segments=tuple(s for k, s in enumerate(kept.segments) if k not in out))
         if kept.segments:
             chosen.append((kept, held))
     if not chosen:

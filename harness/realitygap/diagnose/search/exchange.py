@@ -30,7 +30,8 @@ ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
 LOOKED = 12
 """Suspects whose responses are simulated anew where a finding is missing: those that promise most by their responses
-beside it. What does the same as the finding does little more once it is there (a gain beside a risen supply)."""
+beside it. What does the same as the finding does little more once it is there (a gain beside a risen supply), or little
+before (an offset of a joint that sticks): the better one of both counts."""
 EXCHANGED = 4
 """Suspects that are tried in the place of a finding: of these, those that promise most."""
 CLOSE = 0.5
@@ -155,7 +156,8 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     known = {b.suspect for b in here}
     beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
     tried = [change.suspect, *rough, *(s for s in beside if fits(s))]
-    promises = linear_at(at, yardstick.responses(alone.fit, tried)).promises()
+    anew = yardstick.responses(alone.fit, tried)
+    promises = linear_at(at, [*anew, *(b for b in here if b.suspect in rough)]).promises()
     own = max((p.gain for p in promises if p.block.suspect == change.suspect), default=gain)
     chosen: dict[Suspect, Promise] = {}
     for p in promises:
