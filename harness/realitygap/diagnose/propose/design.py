@@ -17,9 +17,9 @@ from realitygap.diagnose.propose.odds import Belief, deviation, expected
 from realitygap.robot.drive import Array
 
 ENOUGH = float(np.log(1000.0))
-"""Odds beyond this settle a question: more counts little."""
+"""Odds beyond this settle a question: more counts by orders of magnitude."""
 MORE = 0.05
-"""How much more than that counts, as its root, and the questions beside the worst."""
+"""How much the questions beside the worst count, and the values beside the one that is told least."""
 PASSES = 3
 """Passes of exchanges at most."""
 LITTLE = 1e-6
@@ -60,18 +60,31 @@ def _sides(question: Question, gram: Array, beliefs: Sequence[Belief]) -> tuple[
     return question.now + expected(gram, a, b), -question.now + expected(gram, b, a)
 
 
-def told(questions: Sequence[Question], beliefs: Sequence[Belief], gram: Array) -> Array:
-    """How well motions settle each question: odds beyond `ENOUGH` count little. Shape (..., c, c) -> (q, ...)."""
-    least = np.array([np.minimum(*_sides(q, gram, beliefs)) for q in questions])
-    return np.asarray(np.minimum(least, ENOUGH) + MORE * np.maximum(least - ENOUGH, 0.0) ** 0.5)
+def told(least: Array) -> Array:
+    """How well questions are settled, by the smaller logarithm of the odds of both sides: as it is up to `ENOUGH`,
+    beyond by orders of magnitude. How far laws are off is a share of what a motion shows, and takes its share of all.
+    """
+    return np.asarray(np.arcsinh(least / ENOUGH))
+
+
+def shares(settled: Array, still: Array, most: Array) -> Array:
+    """What is had of what can be had of questions, all in one: the worst counts, the others a little. A standardised
+    maximin criterion (Dette 1997): of explanations that hardly part, what little can be had counts no more than what
+    much there is of others.
+
+    Args:
+        settled: how well motions settle each question. Shape (..., q) -> (...).
+        still: how well the recordings do. Shape (q,).
+        most: how well the best motion for each does. Shape (q,).
+    """
+    there = most - still
+    had = np.where(there > LITTLE, (settled - still) / np.maximum(there, LITTLE), 1.0)
+    return np.asarray(had.min(axis=-1) + MORE * had.mean(axis=-1))
 
 
 @dataclass(frozen=True)
 class Settling:
-    """How much of what motions could do to each question alone they do: the worst counts, the others a little.
-
-    A standardised maximin criterion (Dette 1997): of explanations that hardly part, what little can be had counts no
-    more than what much there is of others.
+    """How much of what motions could do to each question alone they do.
 
     Attributes:
         questions: to be settled.
@@ -87,9 +100,12 @@ class Settling:
 
     def __call__(self, gram: Array) -> Array:
         """Shape (..., c, c) -> (...)."""
-        gained, most = np.moveaxis(told(self.questions, self.beliefs, gram), 0, -1) - self.still, self.most - self.still
-        shares = np.where(most > LITTLE, gained / np.maximum(most, LITTLE), 1.0)
-        return np.asarray(shares.min(axis=-1) + MORE * shares.mean(axis=-1))
+        return shares(_settled(self.questions, self.beliefs, gram), self.still, self.most)
+
+
+def _settled(questions: Sequence[Question], beliefs: Sequence[Belief], gram: Array) -> Array:
+    """Shape (..., c, c) -> (..., q)."""
+    return told(np.stack([np.minimum(*_sides(q, gram, beliefs)) for q in questions], axis=-1))
 
 
 def settling(
@@ -101,17 +117,16 @@ def settling(
     """The goal of settling questions by segments, of one group at a time: their grams, and the seconds that each takes,
     of which there is some room.
     """
-    nothing = np.zeros_like(beliefs[0].mean[:, None] * beliefs[0].mean)
-    most = []
+    nothing, most = np.zeros((len(beliefs[0].mean),) * 2), []
     for q in questions:
         alone = partial(_one, q, beliefs)
         taken = [(grams, chosen(alone, grams, seconds, room)) for grams, seconds in groups]
         most.append(max(float(alone(nothing + sum(grams[i] for i in t))) for grams, t in taken))
-    return Settling(questions, beliefs, told(questions, beliefs, nothing), np.array(most))
+    return Settling(questions, beliefs, _settled(questions, beliefs, nothing), np.array(most))
 
 
 def _one(question: Question, beliefs: Sequence[Belief], gram: Array) -> Array:
-    return np.asarray(told([question], beliefs, gram)[0])
+    return np.asarray(_settled([question], beliefs, gram)[..., 0])
 
 
 def separable(questions: Sequence[Question], grams: Sequence[Array], beliefs: Sequence[Belief]) -> list[Question]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.propose.design import ENOUGH, Answer
+from realitygap.diagnose.propose.design import Answer, shares, told
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.limits import Limits
@@ -96,9 +96,12 @@ class Proposal:
         """The expected logarithm of the odds of the question that a motion settles least."""
         return min((a.least for _, a in self.reached(proposed)), default=0.0)
 
-    def settled(self, proposed: Proposed) -> float:
-        """How well a motion settles its questions on average: beyond `ENOUGH` one is settled, and one that nothing
-        settles does not decide between motions.
-        """
-        told = [max(min(a.least, ENOUGH), -ENOUGH) for _, a in self.reached(proposed)]
-        return float(np.mean(told)) if told else 0.0
+    def ranked(self) -> list[Proposed]:
+        """The motions, first the one that has most of what the best of them do to each question that any can move."""
+        asked = [k for k, q in enumerate(self.open.questions) if q not in self.hopeless]
+        if not asked:
+            return list(self.proposed)
+        still = told(-np.abs([self.open.questions[k].now for k in asked]))
+        each = told(np.array([[p.answers[k].least for k in asked] for p in self.proposed]))
+        rank = shares(each, still, each.max(axis=0))
+        return [self.proposed[k] for k in np.argsort(-rank, kind="stable")]

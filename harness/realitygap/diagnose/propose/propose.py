@@ -225,7 +225,8 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
     ]
     moved = {q for p in whole for q, a in zip(result.open.questions, p.answers, strict=True) if a.moves(q)}
     result.hopeless = tuple(q for q in result.open.questions if q in result.hopeless or q not in moved)
-    result.proposed = sorted(whole, key=lambda p: (result.settled(p), result.least(p)), reverse=True)
+    result.proposed = whole
+    result.proposed = result.ranked()
     result.problem, result.predictions = problem, predictions
 
 
