@@ -58,7 +58,7 @@ def others(case: Ambiguous, arm: str, open_: Open, floors: Floors, question: Que
     pool = pool_of(result, spec)
     plain = [m for m in pool if not m.condition.overrides]
     if arm == "multisine":
-        return perform(case, arm, [_filled([m for m in plain if m.segments[0].kind == "multisine"], seconds)])
+        return perform(case, arm, [_kind(plain, "multisine", seconds)])
     if arm == "d_optimal":
         return perform(case, arm, [_d_optimal(result, pool, floors, seconds)])
     pair = frozenset(t.effect for t in question.targets)

@@ -61,5 +61,7 @@ def _varied(
     (segment,) = motion.segments
     assert segment.wave is not None
     (joint,) = segment.joints
-    made = builders[joint].multisine(segment.wave.varied(random), f"fitted multisine {number}")
+    made = replace(builders[joint], pace=segment.pace).multisine(
+        segment.wave.varied(random), f"fitted multisine {number}"
+    )
     return replace(motion, name=f"multisine_fitted_{number}", segments=(made,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import get_args
 
 import numpy as np
@@ -15,13 +16,18 @@ from realitygap.diagnose.propose.evolve import Part
 from realitygap.diagnose.propose.excitation import Excitation, period_of
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.proposal import Proposal
-from realitygap.diagnose.propose.safe import left_in_engines
+from realitygap.diagnose.propose.safe import asks_beyond, left_in_engines
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
 
 Held = tuple[Excitation, tuple[str, ...], Array]
 """A motion, the engines in which it stays within the limits, and the gram of its segments. Shape (c, c)."""
+
+
+PACES = (1.0, 0.5, 0.25)
+"""Shares of the largest speed at which pieces are made, each where a faster one leaves a limit: against drag speed costs
+effort, of which no limit of speed says how much there is."""
 
 
 def builders(result: Proposal) -> dict[int, Builder]:
@@ -32,13 +38,37 @@ def builders(result: Proposal) -> dict[int, Builder]:
 
 
 def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
-    """Single segments of the joints that are in question, under every condition."""
+    """Single segments of the joints that are in question, under every condition, that stay within the limits as they
+    are simulated in the engine of the search; of a kind of which some do not, slower ones, too.
+    """
     problem = result.problem
-    period, every = period_of(problem), conditions(problem, spec)
+    period = period_of(problem)
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
-    segments = [s for builder in builders(result).values() for s in builder.every(kinds)]
-    return [Excitation(f"{s.kind}_{i}", (s,), c, period) for c in every for i, s in enumerate(segments)]
+    out = list[Excitation]()
+    for builder, condition in product(builders(result).values(), conditions(problem, spec)):
+        todo = kinds
+        for pace in PACES:
+            segments = replace(builder, pace=pace).every(todo)
+            tried = [Excitation(f"{s.kind}_{len(out) + i}", (s,), condition, period) for i, s in enumerate(segments)]
+            good = within(result, tried)
+            out += good
+            kept = {id(m) for m in good}
+            todo = list(dict.fromkeys(m.segments[0].kind for m in tried if id(m) not in kept))
+    return out
+
+
+def within(result: Proposal, motions: Sequence[Excitation]) -> list[Excitation]:
+    """The motions that stay within the limits under every explanation, in the engine of the search."""
+    problem, explanations = result.problem, result.open.explanations
+
+    def good(motion: Excitation) -> bool:
+        if asks_beyond(motion.value, result.limits):
+            return False
+        left, held = left_in_engines(problem, motion, explanations, [problem.engine], result.limits)
+        return not left and bool(held)
+
+    return [m for m in motions if good(m)]
 
 
 def labels(problem: Problem) -> list[str]:

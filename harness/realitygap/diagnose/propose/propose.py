@@ -21,7 +21,7 @@ from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.pool import builders, by_condition, motions_of, pool_of
+from realitygap.diagnose.propose.pool import builders, by_condition, motions_of, pool_of, within
 from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
@@ -152,7 +152,7 @@ def design(
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
     open_, pool = result.open, pool_of(result, spec)
-    say(f"{len(pool)} pieces of motion, each under {len(open_.explanations)} explanations")
+    say(f"{len(pool)} pieces of motion within the limits, each under {len(open_.explanations)} explanations")
     parts, beliefs = _parts(result, pool, floors, workers)
     if not parts:
         result.hopeless = open_.questions
@@ -167,7 +167,7 @@ def design(
         goal = settling(apart, beliefs, by_condition(parts), seconds)
 
     def told(motions: list[Excitation]) -> list[Part]:
-        return _parts(result, motions, floors, workers)[0]
+        return _parts(result, within(result, motions), floors, workers)[0]
 
     most, better = max(motions, min(len({id(m.condition) for m in pool}), TRIED)), list[Part]()
     try:
@@ -184,6 +184,8 @@ def _parts(
     result: Proposal, pool: Sequence[Excitation], floors: Floors, workers: int | None
 ) -> tuple[list[Part], tuple[Belief, ...]]:
     """The segments that stay within the limits, with what they tell as if laws were exact; and the explanations."""
+    if not pool:
+        return [], ()
     own, wide = len(result.problem.cases), with_motions(result.problem, pool)
     explanations = result.open.explanations
     with Simulations(wide, workers) as simulations:

@@ -43,7 +43,7 @@ def safe_cases(
     for k, case in enumerate(cases):
         here = answers[k * number : (k + 1) * number]
         told = problem.cases[case].experiment.commands.value
-        if _outside(told, limits) or any(a is None for a in here):
+        if asks_beyond(told, limits) or any(a is None for a in here):
             continue
         time = problem.cases[case].measured.time
         names = problem.plant.model.joint_names
@@ -53,7 +53,7 @@ def safe_cases(
     return out
 
 
-def _outside(command: Array, limits: Limits) -> bool:
+def asks_beyond(command: Array, limits: Limits) -> bool:
     """Whether a position is asked for that is out of reach."""
     return bool(np.nanmax(np.maximum(limits.lower - command, command - limits.upper)) > 0.0)
 

@@ -38,6 +38,7 @@ class Segment:
         value: commands [rad or m]. Shape (m, n).
         enabled: whether the servos of the joints that move are on. Shape (m,).
         wave: of a multisine.
+        pace: the share of the largest speed that stands for all of it.
     """
 
     kind: SegmentKind
@@ -46,6 +47,7 @@ class Segment:
     value: Array
     enabled: NDArray[np.bool_]
     wave: Multisine | None = None
+    pace: float = 1.0
 
     def commands(self) -> Array:
         """The commands, NaN where a servo is off. Shape (m, n)."""
@@ -65,6 +67,7 @@ class Builder:
         limits: what must not be left.
         period: of the commands [s].
         name: of the joint, where a robot has several.
+        pace: the share of the largest speed that is used as if it was all of it: speed costs effort.
     """
 
     joint: int
@@ -72,6 +75,7 @@ class Builder:
     limits: Limits
     period: float
     name: str = ""
+    pace: float = 1.0
 
     def every(self, kinds: Sequence[SegmentKind]) -> list[Segment]:
         """Segments of these kinds, each in several sizes and speeds."""
@@ -98,7 +102,7 @@ class Builder:
 
     @property
     def _fast(self) -> float:
-        return float(self.limits.speed[self.joint])
+        return self.pace * float(self.limits.speed[self.joint])
 
     def _segment(self, kind: SegmentKind, label: str, parts: Sequence[Array], off: tuple[int, int] = (0, 0)) -> Segment:
         """Parts one behind the other, the last one back home and at rest. `off` is where the servo is off."""
@@ -107,7 +111,9 @@ class Builder:
         value[:, self.joint] += way
         enabled = np.ones(len(way), dtype=bool)
         enabled[slice(*off)] = False
-        return Segment(kind, f"{label} of {self.name}" if self.name else label, (self.joint,), value, enabled)
+        label = f"{label} of {self.name}" if self.name else label
+        label = f"{label} at {self.pace:.0%} of the speed" if self.pace < 1.0 else label
+        return Segment(kind, label, (self.joint,), value, enabled, pace=self.pace)
 
     def _ticks(self, seconds: float) -> int:
         return max(int(np.ceil(seconds / self.period - 1e-6)), 1)
