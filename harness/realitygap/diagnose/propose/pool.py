@@ -26,8 +26,8 @@ Held = tuple[Excitation, tuple[str, ...], Array]
 
 
 PACES = (1.0, 0.5, 0.25)
-"""Shares of the largest speed at which pieces are made, each where a faster one leaves a limit: against drag speed costs
-effort, of which no limit of speed says how much there is."""
+"""Shares of the largest speed at which pieces are made, each where a faster one leaves a limit: against drag, speed
+costs effort, of which no limit of speed says how much there is."""
 
 
 def builders(result: Proposal) -> dict[int, Builder]:
@@ -59,13 +59,15 @@ def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
 
 
 def within(result: Proposal, motions: Sequence[Excitation]) -> list[Excitation]:
-    """The motions that stay within the limits under every explanation, in the engine of the search."""
-    problem, explanations = result.problem, result.open.explanations
+    """The motions that stay within the limits in the named model and the engine of the search. Rivals fit the same
+    recordings and move alike; they, and other engines, have their say about a motion as a whole.
+    """
+    problem, named = result.problem, result.open.explanations[:1]
 
     def good(motion: Excitation) -> bool:
         if asks_beyond(motion.value, result.limits):
             return False
-        left, held = left_in_engines(problem, motion, explanations, [problem.engine], result.limits)
+        left, held = left_in_engines(problem, motion, named, [problem.engine], result.limits)
         return not left and bool(held)
 
     return [m for m in motions if good(m)]

@@ -99,6 +99,8 @@ def left_limits(
                 left.append(error.time + way.begin)
                 continue
             left += limits.left(trace.between(-TICK, np.inf)).tolist()  # from where keyframes begin
+            if left and len(ends) == 1:
+                break
         if left:
             return {min(int(k), len(ends) - 1) for k in np.searchsorted(ends, left)}, ()
         if can:
