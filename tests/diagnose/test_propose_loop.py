@@ -135,6 +135,35 @@ def test_files_say_and_play_what_was_designed(asked: tuple[Open, Proposal, list[
     assert abs(trace.position[-1, 0] - result.home[0]) < 0.1
 
 
+def test_pieces_are_slower_where_faster_ones_take_more_effort_than_there_is(
+    problem: Problem, left: tuple[Open, Floors]
+) -> None:
+    open_, _ = left
+    home, spec = pose_of(problem, {}), ProposeSpec(forbid=["chirp", "multisine"])
+    strong, weak = (Limits(*(np.array([x]) for x in (-1.2, 1.2, 7.0, effort))) for effort in (np.inf, 1.0))
+    fast, slow = (pool_of(Proposal(problem, open_, limits, home), spec) for limits in (strong, weak))
+    assert {m.segments[0].pace for m in fast} == {1.0}
+    assert min(m.segments[0].pace for m in slow) < 1.0
+    assert len({m.segments[0].label for m in slow}) == len(slow)
+    for motion in slow:
+        assert left_in_engines(problem, motion, open_.explanations[:1], [problem.engine], weak)[0] == set()
+
+
+def test_an_interrupt_while_multisines_are_fitted_leaves_the_best_so_far(
+    problem: Problem, left: tuple[Open, Floors]
+) -> None:
+    def say(text: str) -> None:
+        if "that were fitted" in text:
+            raise Interrupted(2)
+
+    open_, floors = left
+    result = propose(problem, open_, floors, ["mujoco"], 8.0, 3, say, 1)
+    assert result.ended is not None
+    (proposed,) = result.proposed
+    assert proposed.engines == ("mujoco",)
+    assert any("ended early" in note for note in result.notes)
+
+
 @pytest.mark.parametrize("engine", engines.available())
 def test_a_segment_that_leaves_a_limit_is_found_in_every_engine(
     problem: Problem, left: tuple[Open, Floors], engine: str

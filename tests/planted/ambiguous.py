@@ -24,7 +24,7 @@ LOAD, GAIN = 1.8, 0.5
 """What the team has at hand: a last link of so many times its mass, and a gain of so many times its own."""
 REST = 1.6
 """Seconds of disturbance beside those of the motion: the plant settles first."""
-TRIED = 20
+TRIED = 8
 """Robots that are drawn until one shows an effect and stays within its range: what none of them shows is not a case."""
 
 
