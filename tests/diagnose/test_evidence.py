@@ -5,7 +5,7 @@ import pytest
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import IMPERFECT, Scored, score, sharp
+from realitygap.diagnose.search.evidence import IMPERFECT, Scored, cautious, score, sharp
 from realitygap.diagnose.search.imperfections import Imperfections
 
 NOISE = 0.5
@@ -52,3 +52,22 @@ def test_moves_are_looked_for_where_laws_are_as_good_as_they_may_be() -> None:
     channel = Channel(0, "position", 0, 0.01 * np.arange(50, dtype=np.float64), NOISE, np.zeros(50))
     wrong = Imperfections(np.ones(1), rng.standard_normal((50, 2)), ("friction", "load"))
     assert set(sharp([channel], Fit((), rng.standard_normal(50)), wrong).imperfect.values()) == {min(IMPERFECT)}
+
+
+def test_what_laws_are_off_by_is_in_the_intervals_of_values_that_were_fitted_as_if_they_were_exact() -> None:
+    """A fault of the law that looks much like the value: least squares take it for the value, by 2.2 noise alone."""
+    rng = np.random.default_rng(12)
+    n, trials, held = 400, 300, 0
+    slope = rng.standard_normal((n, 1))
+    off = 0.1 * (slope + rng.standard_normal((n, 1)))  # 0.1 of the value in one standard deviation of its law
+    channel = Channel(0, "position", 0, 1.1 * np.arange(n, dtype=np.float64), NOISE, np.zeros(n))
+    widest = 0.0
+    for _ in range(trials):
+        residual = NOISE * rng.standard_normal(n) + off @ rng.standard_normal(1)
+        value = -float(np.linalg.lstsq(slope, residual)[0][0])
+        fit = Fit((), residual + slope[:, 0] * value, ((0, "torque"),), slope, np.ones(1), np.zeros(1))
+        (deviation,) = cautious([channel], fit, Imperfections(np.ones(1), off, ("friction",))).deviation
+        held += abs(value) < 1.96 * deviation
+        widest = max(widest, deviation)
+    assert 0.9 < held / trials <= 0.99
+    assert widest < 0.3

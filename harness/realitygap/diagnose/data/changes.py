@@ -74,6 +74,15 @@ class Change:
         return replace(self, values=tuple((self.parameters | dict(values)).items()))
 
 
+Standing = frozenset[tuple[Suspect, tuple[str, ...]]]
+"""Which findings a model has, and what of each is free."""
+
+
+def standing(changes: Sequence[Change]) -> Standing:
+    """What changes are, whatever their values."""
+    return frozenset((c.suspect, c.free) for c in changes)
+
+
 def clash(a: Suspect, b: Suspect) -> bool:
     """Whether two suspects cannot stand together: the same effect, or one that excludes it, at a common target.
 

@@ -8,7 +8,7 @@ the test of Vuong 1989: the difference in evidence beside its standard error ove
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,13 +70,17 @@ def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[f
 
 
 def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
-    """Minus half the squared innovations of every stretch of every motion, all channels of it together.
+    """The logarithm of the density of every stretch of every motion, all channels of it together, beside a constant.
 
     `number` is that of the stretch of every stacked sample, (m,).
     """
-    rows = scored.metric.whitening.rows
-    white = scored.metric(scored.fit.residual)[: len(rows)]
-    return np.asarray(-0.5 * np.bincount(number[rows], white**2, minlength=int(number.max()) + 1))
+    whitening, weight = scored.metric.whitening, scored.metric.weight
+    rows = whitening.rows
+    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
+    good = trust > 0.0
+    spread = np.zeros(len(rows))
+    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
+    return np.asarray(-0.5 * np.bincount(number[rows], white**2 + spread, minlength=int(number.max()) + 1))
 
 
 @dataclass
@@ -111,25 +115,33 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     if len(fewer.fit.changes) < len(now.fit.changes):
         round_.say(f"  without {len(now.fit.changes) - len(fewer.fit.changes)}: {fewer.evidence - now.evidence:+.1f}")
         return Exchanged(better=fewer)
+    compared: dict[Suspect, tuple[float, list[Rival]]] = {}
     for change in now.fit.changes:
         if change.suspect in keep:
             continue
-        rest = tuple(c for c in now.fit.changes if c is not change)
-        alone = _without(round_, rest)
+        alone = _without(round_, tuple(c for c in now.fit.changes if c is not change))
         if alone is None:
             continue
-        gain = now.evidence - alone.evidence
-        out.gains[change.suspect], out.without[change.suspect] = gain, alone
-        if gain < round_.limit:
-            round_.say(f"  without {change.suspect}: {-gain:+.1f}")
-            out.offer(alone)
+        out.without[change.suspect] = alone
+        if round_.now.evidence - alone.evidence < round_.limit:
             continue
         rivals = before.rivals.get(change.suspect, [])
         if not rivals or any(r.behind < FAR * round_.limit for r in rivals):
             rivals = _rivals(round_, change, alone, rivals)
-        out.rivals[change.suspect] = rivals
+        compared[change.suspect] = round_.now.evidence, rivals
         for rival in rivals:
-            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, change.suspect)
+            if rival.behind < -ODDS:
+                round_.led(rival.scored)
+    for suspect, (evidence, rivals) in compared.items():
+        further = round_.now.evidence - evidence
+        out.rivals[suspect] = [replace(r, behind=r.behind + further) for r in rivals]
+    for suspect, alone in out.without.items():
+        out.gains[suspect] = gain = round_.now.evidence - alone.evidence
+        if gain < round_.limit:
+            round_.say(f"  without {suspect}: {-gain:+.1f}")
+            out.offer(alone)
+        for rival in out.rivals.get(suspect, []):
+            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect)
             if rival.behind < -ODDS or equal:
                 out.offer(rival.scored)
     return out

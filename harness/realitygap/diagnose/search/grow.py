@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import everyday, richer
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.exchange import FAR
@@ -38,25 +38,39 @@ Ways = Sequence[tuple[list[Change], float]]
 """Models with more in them, and the evidence that each has to gain."""
 
 
-def grown(round_: Round, keep: Sequence[Suspect], ways: Ways | None = None) -> Scored | None:
+def grown(round_: Round, keep: Sequence[Suspect], failed: set[Standing], ways: Ways | None = None) -> Scored | None:
     """The best model with more in it, of all ways or of these, without what that makes superfluous; None where nothing
     gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
     A name that is new gains more than `round_.little` as well.
     `keep` is never superfluous.
+    `failed` are moves, told by the findings that they add and take away, that gained nothing in a round before: many,
+    where a model has many findings. They are tried last, if nothing else gains enough; those that gain nothing now
+    join them.
     """
+    here = standing(round_.now.fit.changes)
+    moves = [(way, needs, here ^ standing(way)) for way, needs in (_ways(round_) if ways is None else ways)]
+    first = [m for m in moves if m[2] not in failed]
+    last = [m for m in moves if m[2] in failed]
+    return _best(round_, keep, first, failed) or _best(round_, keep, last, failed)
+
+
+def _best(
+    round_: Round, keep: Sequence[Suspect], moves: Sequence[tuple[list[Change], float, Standing]], failed: set[Standing]
+) -> Scored | None:
+    """The best of some moves; None where none gains enough."""
     tried = []
-    for way, needs in _ways(round_) if ways is None else ways:
+    for way, needs, move in moves:
         quick = round_.adjusted(way)
-        if quick is not None:
-            gain = quick.evidence - round_.now.evidence
-            if gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit:
-                tried.append((quick.evidence - needs, quick.fit, needs))
+        gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
+        if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
+            tried.append((quick.evidence - needs, quick.fit, needs))
+        elif gain < 0.0:
+            failed.add(move)
     better: list[tuple[float, Scored]] = []
-    most = 0.0
     for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
-        if better and promise - round_.now.evidence < most - EQUAL:
+        if better and promise < max(spare for spare, _ in better) - EQUAL:
             break
         scored = round_.yardstick.fit(near.changes, near, "compared")
         if scored is None:
@@ -64,15 +78,17 @@ def grown(round_: Round, keep: Sequence[Suspect], ways: Ways | None = None) -> S
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:
             scored = pruned(round_, scored, keep)
             needs = round_.limit * max(len(scored.fit.changes) - len(round_.now.fit.changes), 0)
+        if scored.evidence - round_.now.evidence > needs:
+            round_.led(scored)
         gain = scored.evidence - round_.now.evidence
         here = {a.suspect for a in round_.now.fit.changes}
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if gain > needs and (gain > round_.little or not new):
-            better.append((gain - needs, scored))
-            most = max(most, gain - needs)
-    equal = [scored for gain, scored in better if gain > most - EQUAL]
+        if gain > needs and (gain > round_.little(scored) or not new):
+            better.append((scored.evidence - needs, scored))
+    most = max((spare for spare, _ in better), default=0.0)
+    equal = [scored for spare, scored in better if spare > max(most - EQUAL, round_.now.evidence)]
     return min(equal, key=lambda s: len(s.fit.names), default=None)
 
 

@@ -14,7 +14,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, residual, residuals
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.imperfections import WORST
+from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
@@ -26,10 +26,6 @@ DEEP = 14
 promises too little of what leaves less unexplained (1.7 of 18, for half of an ordinary constant effort)."""
 FOLLOWED = (0.5, 1.0, 2.0)
 """What that amount is multiplied by: a straight line may lead too far, or end too early."""
-
-LEFT = WORST**2
-"""What a law leaves that is off by its ordinary share, of what it explains: the square. Where a round gains less of all
-that is explained, the search ends."""
 
 Say = Callable[[str], None]
 
@@ -46,10 +42,10 @@ class Round:
         say: told what is found.
 
     Attributes:
-        little: what a round has to gain, that ordinary laws leave of what is explained.
+        explained: the evidence that the accepted model has more than the scenario's own.
         yardstick: what models are compared on.
         told: the accepted model, fitted as if laws were exact, which tells its values best.
-        now: the same where its evidence is best, for comparisons.
+        now: the same where its evidence is best, for comparisons: the best fit of it that is known (`led`).
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
         lines: the straight-line model of all blocks.
@@ -72,7 +68,7 @@ class Round:
         self.blocks = yardstick.stand_at(self.now.fit, everyone)
         self.told = yardstick.score(self.now.fit)
         self.now = yardstick.settled(self.told)
-        self.little = LEFT * (self.now.evidence - yardstick.score(nothing).evidence)
+        self.explained = self.now.evidence - yardstick.score(nothing).evidence
         self.look = yardstick.sharp(self.now.fit)
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
@@ -86,6 +82,21 @@ class Round:
     def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
         return self.yardstick.fit(changes, known or self.now.fit, "quick")
+
+    def little(self, scored: Scored) -> float:
+        """What the laws of a model leave of what is explained, as imperfect as recordings say that they are: the square
+        of what they are off by. Where a round gains less, the search ends.
+        """
+        return max(scored.imperfect.get(law, 1.0) * share for law, share in SHARE.items()) ** 2 * self.explained
+
+    def led(self, other: Scored) -> None:
+        """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what
+        another model gains by fitting better is no gain of its own.
+        """
+        there = {(c.suspect, c.free): c for c in other.fit.changes}
+        again = self.adjusted([there.get((c.suspect, c.free), c) for c in self.now.fit.changes], other.fit)
+        if again is not None and again.evidence > self.now.evidence:
+            self.now = again
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""

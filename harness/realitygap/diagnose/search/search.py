@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
@@ -25,8 +25,6 @@ LIKELY = 80
 """Suspects that a round looks at again: those that promised most in the one before; all, where none of them helps."""
 ROUNDS = 30
 """Rounds at most: more findings than this no page could show."""
-
-Standing = frozenset[tuple[Suspect, tuple[str, ...]]]
 
 
 @dataclass
@@ -73,17 +71,17 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         raise RuntimeError("the scenario's own model cannot be simulated")
     nothing = Fit(tuple(told), base)
     at, seen, grows = nothing, set[Standing](), True
-    looked_at, last = list(everyone), Exchanged()
+    looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
     for _ in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
-        here = standing(round_.now)
+        here = standing(round_.now.fit.changes)
         grows = grows and here not in seen  # what was dropped here once would only be added again
-        following = grown(round_, kept) if grows else None
+        following = grown(round_, kept, failed) if grows else None
         if following is None and len(looked_at) < len(everyone):
             at, looked_at = round_.now.fit, list(everyone)
             continue
         if following is None and here not in seen:
-            following = grown(round_, kept, parted(round_))
+            following = grown(round_, kept, failed, parted(round_))
         seen.add(here)
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
@@ -91,7 +89,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             last = exchanged(round_, kept, last)
             following = last.better
             swapped = following is not None and len(following.fit.changes) == len(here)
-            if following is not None and swapped and standing(following) in seen:
+            if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
             grows = grows and swapped  # where something was only left out there is nothing new to add
         if following is None:
@@ -116,11 +114,6 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         rivals=last.rivals,
         promised=round_.promised,
     )
-
-
-def standing(scored: Scored) -> Standing:
-    """Which findings a model has, and what of them is free."""
-    return frozenset((c.suspect, c.free) for c in scored.fit.changes)
 
 
 def needed(suspects: int) -> float:

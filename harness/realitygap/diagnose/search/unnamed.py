@@ -49,7 +49,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         less, (joint,) = len(round_.now.fit.changes) - len(way.beside), way.tables[0].suspect.indices
         place = f" in place of {less}" if less else ""
         round_.say(f"  {'; '.join(str(t.suspect) for t in way.tables)}{place}: {gain:+.1f}")
-        spare = gain - max(round_.limit * len(way.tables), round_.little)
+        spare = gain - max(round_.limit * len(way.tables), round_.little(scored))
         told = spare > 0.0 and not round_.yardstick.ordinary(round_.now, joint, scored.fit)
         if told and (best is None or spare > best[0]):
             best = spare, scored

@@ -1,0 +1,59 @@
+"""A round of the search on the bundled demo (synthetic): models are compared at their best, and no move is lost."""
+
+from dataclasses import replace
+
+import pytest
+from demo_problem import FRICTION, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.data.changes import Standing, standing
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.search.grow import grown
+from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.search import needed
+
+
+@pytest.fixture(scope="module")
+def round_(problem: Problem, simulations: Simulations) -> Round:
+    """At the scenario's own model, where the friction of the elbow is missing."""
+    names = ("coulomb_friction", "viscous_friction", "controller_gain", "supply_voltage")
+    everyone = [suspect_of(problem, n, "elbow") for n in names]
+    left = residual(simulations, [], problem.of("train"))
+    assert left is not None
+    return Round(simulations, Fit((), left), everyone, needed(len(everyone)), Fit((), left), print)
+
+
+def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(problem: Problem, round_: Round) -> None:
+    friction, more = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "viscous_friction"))
+    best, other = (round_.yardstick.fit(changes) for changes in ([friction], [friction, more]))
+    assert best is not None
+    assert other is not None
+    away = friction.at({"torque": 1.3 * FRICTION})
+    left = residual(round_.simulations, [away], round_.yardstick.train)
+    assert left is not None
+    badly = replace(best.fit, changes=(away,), residual=left, here=False)
+    now = round_.now
+    try:
+        round_.now = round_.yardstick.score(badly)
+        assert other.evidence > round_.now.evidence + round_.limit
+        round_.led(other)
+        assert standing(round_.now.fit.changes) == standing([friction])
+        assert other.evidence < round_.now.evidence + round_.limit
+        kept = round_.now
+        round_.led(replace(other, fit=replace(other.fit, changes=(away, other.fit.changes[1]))))
+        assert round_.now.evidence >= kept.evidence
+    finally:
+        round_.now = now
+
+
+def test_moves_that_failed_are_tried_where_nothing_else_gains(round_: Round) -> None:
+    failed: set[Standing] = set()
+    found = grown(round_, [], failed)
+    assert found is not None
+    assert [c.suspect.effect for c in found.fit.changes] == ["coulomb_friction"]
+    assert standing(found.fit.changes) not in failed
+    again = grown(round_, [], failed | {standing(found.fit.changes)})
+    assert again is not None
+    assert standing(again.fit.changes) == standing(found.fit.changes)
