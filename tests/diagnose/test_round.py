@@ -50,10 +50,12 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
 
 def test_moves_that_failed_are_tried_where_nothing_else_gains(round_: Round) -> None:
     failed: set[Standing] = set()
-    found = grown(round_, [], failed)
+    found = grown(round_, [], failed, whole=True)
     assert found is not None
     assert [c.suspect.effect for c in found.fit.changes] == ["coulomb_friction"]
     assert standing(found.fit.changes) not in failed
-    again = grown(round_, [], failed | {standing(found.fit.changes)})
+    every = failed | {standing(found.fit.changes)}
+    assert grown(round_, [], set(every), whole=False) is None
+    again = grown(round_, [], set(every), whole=True)
     assert again is not None
     assert standing(again.fit.changes) == standing(found.fit.changes)

@@ -52,41 +52,28 @@ class Scored:
         """Of the values that are likeliest where laws are imperfect, in sizes². Shape (p, p)."""
         if not len(self.fit.names):
             return np.zeros((0, 0))
-        slope, whole = self.metric(self.fit.slope), self.metric(self.fit.residual)
+        slope, whole = self._white
         model = np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
-        wider = np.sqrt(np.maximum(self._scatter(slope, whole, model) / np.diag(model), 1.0))
-        return np.asarray(model * np.outer(wider, wider))
+        whitening = self.metric.whitening
+        return _covariance(stretches(whitening.channels)[whitening.rows], slope, whole, model)
+
+    @property
+    def deviation(self) -> Array:
+        """How far the fitted values may be off in root mean square, in their units. Shape (p,).
+
+        Values are told as if laws were exact. What laws are off by draws them away from those that are likeliest: by
+        one step there.
+        """
+        if not len(self.fit.names):
+            return np.zeros(0)
+        slope, whole = self._white
+        away = np.linalg.lstsq(np.vstack([slope, np.eye(slope.shape[1]) / SLAB]), np.pad(whole, (0, slope.shape[1])))[0]
+        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0) + away**2) * self.fit.size)
 
     @cached_property
-    def deviation(self) -> Array:
-        """Standard deviations of values that were fitted as if laws were exact, in their units. Shape (p,).
-
-        What laws are off by draws such values away, as far as it looks like what they do: least squares under a
-        covariance that is not the one they were fitted with.
-        """
-        whitening, weight, off = self.metric.whitening, self.metric.weight, self.metric.imperfections
-        white, _ = whitening(np.column_stack([self.fit.slope.reshape(len(self.left), -1), self.fit.residual]), weight)
-        slope = white[:, :-1]
-        inner = slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2
-        model, drawn = np.asarray(np.linalg.inv(inner)), slope.T @ off
-        variance = np.diag(model @ (inner + drawn @ drawn.T) @ model)
-        return np.asarray(np.sqrt(np.maximum(variance, self._scatter(slope, white[:, -1], model))) * self.fit.size)
-
-    def _scatter(self, slope: Array, whole: Array, model: Array) -> Array:
-        """The variance of fitted values as stretches of the recordings scatter, which are nearly independent: the
-        sandwich with scores summed over stretches (Liang & Zeger 1986). Shape (p,).
-
-        Args:
-            slope: whitened change of the residual per value; first the samples that are looked at. Shape (r, p).
-            whole: whitened residual. Shape (r,).
-            model: the inverse of the values' information. Shape (p, p).
-        """
-        whitening = self.metric.whitening
-        number = stretches(whitening.channels)[whitening.rows]
-        scores = np.zeros((int(number.max()) + 1, slope.shape[1]))
-        np.add.at(scores, number, slope[: len(number)] * whole[: len(number), None])
-        few = len(scores) / max(len(scores) - slope.shape[1], 1)
-        return np.asarray(few * np.diag(model @ (scores.T @ scores) @ model))
+    def _white(self) -> tuple[Array, Array]:
+        """The slopes and the residual in the metric. Shapes (r, p), (r,)."""
+        return self.metric(self.fit.slope), self.metric(self.fit.residual)
 
 
 def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
@@ -166,6 +153,24 @@ class _Odds:
         inner = self.gram[self.model :, self.model :] * np.outer(each, each) + np.eye(len(each))
         factor = cho_factor(inner, lower=True) if len(each) else (inner, True)
         return factor, each[:, None] * self.gram[self.model :, : self.model]
+
+
+def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Array) -> Array:
+    """The covariance of fitted values, as the likelihood says or as stretches of the recordings scatter, whichever is
+    wider: the sandwich with scores summed over stretches, which are nearly independent (Liang & Zeger 1986).
+
+    Args:
+        number: of the stretch of every sample that is looked at. Shape (r,).
+        slope: whitened change of the residual per value. Shape (r + q, p).
+        whole: whitened residual. Shape (r + q,).
+        model: the covariance as the likelihood says. Shape (p, p).
+    """
+    scores = np.zeros((int(number.max()) + 1, slope.shape[1]))
+    np.add.at(scores, number, slope[: len(number)] * whole[: len(number), None])
+    few = len(scores) / max(len(scores) - slope.shape[1], 1)
+    robust = few * model @ (scores.T @ scores) @ model
+    wider = np.sqrt(np.maximum(np.diag(robust), np.diag(model)) / np.diag(model))
+    return np.asarray(model * np.outer(wider, wider))
 
 
 STRETCH = 1.0

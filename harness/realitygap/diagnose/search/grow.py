@@ -38,7 +38,9 @@ Ways = Sequence[tuple[list[Change], float]]
 """Models with more in them, and the evidence that each has to gain."""
 
 
-def grown(round_: Round, keep: Sequence[Suspect], failed: set[Standing], ways: Ways | None = None) -> Scored | None:
+def grown(
+    round_: Round, keep: Sequence[Suspect], failed: set[Standing], whole: bool, ways: Ways | None = None
+) -> Scored | None:
     """The best model with more in it, of all ways or of these, without what that makes superfluous; None where nothing
     gains enough.
 
@@ -46,14 +48,14 @@ def grown(round_: Round, keep: Sequence[Suspect], failed: set[Standing], ways: W
     A name that is new gains more than `round_.little` as well.
     `keep` is never superfluous.
     `failed` are moves, told by the findings that they add and take away, that gained nothing in a round before: many,
-    where a model has many findings. They are tried last, if nothing else gains enough; those that gain nothing now
-    join them.
+    where a model has many findings. They are tried last, where nothing else gains enough, of a round that is `whole`;
+    those that gain nothing now join them.
     """
     here = standing(round_.now.fit.changes)
     moves = [(way, needs, here ^ standing(way)) for way, needs in (_ways(round_) if ways is None else ways)]
     first = [m for m in moves if m[2] not in failed]
     last = [m for m in moves if m[2] in failed]
-    return _best(round_, keep, first, failed) or _best(round_, keep, last, failed)
+    return _best(round_, keep, first, failed) or (_best(round_, keep, last, failed) if whole else None)
 
 
 def _best(

@@ -68,6 +68,7 @@ class Round:
         self.blocks = yardstick.stand_at(self.now.fit, everyone)
         self.told = yardstick.score(self.now.fit)
         self.now = yardstick.settled(self.told)
+        self._led = False
         self.explained = self.now.evidence - yardstick.score(nothing).evidence
         self.look = yardstick.sharp(self.now.fit)
         say(
@@ -96,7 +97,13 @@ class Round:
         there = {(c.suspect, c.free): c for c in other.fit.changes}
         again = self.adjusted([there.get((c.suspect, c.free), c) for c in self.now.fit.changes], other.fit)
         if again is not None and again.evidence > self.now.evidence:
-            self.now = again
+            self.now, self._led = again, True
+
+    def retold(self) -> Scored:
+        """The accepted model, fitted as if laws were exact: also from where other models led, if that is likelier."""
+        again = self.yardstick.fit(self.now.fit.changes, self.now.fit) if self._led else None
+        both = [self.told] if again is None else [self.told, again]
+        return max(both, key=lambda s: self.yardstick.plain(s.fit).evidence)
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""

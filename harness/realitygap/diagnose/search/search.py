@@ -74,14 +74,14 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
     for _ in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
-        here = standing(round_.now.fit.changes)
+        here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
         grows = grows and here not in seen  # what was dropped here once would only be added again
-        following = grown(round_, kept, failed) if grows else None
-        if following is None and len(looked_at) < len(everyone):
+        following = grown(round_, kept, failed, whole) if grows else None
+        if following is None and not whole:
             at, looked_at = round_.now.fit, list(everyone)
             continue
         if following is None and here not in seen:
-            following = grown(round_, kept, failed, parted(round_))
+            following = grown(round_, kept, failed, whole, parted(round_))
         seen.add(here)
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
@@ -100,11 +100,12 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)
         say("; ".join(told_change(c) for c in at.changes))
     start = round_.yardstick.score(nothing)
-    floors = measure(simulations, round_.told.fit.changes)
-    cautious = round_.yardstick.cautious(round_.told.fit)
+    best = round_.retold()
+    floors = measure(simulations, best.fit.changes)
+    cautious = round_.yardstick.cautious(best.fit)
     return Found(
         base=start,
-        best=round_.told,
+        best=best,
         cautious=cautious,
         limit=limit,
         floors=floors,
