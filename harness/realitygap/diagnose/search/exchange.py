@@ -108,7 +108,8 @@ class Exchanged:
 def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exchanged:
     """Every finding left out, and exchanged for what promises most in its place; `keep` stays.
 
-    Where one is superfluous, that is all that is said. What was far behind `before` is not tried again.
+    Where one is superfluous, that is all that is said. What was far behind `before` is not tried again. A name that is
+    no simpler has to gain what a new one has to (`Round.little`).
     """
     now, out = round_.now, Exchanged()
     fewer = pruned(round_, now, keep, told=True)
@@ -142,7 +143,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             out.offer(alone)
         for rival in out.rivals.get(suspect, []):
             equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect)
-            if rival.behind < -ODDS or equal:
+            if -rival.behind > max(ODDS, round_.little(rival.scored)) or equal:
                 out.offer(rival.scored)
     return out
 

@@ -70,19 +70,20 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     if base is None:
         raise RuntimeError("the scenario's own model cannot be simulated")
     nothing = Fit(tuple(told), base)
-    at, seen, grows = nothing, set[Standing](), True
+    at, seen, dropped = nothing, set[Standing](), False
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
     for _ in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
-        grows = grows and here not in seen  # what was dropped here once would only be added again
-        following = grown(round_, kept, failed, whole) if grows else None
+        # what was dropped here once would only be added again; without what was dropped, what failed fails again
+        following = None if here in seen else grown(round_, kept, failed, whole and not dropped)
         if following is None and not whole:
             at, looked_at = round_.now.fit, list(everyone)
             continue
         if following is None and here not in seen:
             following = grown(round_, kept, failed, whole, parted(round_))
         seen.add(here)
+        dropped = False
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
         else:
@@ -91,13 +92,12 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             swapped = following is not None and len(following.fit.changes) == len(here)
             if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
-            grows = grows and swapped  # where something was only left out there is nothing new to add
+            dropped = following is not None and not swapped
         if following is None:
             following = with_unnamed(round_, kept)
-            grows = True
         if following is None:
             break
-        at, looked_at = following.fit, round_.likely(LIKELY) if grows else list(everyone)
+        at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)
         say("; ".join(told_change(c) for c in at.changes))
     start = round_.yardstick.score(nothing)
     best = round_.retold()
