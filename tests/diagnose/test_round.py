@@ -48,14 +48,17 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
         round_.now = now
 
 
-def test_moves_that_failed_are_tried_where_nothing_else_gains(round_: Round) -> None:
+def test_moves_that_failed_are_tried_again_where_nothing_else_gains(problem: Problem, round_: Round) -> None:
+    friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "supply_voltage"))
+    ways = [([friction], round_.limit), ([other], round_.limit)]
     failed: set[Standing] = set()
-    found = grown(round_, [], failed, whole=True)
+    found = grown(round_, [], failed, again=True, ways=ways)
     assert found is not None
-    assert [c.suspect.effect for c in found.fit.changes] == ["coulomb_friction"]
-    assert standing(found.fit.changes) not in failed
-    every = failed | {standing(found.fit.changes)}
-    assert grown(round_, [], set(every), whole=False) is None
-    again = grown(round_, [], set(every), whole=True)
+    right, wrong = standing([friction]), standing([other])
+    assert standing(found.fit.changes) == right
+    assert right not in failed
+    assert grown(round_, [], {right}, again=False, ways=ways) is None
+    again = grown(round_, [], failed := {right}, again=True, ways=ways)
     assert again is not None
-    assert standing(again.fit.changes) == standing(found.fit.changes)
+    assert standing(again.fit.changes) == right
+    assert failed == {right, wrong}

@@ -39,7 +39,7 @@ Ways = Sequence[tuple[list[Change], float]]
 
 
 def grown(
-    round_: Round, keep: Sequence[Suspect], failed: set[Standing], whole: bool, ways: Ways | None = None
+    round_: Round, keep: Sequence[Suspect], failed: set[Standing], again: bool, ways: Ways | None = None
 ) -> Scored | None:
     """The best model with more in it, of all ways or of these, without what that makes superfluous; None where nothing
     gains enough.
@@ -47,15 +47,15 @@ def grown(
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
     A name that is new gains more than `round_.little` as well.
     `keep` is never superfluous.
-    `failed` are moves, told by the findings that they add and take away, that gained nothing in a round before: many,
-    where a model has many findings. They are tried last, where nothing else gains enough, of a round that is `whole`;
-    those that gain nothing now join them.
+    `failed` are moves, told by the findings that they add and take away, that gained too little in a round before:
+    many, where a model has many findings. Those that gain too little now join them. `again`: they are tried too, if
+    nothing else gains enough.
     """
     here = standing(round_.now.fit.changes)
     moves = [(way, needs, here ^ standing(way)) for way, needs in (_ways(round_) if ways is None else ways)]
     first = [m for m in moves if m[2] not in failed]
     last = [m for m in moves if m[2] in failed]
-    return _best(round_, keep, first, failed) or (_best(round_, keep, last, failed) if whole else None)
+    return _best(round_, keep, first, failed) or (_best(round_, keep, last, failed) if again else None)
 
 
 def _best(
@@ -67,11 +67,11 @@ def _best(
         quick = round_.adjusted(way)
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
-            tried.append((quick.evidence - needs, quick.fit, needs))
+            tried.append((quick.evidence - needs, quick.fit, needs, move))
         elif gain < 0.0:
             failed.add(move)
     better: list[tuple[float, Scored]] = []
-    for promise, near, needs in sorted(tried, key=lambda t: -t[0])[:FITTED]:
+    for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if better and promise < max(spare for spare, _ in better) - EQUAL:
             break
         scored = round_.yardstick.fit(near.changes, near, "compared")
@@ -89,6 +89,8 @@ def _best(
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
         if gain > needs and (gain > round_.little(scored) or not new):
             better.append((scored.evidence - needs, scored))
+        else:
+            failed.add(move)
     most = max((spare for spare, _ in better), default=0.0)
     equal = [scored for spare, scored in better if spare > max(most - EQUAL, round_.now.evidence)]
     return min(equal, key=lambda s: len(s.fit.names), default=None)

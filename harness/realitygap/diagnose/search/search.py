@@ -70,19 +70,20 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     if base is None:
         raise RuntimeError("the scenario's own model cannot be simulated")
     nothing = Fit(tuple(told), base)
-    at, seen, dropped = nothing, set[Standing](), False
+    at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
     for _ in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
-        # what was dropped here once would only be added again; without what was dropped, what failed fails again
-        following = None if here in seen else grown(round_, kept, failed, whole and not dropped)
+        # what was dropped here once would only be added again; what failed is tried again beside what is new
+        following = None if here in seen else grown(round_, kept, failed, whole and again)
         if following is None and not whole:
             at, looked_at = round_.now.fit, list(everyone)
             continue
         if following is None and here not in seen:
-            following = grown(round_, kept, failed, whole, parted(round_))
+            following = grown(round_, kept, failed, again, parted(round_))
         seen.add(here)
+        again = following is not None
         dropped = False
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
