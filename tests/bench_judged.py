@@ -3,8 +3,8 @@
     REALITYGAP_DATA=... python tests/bench_judged.py SCENARIO [--engine mujoco] [--signal position]
 
 SCENARIO is a committed one, or the `revised/` of a diagnosis. A diagnosis judges the mean of repetitions. Pooled over
-all samples of all recordings: root mean square and mean absolute error; for a published error that is the mean over
-recordings, see the column of each.
+all samples of all recordings: root mean square and mean absolute error; and the means of both over recordings, which
+some publish.
 """
 
 import argparse
@@ -22,9 +22,7 @@ def errors(file: ScenarioFile, engine: str, signal: str) -> pd.DataFrame:
     for experiment in experiments(file):
         if experiment.use != "held_out" or experiment.recording is None:
             continue
-        measured = experiment.recording.trace
-        low, high = experiment.window
-        measured = measured.at(measured.time[(measured.time >= low) & (measured.time <= high)])
+        measured = experiment.recording.trace.between(*experiment.window)
         simulated = simulate(experiment, engine).trace.at(measured.time)
         error = getattr(simulated, signal) - getattr(measured, signal)
         rows.append((experiment.name, error.size, float(np.sqrt(np.mean(error**2))), float(np.mean(np.abs(error)))))
