@@ -234,7 +234,7 @@ def test_foreseen_odds_are_those_of_the_recording_that_follows(
         yardstick = Yardstick(simulations, one.changes)
         near = yardstick.fit(one.changes)
         assert near is not None
-        yardstick.stand_at(near.fit, suspects(problem))
+        yardstick.stand_at(near.fit, yardstick.responses(near.fit, suspects(problem)))
         both = [yardstick.fit(f.changes) for f in (one, other)]
     found = [b.evidence for b in both if b is not None]
     first = one.changes[0].suspect.effect == "controller_gain"

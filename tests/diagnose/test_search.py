@@ -166,7 +166,8 @@ def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
     found = yardstick.fit([friction])
     assert found is not None
     own = Yardstick(simulations, found.fit.changes)
-    own.stand_at(found.fit, [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")])
+    others = [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")]
+    own.stand_at(found.fit, own.responses(found.fit, others))
     away = found.fit.changes[0].at({"torque": times * FRICTION})
     start = replace(found.fit, changes=(away,), residual=_of(simulations, own, [away]), here=False)
     scored = own.score(start)

@@ -66,7 +66,7 @@ def compared(problem: Problem, open_: Open, questions: Sequence[Question], right
             if len(pair) == 2:
                 at = min(pair, key=lambda n: (len(pair[n].fit.changes), -pair[n].evidence))
                 if at not in stood:
-                    yardstick.stand_at(pair[at].fit, everyone)
+                    yardstick.stand_at(pair[at].fit, yardstick.responses(pair[at].fit, everyone))
                     alike = {n for p in questions for n in (p.one, p.other) if at in (p.one, p.other)}
                     stood[at] = {n: _refitted(yardstick, s.fit.changes) for n in alike if (s := near[n]) is not None}
                 true, false = (q.one, q.other) if sides(q)[0] == right else (q.other, q.one)

@@ -86,16 +86,24 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     step = float(quantum(position[:, None])[0])
     if np.abs(q[span:] - q[:-span]).max(initial=0.0) <= 20.0 * step or not by_velocity.any():
         return None
-    best: tuple[float, float, float, float] | None = None
-    for constant in TIMES:
-        smooth = low_pass(q, constant, float(even[1] - even[0]))
+    period = float(even[1] - even[0])
+
+    def tried(constant: float) -> tuple[float, float, float]:
+        smooth = low_pass(q, constant, period)
         by_position = smooth[span:] - smooth[:-span]
         scale = float(by_velocity @ by_position / (by_position @ by_position))
         error = float(np.sum((by_velocity - scale * by_position) ** 2))
-        if best is None or error < best[0]:
-            best = error, scale, float(constant), float(np.corrcoef(by_velocity, by_position)[0, 1])
-    assert best is not None
-    return best[1:]
+        return error, scale, float(np.corrcoef(by_velocity, by_position)[0, 1])
+
+    errors = [tried(constant)[0] for constant in TIMES]
+    best = int(np.argmin(errors))
+    constant = float(TIMES[best])
+    if 0 < best < len(TIMES) - 1:  # the lowest point of the parabola through the best three
+        before, here, after = errors[best - 1 : best + 2]
+        if before + after > 2.0 * here:
+            constant += 0.5 * float(TIMES[1]) * (before - after) / (before - 2.0 * here + after)
+    _, scale, correlation = tried(constant)
+    return scale, constant, correlation
 
 
 def low_pass(value: Array, constant: float, period: float) -> Array:

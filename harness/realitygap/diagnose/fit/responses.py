@@ -10,6 +10,7 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.whitening import Channel, stacked
 from realitygap.robot.drive import Array
@@ -92,7 +93,7 @@ def respond(
 
 def _together(simulations: Simulations, tried: Sequence[Start]) -> list[dict[tuple[int, int], Change]]:
     """What is simulated at once: with many joints the same try of one effect at all of them, otherwise each alone."""
-    many = int(simulations.problem.judged.sum()) > MANY_JOINTS
+    many = at_once(simulations.problem)
     out: list[dict[tuple[int, int], Change]] = []
     shared: dict[tuple[str, int, int], dict[tuple[int, int], Change]] = {}
     counts: dict[Suspect, int] = {}
@@ -106,6 +107,11 @@ def _together(simulations: Simulations, tried: Sequence[Start]) -> list[dict[tup
             else:
                 out.append({(i, k): change})
     return [*out, *shared.values()]
+
+
+def at_once(problem: Problem) -> bool:
+    """Whether the same try of one effect is simulated at all joints at once."""
+    return int(problem.judged.sum()) > MANY_JOINTS
 
 
 def single(suspect: Suspect) -> bool:

@@ -56,6 +56,7 @@ class Diagnosis:
         shown: the held-out gap before and after each finding, by engine.
         predicted: how much better what was kept back is predicted.
         before, after: simulated signals by case.
+        deviations: standard errors of what the recordings show by themselves, by suspect and parameter.
     """
 
     problem: Problem
@@ -75,6 +76,7 @@ class Diagnosis:
     before: dict[int, dict[str, Array]]
     after: dict[int, dict[str, Array]]
     notes: list[str] = field(default_factory=list)
+    deviations: dict[Suspect, dict[str, float]] = field(default_factory=dict)
 
     def gap(self, use: str) -> tuple[float, float]:
         """The gap before and after on `train` or `held_out` motions, in floors."""
@@ -100,15 +102,14 @@ class Diagnosis:
         return experiment({s: [r.suspect for r in listed] for s, listed in self.rivals.items()})
 
     def interval(self, change: Change, parameter: str) -> tuple[float, float]:
-        """The 95 % interval of a fitted parameter; its value twice where it was not fitted."""
-        value = change.parameters[parameter]
-        fitted = self.found.best.fit
+        """The 95 % interval of a parameter that was fitted or seen; its value twice where it was not."""
+        value, fitted = change.parameters[parameter], self.found.best.fit
+        off = self.deviations.get(change.suspect, {}).get(parameter, 0.0)
         for (i, name), deviation in zip(fitted.names, self.found.cautious.deviation, strict=True):
             if fitted.changes[i].suspect == change.suspect and name == parameter:
-                p = change.suspect.kind.parameter(parameter)
-                wide = Z95 * float(deviation)
-                return max(value - wide, p.low), min(value + wide, p.high)
-        return value, value
+                off = float(deviation)
+        p = change.suspect.kind.parameter(parameter)
+        return min(value, max(value - Z95 * off, p.low)), max(value, min(value + Z95 * off, p.high))
 
     def to_json(self) -> dict[str, Any]:
         """The content of `diagnosis.json`."""

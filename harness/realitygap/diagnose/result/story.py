@@ -113,8 +113,8 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     parameters = [] if suspect.table is None else value_rows(result, change)
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
-        fitted = p.name in change.free
-        spread = interval(told["low"], told["high"], unit) if fitted else NOT_FITTED
+        known = p.name in change.free or told["low"] < told["high"]
+        spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
         parameters.append(
             (
                 p.name.replace("_", " "),

@@ -12,7 +12,7 @@ import numpy as np
 
 from realitygap.check import blamed_joints, certain
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.candidates.told import deviations, velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
@@ -152,6 +152,7 @@ def diagnose(
         before=before,
         after=after,
         notes=notes,
+        deviations={c.suspect: deviations(problem, c) for c in told},
     )
     rest = changes and result.verdict != "explained"
     return replace(result, left=locate(problem, found.floors, after)) if rest else result

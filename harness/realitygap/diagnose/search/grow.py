@@ -166,23 +166,36 @@ def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
 def _plain_fits(round_: Round) -> list[list[Change]]:
     """All that a plain fit would have free beside the accepted model, where straight lines lead: alone, and beside each
     of those that are far from a straight line that promise most there. What limits a motion shows little before its
-    friction and gains are right, and these are mended in its place.
+    friction and gains are right, and these are mended in its place. Where that is no
+    longer the most of it, what straight lines say is superfluous is left out: they are true near by.
     """
     lines, plain = round_.lines, _plain_blocks(round_)
     suspect = [b.suspect for b in lines.blocks]
     alone = lines.gain(plain)
     if len(plain) < 2 or alone <= 0.0:
         return []
-    beside: dict[tuple[Suspect, tuple[str, ...]], tuple[float, list[Change]]] = {}
+    beside: dict[tuple[Suspect, tuple[str, ...]], tuple[float, int]] = {}
     for i, block in enumerate(lines.blocks):
         if block.start.kind == "linear" or block.columns.shape[1] > 1:
             continue
-        free = [k for k in plain if not clash(suspect[k], suspect[i])]
-        which, gain = (suspect[i], block.start.first.free), lines.gain(free, i)
+        which, gain = (suspect[i], block.start.first.free), lines.gain(_beside(round_, plain, i), i)
         if gain > (beside[which][0] if which in beside else alone):
-            beside[which] = gain, [*(p.change for p in lines.together(free, i)), block.start.tries[0]]
-    best = sorted(beside.values(), key=lambda b: -b[0])[:BEYOND]
-    return [[p.change for p in lines.together(plain)], *(changes for _, changes in best)]
+            beside[which] = gain, i
+    ways = []
+    for tried in [None, *(i for _, i in sorted(beside.values(), key=lambda b: -b[0])[:BEYOND])]:
+        free = plain if tried is None else _beside(round_, plain, tried)
+        if alone < round_.explained:
+            free = lines.earning(free, round_.limit, tried)
+        far = [] if tried is None else [lines.blocks[tried].start.tries[0]]
+        if len(free) + len(far) > 1:
+            ways.append([*(p.change for p in lines.together(free, tried)), *far])
+    return ways
+
+
+def _beside(round_: Round, plain: Sequence[int], tried: int) -> list[int]:
+    """The blocks of a plain fit that can stand beside one."""
+    blocks = round_.blocks
+    return [k for k in plain if not clash(blocks[k].suspect, blocks[tried].suspect)]
 
 
 def _plain_blocks(round_: Round) -> list[int]:

@@ -83,6 +83,20 @@ class Linear:
             at, x = np.append(at, self.places[tried]), np.append(x, np.ones(len(self.places[tried])))
         return float(-gram[at, 0] @ x - 0.5 * x @ gram[np.ix_(at, at)] @ x)
 
+    def earning(self, numbers: Sequence[int], least: float, tried: int | None = None) -> list[int]:
+        """Of some blocks at once, beside one that is `tried`, those that each gain at least so much beside the others:
+        without the one that gains least, one after the other.
+        """
+        kept, beside = list(numbers), [] if tried is None else [tried]
+        while kept:
+            rest = {k: [i for i in kept if i != k] for k in kept}
+            gains = {k: self._gain([*beside, *others]) for k, others in rest.items()}
+            spare = max(kept, key=lambda k: gains[k])
+            if self._gain([*beside, *kept]) - gains[spare] >= least:
+                break
+            kept = rest[spare]
+        return kept
+
     def together(self, numbers: Sequence[int], tried: int | None = None) -> list[Promise]:
         """Some blocks at once, at their best amounts (beside one that is `tried` as it was simulated); what each gains
         is not told.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.round import Round
+from realitygap.robot.drive import Array
 
 DOUBTFUL = 2.0
 """A finding is tried without where a straight line says that it gains less than this many times what a name needs; what
@@ -32,13 +33,24 @@ class Loss:
 
 
 def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
-    """A model without the findings that gain less than a name needs, each tried in a quick fit; `keep` stays.
+    """A model without the findings that gain less than a name needs, judged by quick fits; `keep` stays.
+
+    First at once what straight lines say that can go together: a plain fit of a robot has a dozen too many. As long as
+    that loses what a name needs, half of it is tried; then what is doubtful, one by one.
 
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
     needed = set(keep)
     now = found
+    leaving = superfluous(round_.simulations.problem, now, needed, round_.limit)
+    while len(leaving) > 1:
+        without = round_.adjusted([c for c in now.fit.changes if c.suspect not in leaving], now.fit)
+        if without is not None and now.evidence - without.evidence < round_.limit:
+            now = without
+            leaving = superfluous(round_.simulations.problem, now, needed, round_.limit)
+        else:
+            leaving = leaving[: len(leaving) // 2]
     while True:
         losses = straight_losses(round_.simulations.problem, now)
         doubtful = {s: loss for s, loss in losses.items() if s not in needed}
@@ -55,23 +67,53 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
             needed.add(least)
 
 
+def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], limit: float) -> list[Suspect]:
+    """What could go together by the straight lines at a fit, the least first: each loses less than the limit beside
+    those before it.
+    """
+    places = {s: at for s, at in _places(problem, scored).items() if s not in keep}
+    away, out, lost, gone = _away(problem, scored), list[Suspect](), 0.0, list[int]()
+    while places:
+        losses = {s: _loss(scored, away, [*gone, *at]).evidence for s, at in places.items()}
+        least = min(losses, key=lambda s: losses[s])
+        if losses[least] - lost >= limit:
+            break
+        lost, gone = losses[least], [*gone, *places.pop(least)]
+        out.append(least)
+    return out
+
+
 def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, Loss]:
     """What a model loses without each finding, by the straight lines at its fit (Wald 1943).
 
     What is absent only at an infinite value, as a compliance, is left out.
     """
-    fit, out = scored.fit, dict[Suspect, Loss]()
+    away = _away(problem, scored)
+    return {suspect: _loss(scored, away, at) for suspect, at in _places(problem, scored).items()}
+
+
+def _loss(scored: Scored, away: Array, at: Sequence[int]) -> Loss:
+    """What is lost without some values."""
+    information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
+    occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
+    far = float(away[at] @ information @ away[at])
+    return Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(TOLD, len(at))))
+
+
+def _places(problem: Problem, scored: Scored) -> dict[Suspect, list[int]]:
+    """The numbers of the values that a finding does nothing without, of those that can be absent."""
+    fit, out = scored.fit, dict[Suspect, list[int]]()
     for number, change in enumerate(fit.changes):
-        zero = neutral(problem.plant, change.suspect)
+        kind, zero = change.suspect.kind, neutral(problem.plant, change.suspect)
         own = [k for k, (i, _) in enumerate(fit.names) if i == number]
-        names = [fit.names[k][1] for k in own]
-        shape = [change.suspect.kind.parameter(n).shape for n in names]
-        if not own or any(not np.isfinite(zero[n]) for n, s in zip(names, shape, strict=True) if not s):
-            continue
-        at = [k for k, s in zip(own, shape, strict=True) if not s]
-        away = np.array([(change.parameters[fit.names[k][1]] - zero[fit.names[k][1]]) / fit.size[k] for k in at])
-        information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
-        occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
-        far = float(away @ information @ away)
-        out[change.suspect] = Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(TOLD, len(at))))
+        at = [k for k in own if not kind.parameter(fit.names[k][1]).shape]
+        if own and all(np.isfinite(zero[fit.names[k][1]]) for k in at):
+            out[change.suspect] = at
     return out
+
+
+def _away(problem: Problem, scored: Scored) -> Array:
+    """How far every value is from where it does nothing, in sizes. Shape (p,)."""
+    fit = scored.fit
+    zero = [neutral(problem.plant, fit.changes[i].suspect)[name] for i, name in fit.names]
+    return (fit.value - np.array(zero)) / fit.size

@@ -12,7 +12,7 @@ from realitygap.diagnose.candidates.suspects import everyday
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import Block, residual, residuals
+from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.linear import Linear, Promise
@@ -64,12 +64,28 @@ class Round:
         yardstick.take_facts(first)
         start = yardstick.score(Fit(at.changes, first))
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
-        self.now = start if done is None else yardstick.elsewhere(done)
-        self.blocks = yardstick.stand_at(self.now.fit, everyone)
-        self.told = yardstick.score(self.now.fit)
+        self._at = (start if done is None else yardstick.elsewhere(done)).fit
+        self._nothing = nothing
+        self.blocks: list[Block] = []
+        self._stand(everyone)
+
+    def widened(self, everyone: Sequence[Suspect]) -> None:
+        """Look at more suspects, from the same fit. Evidence is compared on a yardstick with the imperfections of all
+        of them, so that what was scored before counts no longer.
+        """
+        known = set(self.everyone)
+        self.everyone, self._at = list(everyone), self.retold().fit
+        self._stand([s for s in everyone if s not in known])
+
+    def _stand(self, more: Sequence[Suspect]) -> None:
+        """Where the round stands, with the responses of more suspects."""
+        yardstick, say = self.yardstick, self.say
+        self.blocks = [*self.blocks, *yardstick.responses(self._at, more)]
+        yardstick.stand_at(self._at, self.blocks)
+        self.told = yardstick.score(self._at)
         self.now = yardstick.settled(self.told)
         self._led = False
-        self.explained = self.now.evidence - yardstick.score(nothing).evidence
+        self.explained = self.now.evidence - yardstick.score(self._nothing).evidence
         self.look = yardstick.sharp(self.now.fit)
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
@@ -111,6 +127,8 @@ class Round:
         best = set(list(dict.fromkeys(p.block.suspect for p in promises))[:number])
         problem = self.simulations.problem
         here = {c.suspect.effect for c in self.now.fit.changes}
+        if at_once(problem):  # the other joints' responses come with those of one
+            here |= {s.effect for s in best if single(s)}
         return [s for s in self.everyone if s in best or s.effect in here or everyday(problem, s)]
 
     def _jumps(self) -> list[Promise]:

@@ -75,15 +75,15 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     for _ in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
-        # what was dropped here once would only be added again; what failed is tried again beside what is new
-        following = None if here in seen else grown(round_, kept, failed, whole and again)
+        fresh = here not in seen  # what was dropped here once would only be added again
+        following = grown(round_, kept, failed, whole and again) if fresh else None
         if following is None and not whole:
-            at, looked_at = round_.now.fit, list(everyone)
-            continue
-        if following is None and here not in seen:
+            round_.widened(everyone)
+            following = grown(round_, kept, failed, again) if fresh else None
+        if following is None and fresh:
             following = grown(round_, kept, failed, again, parted(round_))
         seen.add(here)
-        again = following is not None
+        again = following is not None  # what failed is tried again beside what is new
         dropped = False
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
@@ -96,6 +96,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             dropped = following is not None and not swapped
         if following is None:
             following = with_unnamed(round_, kept)
+            again = following is not None
         if following is None:
             break
         at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)

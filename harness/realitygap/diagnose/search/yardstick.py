@@ -61,15 +61,13 @@ class Yardstick:
         plant = changed(self.problem.plant, at.changes, self.problem.plant)
         return [s for s in everyone if s.possible(plant)]
 
-    def stand_at(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
-        """Let laws be imperfect as they may be at a fit, and count facts as what that leaves lasts; the responses of
-        every suspect, which tell it.
+    def stand_at(self, at: Fit, blocks: Sequence[Block]) -> None:
+        """Let laws be imperfect as they may be at a fit, which responses tell, and count facts as what that leaves
+        lasts.
         """
         self.take_facts(at.residual)
-        blocks = self.responses(at, everyone)
         self.wrong = imperfections(self.problem, at, blocks, self.plain(at).metric)
         self.take_facts(self.score(at).left)
-        return blocks
 
     def take_facts(self, left: Array) -> None:
         """Count facts as what is left of a residual lasts. Shape (m,)."""
