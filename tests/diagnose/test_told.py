@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from realitygap.diagnose.candidates.told import deviations, velocity_filters
 from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.candidates.told import deviations, velocity_filters
 from realitygap.diagnose.data.problem import Problem
 from realitygap.recording.faults import low_pass
 
@@ -18,8 +18,8 @@ def test_a_filter_is_seen_and_its_interval_holds_it(problem: Problem, scale: flo
     cases = []
     for case in problem.cases:
         period = float(np.median(np.diff(case.measured.time)))
-        travel = np.gradient(case.measured.position, case.measured.time, axis=0)
-        slow = np.column_stack([scale * low_pass(v, time, period) for v in travel.T])
+        travel = np.asarray(np.gradient(case.value("position"), case.measured.time, axis=0))
+        slow = np.column_stack([scale * low_pass(travel[:, j], time, period) for j in range(travel.shape[1])])
         cases.append(replace(case, measured=replace(case.measured, velocity=slow)))
     planted = replace(problem, cases=tuple(cases))
     (found,) = velocity_filters(planted, suspects(planted))

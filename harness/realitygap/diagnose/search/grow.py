@@ -45,7 +45,8 @@ def grown(
     gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
-    A name that is new gains more than `round_.little` as well.
+    Where there are more findings than before they gain more than `round_.little` as well, and where there are fewer
+    they may lose as much.
     `keep` is never superfluous.
     `failed` are moves, told by the findings that they add and take away, that gained too little in a round before:
     many, where a model has many findings. Those that gain too little now join them. `again`: they are tried too, if
@@ -87,7 +88,8 @@ def _best(
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        if gain > needs and (gain > round_.little(scored) or not new):
+        more = len(scored.fit.changes) > len(here)
+        if gain > needs and (gain > round_.little(scored) or not more):
             better.append((scored.evidence - needs, scored))
         else:
             failed.add(move)
@@ -136,7 +138,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
                 ways.append(([*beside, *shaped], SURE * number))
         together = _together(round_, alike)
         if together is not None:
-            ways.append(([*beside, together], limit * (1 - len(alike))))
+            ways.append(([*beside, together], round_.least * (1 - len(alike))))
     return ways
 
 

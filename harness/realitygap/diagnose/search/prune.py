@@ -32,8 +32,11 @@ class Loss:
     told: bool
 
 
-def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
-    """A model without the findings that gain less than a name needs, judged by quick fits; `keep` stays.
+def pruned(
+    round_: Round, found: Scored, keep: Sequence[Suspect], least: float | None = None, told: bool = False
+) -> Scored:
+    """A model without the findings that gain less than the least (what a name needs), judged by quick fits; `keep`
+    stays.
 
     First at once what straight lines say that can go together: a plain fit of a robot has a dozen too many. As long as
     that loses what a name needs, half of it is tried; then what is doubtful, one by one.
@@ -41,30 +44,30 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
-    needed = set(keep)
+    needed, least = set(keep), round_.limit if least is None else least
     now = found
-    leaving = superfluous(round_.simulations.problem, now, needed, round_.limit)
+    leaving = superfluous(round_.simulations.problem, now, needed, least)
     while len(leaving) > 1:
         without = round_.adjusted([c for c in now.fit.changes if c.suspect not in leaving], now.fit)
-        if without is not None and now.evidence - without.evidence < round_.limit:
+        if without is not None and now.evidence - without.evidence < least:
             now = without
-            leaving = superfluous(round_.simulations.problem, now, needed, round_.limit)
+            leaving = superfluous(round_.simulations.problem, now, needed, least)
         else:
             leaving = leaving[: len(leaving) // 2]
     while True:
         losses = straight_losses(round_.simulations.problem, now)
         doubtful = {s: loss for s, loss in losses.items() if s not in needed}
-        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * round_.limit}
+        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * least}
         if not doubtful:
             return now
-        least = min(doubtful, key=lambda s: doubtful[s].evidence)
-        rest = [c for c in now.fit.changes if c.suspect != least]
+        first = min(doubtful, key=lambda s: doubtful[s].evidence)
+        rest = [c for c in now.fit.changes if c.suspect != first]
         without = round_.adjusted(rest, now.fit)
-        enough = DOUBTFUL if told and not doubtful[least].told else 1.0
-        if without is not None and now.evidence - without.evidence < enough * round_.limit:
+        enough = DOUBTFUL if told and not doubtful[first].told else 1.0
+        if without is not None and now.evidence - without.evidence < enough * least:
             now = without
         else:
-            needed.add(least)
+            needed.add(first)
 
 
 def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], limit: float) -> list[Suspect]:
@@ -116,4 +119,4 @@ def _away(problem: Problem, scored: Scored) -> Array:
     """How far every value is from where it does nothing, in sizes. Shape (p,)."""
     fit = scored.fit
     zero = [neutral(problem.plant, fit.changes[i].suspect)[name] for i, name in fit.names]
-    return (fit.value - np.array(zero)) / fit.size
+    return np.asarray((fit.value - np.array(zero)) / fit.size)

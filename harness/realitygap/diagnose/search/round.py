@@ -106,6 +106,11 @@ class Round:
         """
         return max(scored.imperfect.get(law, 1.0) * share for law, share in SHARE.items()) ** 2 * self.explained
 
+    @property
+    def least(self) -> float:
+        """What each finding of the accepted model has to be worth: what a name needs, and more than laws leave."""
+        return max(self.limit, self.little(self.now))
+
     def led(self, other: Scored) -> None:
         """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what
         another model gains by fitting better is no gain of its own.
