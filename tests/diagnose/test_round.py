@@ -10,6 +10,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import grown
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
@@ -62,3 +63,24 @@ def test_moves_that_failed_are_tried_again_where_nothing_else_gains(problem: Pro
     assert again is not None
     assert standing(again.fit.changes) == right
     assert failed == {right, wrong}
+
+
+def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Problem, round_: Round) -> None:
+    names = ("coulomb_friction", "supply_voltage")
+    friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in names)
+    both = round_.yardstick.fit([friction, other])
+    assert both is not None
+    now = round_.now
+    try:
+        round_.now = both
+        fewer = grown(round_, [], set(), again=True, ways=[([both.fit.changes[0]], -round_.least)])
+        assert fewer is not None
+        assert standing(fewer.fit.changes) == standing([friction])
+        more = grown(round_, [], set(), again=True, ways=[([both.fit.changes[1]], -round_.least)])
+        assert more is None
+        out = exchanged(round_, [], Exchanged())
+        assert out.better is not None
+        assert standing(out.better.fit.changes) == standing([friction])
+        assert not out.rivals
+    finally:
+        round_.now = now

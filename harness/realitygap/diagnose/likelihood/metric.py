@@ -78,7 +78,13 @@ def trusted(channels: Sequence[Channel], facts: Array, rest: Array, residual: Ar
     return whitening, weight
 
 
-def marginalised(whitening: Whitening, weight: Array, imperfections: Array, determinant: float) -> Metric:
+def marginalised(
+    whitening: Whitening,
+    weight: Array,
+    imperfections: Array,
+    determinant: float,
+    factor: tuple[Array, bool] | None = None,
+) -> Metric:
     """The metric in which imperfections count for nothing.
 
     Args:
@@ -86,10 +92,12 @@ def marginalised(whitening: Whitening, weight: Array, imperfections: Array, dete
         weight: trust in every stacked sample. Shape (m,).
         imperfections: whitened responses of laws that are off by one standard deviation. Shape (r, q).
         determinant: half the logarithm of that of what lasts and of noise.
+        factor: the Cholesky factor of 1 + ΦᵀΦ of the imperfections, where it is known.
     """
     if not imperfections.shape[1]:
         return Metric(whitening, weight, imperfections, (np.zeros((0, 0)), True), determinant)
-    factor = cho_factor(np.eye(imperfections.shape[1]) + imperfections.T @ imperfections, lower=True)
+    if factor is None:
+        factor = cho_factor(np.eye(imperfections.shape[1]) + imperfections.T @ imperfections, lower=True)
     determinant += float(np.sum(np.log(np.diag(factor[0]))))
     return Metric(whitening, weight, imperfections, factor, determinant)
 
@@ -126,13 +134,15 @@ def _shared(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
 
 
 def _beyond(square: Array, variance: Array, share: Array) -> float:
-    """The variance that has to be added for the mean of scaled squares to be one: Newton's method, from below."""
+    """The variance that has to be added for the mean of scaled squares to be one: Newton's method, from below, on the
+    inverse of that mean, which is concave and nearly a straight line.
+    """
     share = share / share.sum()
     added = 0.0
     for _ in range(STEPS):
         scaled = share * square / (variance + added)
-        excess = float(scaled.sum()) - 1.0
-        if excess <= EXACT:
+        mean = float(scaled.sum())
+        if mean <= 1.0 + EXACT:
             break
-        added += excess / float((scaled / (variance + added)).sum())
+        added += (mean - 1.0) * mean / float((scaled / (variance + added)).sum())
     return added

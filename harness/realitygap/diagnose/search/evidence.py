@@ -96,21 +96,23 @@ def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -
 
 
 def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scales: Sequence[float]) -> Scored:
-    responses, left = imperfections.responses * imperfections.shares(fit), fit.residual
-    columns = [fit.residual[:, None], fit.slope.reshape(len(left), -1), responses]
+    shares, left = imperfections.shares(fit), fit.residual
+    columns = [left[:, None], fit.slope.reshape(len(left), -1)]
     thin: Array | None = None
     for _ in range(PASSES if imperfections.laws else 1):
         rest = rest_of(channels, imperfections.facts, left)
         whitening, weight = trusted(channels, imperfections.facts, rest, left)
-        thin = np.hstack([whitening.thinned(c) for c in columns]) if thin is None else thin
+        if thin is None:
+            thin = np.hstack([*map(whitening.thinned, columns), imperfections.thinned(whitening) * shares])
         white, determinant = whitening.scaled(thin, weight)
         odds = _Odds(white.T @ white, imperfections.laws)
         chosen = odds.best(scales)
         each = np.array([chosen[law] for law in imperfections.laws])
-        left = fit.residual - responses @ odds.taken(each)
+        left = fit.residual - imperfections.responses @ (shares * odds.taken(each))
     evidence = odds(chosen) - determinant - 0.5 * float(fit.prior @ fit.prior)
     taken = white[:, white.shape[1] - len(each) :] * each
-    return Scored(fit, evidence, marginalised(whitening, weight, taken, determinant), chosen, left)
+    metric = marginalised(whitening, weight, taken, determinant, odds.factor(each))
+    return Scored(fit, evidence, metric, chosen, left)
 
 
 class _Odds:
@@ -148,11 +150,14 @@ class _Odds:
         occam = 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
         return odds - 0.5 * float(model[0, 0]) - occam
 
-    def _solved(self, each: Array) -> tuple[tuple[Array, bool], Array]:
-        """The Cholesky factor of what imperfections add, and their products with residual and slopes."""
+    def factor(self, each: Array) -> tuple[Array, bool]:
+        """The Cholesky factor of what imperfections add to a unit matrix. Shape (q, q)."""
         inner = self.gram[self.model :, self.model :] * np.outer(each, each) + np.eye(len(each))
-        factor = cho_factor(inner, lower=True) if len(each) else (inner, True)
-        return factor, each[:, None] * self.gram[self.model :, : self.model]
+        return cho_factor(inner, lower=True) if len(each) else (inner, True)
+
+    def _solved(self, each: Array) -> tuple[tuple[Array, bool], Array]:
+        """That, and their products with residual and slopes."""
+        return self.factor(each), each[:, None] * self.gram[self.model :, : self.model]
 
 
 def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Array) -> Array:

@@ -155,7 +155,7 @@ def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     quick = round_.adjusted(rest)
     if quick is not None and round_.now.evidence - quick.evidence > round_.least + PLAIN * round_.limit:
         return quick
-    return round_.yardstick.fit(rest, None if quick is None else quick.fit, "compared")
+    return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 
 
 def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
@@ -194,7 +194,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit
-        scored = yardstick.fit(quick.fit.changes, quick.fit, "compared") if close else quick
+        scored = yardstick.refined(quick) if close else quick
         if scored is not None:
             out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored)))
             if close:

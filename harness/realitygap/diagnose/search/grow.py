@@ -68,14 +68,14 @@ def _best(
         quick = round_.adjusted(way)
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
-            tried.append((quick.evidence - needs, quick.fit, needs, move))
+            tried.append((quick.evidence - needs, quick, needs, move))
         elif gain < 0.0:
             failed.add(move)
     better: list[tuple[float, Scored]] = []
     for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if better and promise < max(spare for spare, _ in better) - EQUAL:
             break
-        scored = round_.yardstick.fit(near.changes, near, "compared")
+        scored = round_.yardstick.refined(near)
         if scored is None:
             continue
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:

@@ -19,7 +19,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.likelihood.whitening import Channel, spans
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
 from realitygap.robot.drive import Array
 
 CLOCK = 1e-3
@@ -64,6 +64,15 @@ class Imperfections:
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
     does: Mapping[tuple[str, int], float] = field(default_factory=dict)
+    _thin: dict[int, Array] = field(init=False, repr=False, compare=False, default_factory=dict)
+
+    def thinned(self, whitening: Whitening) -> Array:
+        """The responses in the samples that are looked at, which facts tell: they are the same for every model of a
+        round. Shape (k, q).
+        """
+        if not self._thin:
+            self._thin[0] = whitening.thinned(self.responses)
+        return self._thin[0]
 
     def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
         """The length of what friction or load may be off by at a joint, whichever is more, where each kind of law is so

@@ -42,7 +42,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         quick = round_.adjusted(way.changes)
         if quick is None or quick.evidence < round_.now.evidence:
             continue
-        scored = round_.yardstick.fit(quick.fit.changes, quick.fit, "compared")
+        scored = round_.yardstick.refined(quick)
         if scored is None:
             continue
         gain = scored.evidence - round_.now.evidence

@@ -139,6 +139,14 @@ class Yardstick:
         found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
 
+    def refined(self, quick: Scored) -> Scored | None:
+        """A quick fit, fitted to be compared; as it is where it has more evidence, since it may be near another best
+        place where laws count as imperfect.
+        """
+        full = self.fit(quick.fit.changes, quick.fit, "compared")
+        better = full is not None and full.evidence < quick.evidence and not any(map(absurd, quick.fit.changes))
+        return quick if better else full
+
     def settled(self, at: Scored, care: Care = "compared") -> Scored:
         """A fit, moved on in the metric of moves to where its evidence is best, for models to be compared as they are.
 
