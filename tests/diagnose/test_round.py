@@ -73,10 +73,10 @@ def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Pr
     now = round_.now
     try:
         round_.now = both
-        fewer = grown(round_, [], set(), again=True, ways=[([both.fit.changes[0]], -round_.least)])
+        fewer = grown(round_, [], set(), again=True, ways=[([both.fit.changes[0]], -round_.limit)])
         assert fewer is not None
         assert standing(fewer.fit.changes) == standing([friction])
-        more = grown(round_, [], set(), again=True, ways=[([both.fit.changes[1]], -round_.least)])
+        more = grown(round_, [], set(), again=True, ways=[([both.fit.changes[1]], -round_.limit)])
         assert more is None
         out = exchanged(round_, [], Exchanged())
         assert out.better is not None

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
@@ -178,6 +179,22 @@ def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Ar
     return np.asarray(model * np.outer(wider, wider))
 
 
+def densities(group: NDArray[np.int64], scored: Scored) -> Array:
+    """The logarithm of the density of every group of samples, beside a constant. Shape (groups,).
+
+    Args:
+        group: the number of the group of every stacked sample. Shape (m,).
+        scored: a model.
+    """
+    whitening, weight = scored.metric.whitening, scored.metric.weight
+    rows = whitening.rows
+    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
+    good = trust > 0.0
+    spread = np.zeros(len(rows))
+    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
+    return np.asarray(-0.5 * np.bincount(group[rows], white**2 + spread, minlength=int(group.max()) + 1))
+
+
 STRETCH = 1.0
 """Samples of one motion within this time [s] are one stretch: several times what lasts in a servo's residual."""
 
@@ -188,3 +205,10 @@ def stretches(channels: Sequence[Channel]) -> NDArray[np.int64]:
     cases = np.repeat([c.case for c in channels], [len(k) for k in own])
     both = np.column_stack([cases, np.concatenate(own)])
     return np.asarray(np.unique(both, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
+
+
+def places(channels: Sequence[Channel]) -> NDArray[np.int64]:
+    """The number of the joint of each stacked sample, behind them those of the base's axes. Shape (m,)."""
+    behind = 1 + max((c.column for c in channels if c.signal in JOINT_SIGNALS), default=-1)
+    number = [c.column + (0 if c.signal in JOINT_SIGNALS else behind) for c in channels]
+    return np.repeat(number, [len(c.time) for c in channels])

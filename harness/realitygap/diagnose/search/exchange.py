@@ -11,18 +11,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
+from realitygap.diagnose.search.evidence import EQUAL, Scored, densities, stretches
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round
-from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 
 ERRORS = 1.64
@@ -66,24 +64,10 @@ class Rival:
 def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[float, float]:
     """How much evidence another model has less than the best one, and the standard error of that."""
     number = stretches(channels)
-    a, b = (_stretches(number, s) for s in (best, other))
+    a, b = (densities(number, s) for s in (best, other))
     apart = a - b
     error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
     return best.evidence - other.evidence, error
-
-
-def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
-    """The logarithm of the density of every stretch of every motion, all channels of it together, beside a constant.
-
-    `number` is that of the stretch of every stacked sample, (m,).
-    """
-    whitening, weight = scored.metric.whitening, scored.metric.weight
-    rows = whitening.rows
-    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
-    good = trust > 0.0
-    spread = np.zeros(len(rows))
-    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
-    return np.asarray(-0.5 * np.bincount(number[rows], white**2 + spread, minlength=int(number.max()) + 1))
 
 
 @dataclass
@@ -115,7 +99,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     no simpler has to gain what a new one has to (`Round.little`).
     """
     now = round_.now
-    fewer = pruned(round_, now, keep, round_.least, told=True)
+    fewer = pruned(round_, now, keep, told=True)
     if len(fewer.fit.changes) < len(now.fit.changes):
         round_.say(f"  without {len(now.fit.changes) - len(fewer.fit.changes)}: {fewer.evidence - now.evidence:+.1f}")
         return Exchanged(better=fewer, rivals=before.rivals)
@@ -124,8 +108,9 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         alone = None if change.suspect in keep else _without(round_, [c for c in now.fit.changes if c is not change])
         if alone is not None:
             out.without[change.suspect] = alone
-    least = min(out.without, key=lambda s: -out.without[s].evidence, default=None)
-    if least is not None and now.evidence - out.without[least].evidence < round_.least:
+    spare = {s: now.evidence - alone.evidence - round_.least(alone) for s, alone in out.without.items()}
+    least = min(spare, key=lambda s: spare[s], default=None)
+    if least is not None and spare[least] < 0.0:
         round_.say(f"  without {least}: {out.without[least].evidence - now.evidence:+.1f}")
         return Exchanged(better=out.without[least], rivals=before.rivals)
     compared: dict[Suspect, tuple[float, list[Rival]]] = {}
@@ -153,7 +138,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
     quick = round_.adjusted(rest)
-    if quick is not None and round_.now.evidence - quick.evidence > round_.least + PLAIN * round_.limit:
+    if quick is not None and round_.now.evidence - quick.evidence > round_.least(quick) + PLAIN * round_.limit:
         return quick
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 

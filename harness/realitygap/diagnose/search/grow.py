@@ -45,8 +45,8 @@ def grown(
     gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
-    Where there are more findings than before they gain more than `round_.little` as well, and where there are fewer
-    they may lose as much.
+    Where there are more findings than before they gain more than `round_.little` as well; for each that there is less
+    they may lose what it would have to gain.
     `keep` is never superfluous.
     `failed` are moves, told by the findings that they add and take away, that gained too little in a round before:
     many, where a model has many findings. Those that gain too little now join them. `again`: they are tried too, if
@@ -66,6 +66,9 @@ def _best(
     tried = []
     for way, needs, move in moves:
         quick = round_.adjusted(way)
+        fewer = len(round_.now.fit.changes) - len(way)
+        if quick is not None and fewer > 0:
+            needs = -fewer * round_.least(quick)
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
             tried.append((quick.evidence - needs, quick, needs, move))
@@ -138,7 +141,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
                 ways.append(([*beside, *shaped], SURE * number))
         together = _together(round_, alike)
         if together is not None:
-            ways.append(([*beside, together], round_.least * (1 - len(alike))))
+            ways.append(([*beside, together], limit * (1 - len(alike))))
     return ways
 
 

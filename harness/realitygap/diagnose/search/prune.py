@@ -32,11 +32,8 @@ class Loss:
     told: bool
 
 
-def pruned(
-    round_: Round, found: Scored, keep: Sequence[Suspect], least: float | None = None, told: bool = False
-) -> Scored:
-    """A model without the findings that gain less than the least (what a name needs), judged by quick fits; `keep`
-    stays.
+def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
+    """A model without the findings that gain less than a name needs, judged by quick fits; `keep` stays.
 
     First at once what straight lines say that can go together: a plain fit of a robot has a dozen too many. As long as
     that loses what a name needs, half of it is tried; then what is doubtful, one by one.
@@ -44,30 +41,29 @@ def pruned(
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
-    needed, least = set(keep), round_.limit if least is None else least
-    now = found
-    leaving = superfluous(round_.simulations.problem, now, needed, least)
+    needed, limit, now = set(keep), round_.limit, found
+    leaving = superfluous(round_.simulations.problem, now, needed, limit)
     while len(leaving) > 1:
         without = round_.adjusted([c for c in now.fit.changes if c.suspect not in leaving], now.fit)
-        if without is not None and now.evidence - without.evidence < least:
+        if without is not None and now.evidence - without.evidence < limit:
             now = without
-            leaving = superfluous(round_.simulations.problem, now, needed, least)
+            leaving = superfluous(round_.simulations.problem, now, needed, limit)
         else:
             leaving = leaving[: len(leaving) // 2]
     while True:
         losses = straight_losses(round_.simulations.problem, now)
         doubtful = {s: loss for s, loss in losses.items() if s not in needed}
-        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * least}
+        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * limit}
         if not doubtful:
             return now
-        first = min(doubtful, key=lambda s: doubtful[s].evidence)
-        rest = [c for c in now.fit.changes if c.suspect != first]
+        least = min(doubtful, key=lambda s: doubtful[s].evidence)
+        rest = [c for c in now.fit.changes if c.suspect != least]
         without = round_.adjusted(rest, now.fit)
-        enough = DOUBTFUL if told and not doubtful[first].told else 1.0
-        if without is not None and now.evidence - without.evidence < enough * least:
+        enough = DOUBTFUL if told and not doubtful[least].told else 1.0
+        if without is not None and now.evidence - without.evidence < enough * limit:
             now = without
         else:
-            needed.add(first)
+            needed.add(least)
 
 
 def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], limit: float) -> list[Suspect]:
