@@ -39,9 +39,8 @@ missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine 
 promised 0.89 to 1.3 of it."""
 FAR = 2.0
 """A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
-PLAIN = 2.0
-"""What is lost without a finding is worked out in full as far as this many times what a name needs above the least that
-a finding has to be worth."""
+PLAIN = 3.0
+"""What is lost without a finding is worked out in full below this many times what a name needs."""
 
 
 @dataclass(frozen=True)
@@ -108,9 +107,8 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         alone = None if change.suspect in keep else _without(round_, [c for c in now.fit.changes if c is not change])
         if alone is not None:
             out.without[change.suspect] = alone
-    spare = {s: now.evidence - alone.evidence - round_.least(alone) for s, alone in out.without.items()}
-    least = min(spare, key=lambda s: spare[s], default=None)
-    if least is not None and spare[least] < 0.0:
+    least = min(out.without, key=lambda s: -out.without[s].evidence, default=None)
+    if least is not None and now.evidence - out.without[least].evidence < round_.limit:
         round_.say(f"  without {least}: {out.without[least].evidence - now.evidence:+.1f}")
         return Exchanged(better=out.without[least], rivals=before.rivals)
     compared: dict[Suspect, tuple[float, list[Rival]]] = {}
@@ -138,7 +136,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
     """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
     quick = round_.adjusted(rest)
-    if quick is not None and round_.now.evidence - quick.evidence > round_.least(quick) + PLAIN * round_.limit:
+    if quick is not None and round_.now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 

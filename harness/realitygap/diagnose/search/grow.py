@@ -68,7 +68,7 @@ def _best(
         quick = round_.adjusted(way)
         fewer = len(round_.now.fit.changes) - len(way)
         if quick is not None and fewer > 0:
-            needs = -fewer * round_.least(quick)
+            needs = -fewer * max(round_.limit, round_.little(quick))
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
             tried.append((quick.evidence - needs, quick, needs, move))

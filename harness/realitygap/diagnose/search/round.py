@@ -114,12 +114,6 @@ class Round:
         share = max(other.imperfect.get(law, 1.0) * share for law, share in SHARE.items())
         return share**2 * float(at @ self._explained) / max(float(at.sum()), 1e-300)
 
-    def least(self, other: Scored) -> float:
-        """What has to lie between the accepted model and one with a name less: what a name needs, and more than laws
-        leave.
-        """
-        return max(self.limit, self.little(other))
-
     def led(self, other: Scored) -> None:
         """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what
         another model gains by fitting better is no gain of its own.
