@@ -38,8 +38,16 @@ EQUAL = 1.0
 
 @dataclass(frozen=True)
 class Scored:
-    """A fit with its evidence, the metric in which it was found, how imperfect each kind of law is in it, and what
-    these imperfections leave of the residual (m,).
+    """A fit with its evidence.
+
+    Attributes:
+        fit: the model.
+        evidence: of it.
+        metric: in which it was found.
+        imperfect: how imperfect each kind of law is in it.
+        left: what these imperfections leave of the residual. Shape (m,).
+        away: how far the values are from those that are likeliest where laws are so imperfect, in sizes, where that was
+            simulated. Shape (p,).
     """
 
     fit: Fit
@@ -47,6 +55,7 @@ class Scored:
     metric: Metric
     imperfect: Mapping[str, float]
     left: Array
+    away: Array | None = None
 
     @cached_property
     def covariance(self) -> Array:
@@ -62,14 +71,20 @@ class Scored:
     def deviation(self) -> Array:
         """How far the fitted values may be off in root mean square, in their units. Shape (p,).
 
-        Values are told as if laws were exact. What laws are off by draws them away from those that are likeliest: by
-        one step there.
+        Values are told as if laws were exact. What laws are off by draws them away from those that are likeliest: as
+        far as these are, or by one straight step there.
         """
         if not len(self.fit.names):
             return np.zeros(0)
-        slope, whole = self._white
-        away = np.linalg.lstsq(np.vstack([slope, np.eye(slope.shape[1]) / SLAB]), np.pad(whole, (0, slope.shape[1])))[0]
+        away = self._step if self.away is None else self.away
         return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0) + away**2) * self.fit.size)
+
+    @property
+    def _step(self) -> Array:
+        """A straight step to the likeliest values, in sizes. Shape (p,)."""
+        slope, whole = self._white
+        prior = np.eye(slope.shape[1]) / SLAB
+        return np.asarray(np.linalg.lstsq(np.vstack([slope, prior]), np.pad(whole, (0, len(prior))))[0])
 
     @cached_property
     def _white(self) -> tuple[Array, Array]:

@@ -87,8 +87,12 @@ class Yardstick:
         return sharp(self.channels, found, self.wrong)
 
     def cautious(self, found: Fit) -> Scored:
-        """The same where laws are ordinary at best, for intervals."""
-        return cautious(self.channels, found, self.wrong)
+        """The same where laws are ordinary at best, for intervals: with how far the likeliest values are, in simulation
+        since a limit is no straight line.
+        """
+        at = cautious(self.channels, found, self.wrong)
+        likeliest = fit(self.simulations, found.changes, self.train, at.metric, self.floors.coarse, found, "compared")
+        return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
 
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
