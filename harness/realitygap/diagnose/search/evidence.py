@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
@@ -220,10 +219,3 @@ def stretches(channels: Sequence[Channel]) -> NDArray[np.int64]:
     cases = np.repeat([c.case for c in channels], [len(k) for k in own])
     both = np.column_stack([cases, np.concatenate(own)])
     return np.asarray(np.unique(both, axis=0, return_inverse=True)[1].ravel(), dtype=np.int64)
-
-
-def places(channels: Sequence[Channel]) -> NDArray[np.int64]:
-    """The number of the joint of each stacked sample, behind them those of the base's axes. Shape (m,)."""
-    behind = 1 + max((c.column for c in channels if c.signal in JOINT_SIGNALS), default=-1)
-    number = [c.column + (0 if c.signal in JOINT_SIGNALS else behind) for c in channels]
-    return np.repeat(number, [len(c.time) for c in channels])

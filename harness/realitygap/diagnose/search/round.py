@@ -13,7 +13,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
-from realitygap.diagnose.search.evidence import Scored, densities, places
+from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -85,11 +85,7 @@ class Round:
         self.told = yardstick.score(self._at)
         self.now = yardstick.settled(self.told)
         self._led = False
-        nothing = yardstick.score(self._nothing)
-        self.explained = self.now.evidence - nothing.evidence
-        self._places = places(yardstick.channels)
-        here, before = (densities(self._places, s) for s in (self.now, nothing))
-        self._explained = np.maximum(here - before, 0.0)
+        self.explained = self.now.evidence - yardstick.score(self._nothing).evidence
         self.look = yardstick.sharp(self.now.fit)
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
@@ -104,15 +100,11 @@ class Round:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
         return self.yardstick.fit(changes, known or self.now.fit, "quick")
 
-    def little(self, other: Scored) -> float:
-        """What laws leave of what is explained where another model does something else than the accepted one: the
-        square of what recordings say that laws are off by. Where a round gains less, the search ends.
+    def little(self, scored: Scored) -> float:
+        """What the laws of a model leave of what is explained, as imperfect as recordings say that they are: the square
+        of what they are off by. Where a round gains less, the search ends.
         """
-        whitening = self.now.metric.whitening
-        moved = self.now.metric(other.fit.residual - self.now.fit.residual)[: len(whitening.rows)] ** 2
-        at = np.bincount(self._places[whitening.rows], moved, minlength=len(self._explained))
-        share = max(other.imperfect.get(law, 1.0) * share for law, share in SHARE.items())
-        return share**2 * float(at @ self._explained) / max(float(at.sum()), 1e-300)
+        return max(scored.imperfect.get(law, 1.0) * share for law, share in SHARE.items()) ** 2 * self.explained
 
     def led(self, other: Scored) -> None:
         """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what
