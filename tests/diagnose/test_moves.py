@@ -56,3 +56,19 @@ def test_what_is_tried_beside_a_plain_fit_gains_what_it_and_the_fit_leave_less()
     assert lines.gain([0, 1], 2) == pytest.approx(0.5 * (left @ left - after @ after))
     assert lines.gain([0, 1]) < lines.gain([0, 1], 2)
     np.testing.assert_allclose([p.amounts[0] for p in lines.together([0, 1], 2)], best, rtol=1e-6)
+
+
+def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
+    """Of two that do nearly the same the better one stays, though each gains alone; noise earns nothing."""
+    problem, rng = demo_problem(), np.random.default_rng(7)
+    effects = ["viscous_friction", "constant_effort", "controller_gain", "joint_offset"]
+    tried = [starts(problem, suspect_of(problem, e, "elbow"))[0] for e in effects]
+    columns = rng.standard_normal((400, 4))
+    columns[:, 1] = columns[:, 0] + 0.3 * columns[:, 1]
+    left = -columns @ [1.0, 0.0, 0.0, 0.7] + 0.5 * rng.standard_normal(400)
+    blocks = [Block(start, columns[:, [k]]) for k, start in enumerate(tried)]
+    lines = Linear(cast("Metric", np.asarray), left, np.zeros((400, 0)), blocks)
+    assert [k for k in range(4) if lines.promise(k).gain > 5.0] == [0, 1, 3]
+    assert lines.earning(range(4), 5.0) == [0, 3]
+    assert lines.earning([1, 2], 5.0) == [1]
+    assert lines.earning([2], 5.0) == []

@@ -63,6 +63,27 @@ def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations
     assert found.deviation[0] > 0.0
 
 
+def test_intervals_hold_how_far_the_likeliest_values_are_in_simulation(problem: Problem, yardstick: Yardstick) -> None:
+    found = yardstick.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
+    assert found is not None
+    at = yardstick.cautious(found.fit)
+    assert at.away is not None
+    alone = np.sqrt(np.diag(at.covariance)) * found.fit.size
+    np.testing.assert_allclose(at.deviation, np.hypot(alone, at.away * found.fit.size))
+    elsewhere = replace(at, away=at.away + 1.0)
+    assert elsewhere.deviation[0] > found.fit.size[0] > at.deviation[0]
+
+
+def test_a_quick_fit_stands_where_a_full_one_has_less_evidence(problem: Problem, yardstick: Yardstick) -> None:
+    found = yardstick.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
+    assert found is not None
+    rich, poor = (replace(found, evidence=found.evidence + e) for e in (100.0, -100.0))
+    assert yardstick.refined(rich) is rich
+    again = yardstick.refined(poor)
+    assert again is not None
+    assert again.evidence > poor.evidence
+
+
 def test_the_straight_line_promises_most_of_what_is_missing(
     problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
