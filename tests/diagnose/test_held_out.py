@@ -33,7 +33,7 @@ def found(problem: Problem, simulations: Simulations) -> Found:
     without = {friction.suspect: scored(offset), offset.suspect: scored(friction)}
     floors = measure(simulations, best.fit.changes)
     gains = {s: best.evidence - other.evidence for s, other in without.items()}
-    return Found(base, best, best, 6.0, floors, yardstick, gains=gains, without=without)
+    return Found(base, best, best, 6.0, 6.0, floors, yardstick, gains=gains, without=without)
 
 
 def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
@@ -54,3 +54,13 @@ def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulatio
     left, against = supported(simulations, replace(found), [offset])
     assert not against
     assert left.best is found.best
+
+
+def test_a_finding_needs_that_all_runs_together_say_enough_for_it(simulations: Simulations, found: Found) -> None:
+    friction, offset = (c.suspect for c in found.best.fit.changes)
+    together = (
+        found.gains[friction]
+        + predicted(simulations, found.floors, found.best.fit.changes, found.without[friction].fit.changes).gain
+    )
+    assert not supported(simulations, replace(found, least=together - 1.0), [offset])[1]
+    assert list(supported(simulations, replace(found, least=together + 1.0), [offset])[1]) == [friction]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
@@ -11,9 +12,10 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
-from realitygap.diagnose.search.grow import grown
+from realitygap.diagnose.search.grow import grown, shared
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
+from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @pytest.fixture(scope="module")
@@ -84,3 +86,26 @@ def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Pr
         assert not out.rivals
     finally:
         round_.now = now
+
+
+def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_little(
+    problem: Problem, simulations: Simulations
+) -> None:
+    """The demo's elbow has another friction than its shoulder, and both have the gain that the model has."""
+    kinds = ("coulomb_friction", "controller_gain")
+    alone = [guess(problem, suspect_of(problem, n, j)) for n in kinds for j in ("shoulder", "elbow")]
+    everyone = [*(c.suspect for c in alone), *(suspect_of(problem, n, "*") for n in kinds)]
+    left = residual(simulations, [], problem.of("train"))
+    assert left is not None
+    nothing = Fit((), left)
+    found = Yardstick(simulations, []).fit(alone)
+    assert found is not None
+    at = Round(simulations, found.fit, everyone, needed(len(everyone)), nothing, print)
+    friction, gain = shared(at)
+    values = [c.parameters["torque"] for c in at.now.fit.changes if c.suspect.effect == "coulomb_friction"]
+    assert friction[0][-1].parameters["torque"] == pytest.approx(np.median(values))
+    assert friction[1] == gain[1] == -at.limit
+    assert grown(at, [], set(), again=True, ways=[friction]) is None
+    one = grown(at, [], set(), again=True, ways=[gain])
+    assert one is not None
+    assert [c.suspect.target for c in one.fit.changes if c.suspect.effect == "controller_gain"] == ["*"]

@@ -60,10 +60,11 @@ def predicted(
 
 def supported(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, dict[Suspect, float]]:
     """What was found without the findings that held-out runs speak against, one after the other, the least first; and
-    what held-out runs gain by each of these (less than nothing). `keep` stays.
+    what held-out runs gain by each of these. `keep` stays.
 
     They speak against one that makes them less probable by more than a rival may be behind that cannot be told apart:
-    what mends training runs so is not their cause.
+    what mends training runs so is not their cause. And training and held-out runs together have to say as much for a
+    finding as one has to be worth (`Found.least`).
     """
     against: dict[Suspect, float] = {}
     while True:
@@ -72,7 +73,11 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
             for s, other in found.without.items()
             if s not in keep
         }
-        doubted = {s: v.gain for s, v in verdicts.items() if -v.gain > max(ODDS, ERRORS * v.error)}
+        doubted = {
+            s: v.gain
+            for s, v in verdicts.items()
+            if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least
+        }
         if not doubted:
             return found, against
         least = min(doubted, key=lambda s: doubted[s])
@@ -86,7 +91,7 @@ def _without(simulations: Simulations, found: Found, suspect: Suspect) -> Found:
     best = yardstick.fit(quick.changes, quick) or found.without[suspect]
     without: dict[Suspect, Scored] = {}
     for change in best.fit.changes:
-        other = yardstick.fit([c for c in best.fit.changes if c is not change], best.fit, "compared")
+        other = yardstick.fit([c for c in best.fit.changes if c is not change], best.fit, "quick")
         if other is not None:
             without[change.suspect] = other
     return replace(

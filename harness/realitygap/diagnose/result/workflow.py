@@ -118,7 +118,8 @@ def diagnose(
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, changes, engines)
     notes += [
-        f"{s} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not named"
+        f"{s} helps on training runs only: held-out runs {'gain only' if gain > 0.0 else 'lose'} {abs(gain):.1f} in "
+        "evidence by it, and it is not named"
         for s, gain in against.items()
     ]
     judged = predicted(simulations, found.floors, changes)

@@ -1,4 +1,4 @@
-"""Moves that add: a finding, several at once, a richer shape, a value for every joint of a group, or one for all."""
+"""Moves that add: a finding, several at once, a richer shape, a value for every joint of a group; or one for all."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def grown(
     gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
-    Where there are more findings than before they gain more than `round_.little` as well; for each that there is less
-    they may lose what it would have to gain.
+    Where there are more findings than before they gain more than `round_.little` as well; where there are fewer they
+    may lose what those that go would have to gain.
     `keep` is never superfluous.
     `failed` are moves, told by the findings that they add and take away, that gained too little in a round before:
     many, where a model has many findings. Those that gain too little now join them. `again`: they are tried too, if
@@ -68,7 +68,7 @@ def _best(
         quick = round_.adjusted(way)
         fewer = len(round_.now.fit.changes) - len(way)
         if quick is not None and fewer > 0:
-            needs = -fewer * max(round_.limit, round_.little(quick))
+            needs = -max(fewer * round_.limit, round_.little(quick))
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
             tried.append((quick.evidence - needs, quick, needs, move))
@@ -139,9 +139,18 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
             number = sum(new is not old for new, old in zip(shaped, alike, strict=True))
             if number:
                 ways.append(([*beside, *shaped], SURE * number))
+    return ways
+
+
+def shared(round_: Round) -> Ways:
+    """Models with one value for all joints of a group in place of one at each, for when nothing gains any more."""
+    accepted, ways = round_.now.fit.changes, []
+    for effect in dict.fromkeys(c.suspect.effect for c in accepted if c.free):
+        alike = [c for c in accepted if c.suspect.effect == effect and c.free]
         together = _together(round_, alike)
         if together is not None:
-            ways.append(([*beside, together], limit * (1 - len(alike))))
+            rest = [c for c in accepted if c not in alike]
+            ways.append(([*rest, together], round_.limit * (1 - len(alike))))
     return ways
 
 
@@ -183,12 +192,12 @@ def _plain_fits(round_: Round) -> list[list[Change]]:
     for i, block in enumerate(lines.blocks):
         if block.start.kind == "linear" or block.columns.shape[1] > 1:
             continue
-        which, gain = (suspect[i], block.start.first.free), lines.gain(_beside(round_, plain, i), i)
+        which, gain = (suspect[i], block.start.first.free), lines.gain(_free(round_, plain, i), i)
         if gain > (beside[which][0] if which in beside else alone):
             beside[which] = gain, i
     ways = []
     for tried in [None, *(i for _, i in sorted(beside.values(), key=lambda b: -b[0])[:BEYOND])]:
-        free = plain if tried is None else _beside(round_, plain, tried)
+        free = plain if tried is None else _free(round_, plain, tried)
         if alone < round_.explained:
             free = lines.earning(free, round_.limit, tried)
         far = [] if tried is None else [lines.blocks[tried].start.tries[0]]
@@ -197,7 +206,7 @@ def _plain_fits(round_: Round) -> list[list[Change]]:
     return ways
 
 
-def _beside(round_: Round, plain: Sequence[int], tried: int) -> list[int]:
+def _free(round_: Round, plain: Sequence[int], tried: int) -> list[int]:
     """The blocks of a plain fit that can stand beside one."""
     blocks = round_.blocks
     return [k for k in plain if not clash(blocks[k].suspect, blocks[tried].suspect)]

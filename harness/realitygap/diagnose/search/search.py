@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
-from realitygap.diagnose.search.grow import SURE, grown
+from realitygap.diagnose.search.grow import SURE, grown, shared
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
@@ -36,6 +36,7 @@ class Found:
         best: the model with the best evidence.
         cautious: the same, for intervals.
         limit: what a finding has to gain.
+        least: the same, or what laws leave of what the best model explains, where that is more.
         floors: of the best model.
         yardstick: what models were compared on in the last round.
         gains: evidence that is lost without each finding, by suspect.
@@ -48,6 +49,7 @@ class Found:
     best: Scored
     cautious: Scored
     limit: float
+    least: float
     floors: Floors
     yardstick: Yardstick
     gains: dict[Suspect, float] = field(default_factory=dict)
@@ -82,6 +84,8 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             following = grown(round_, kept, failed, again) if fresh else None
         if following is None and fresh:
             following = grown(round_, kept, failed, again, parted(round_))
+        if following is None and fresh:
+            following = grown(round_, kept, failed, again, shared(round_))
         seen.add(here)
         again = following is not None  # what failed is tried again beside what is new
         dropped = False
@@ -110,6 +114,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         best=best,
         cautious=cautious,
         limit=limit,
+        least=max(limit, round_.little(best)),
         floors=floors,
         yardstick=round_.yardstick,
         gains=last.gains,
