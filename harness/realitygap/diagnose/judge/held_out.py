@@ -64,14 +64,15 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
 
     They speak against one that makes them less probable by more than a rival may be behind that cannot be told apart:
     what mends training runs so is not their cause. And training and held-out runs together have to say as much for a
-    finding as one has to be worth (`Found.least`).
+    finding as one has to be worth (`Found.least`). What they speak for beside all that was found stays: without another
+    finding it may seem worse than it is.
     """
     against: dict[Suspect, float] = {}
+    asked = set(found.without).difference(keep)
     while True:
         verdicts = {
-            s: predicted(simulations, found.floors, found.best.fit.changes, other.fit.changes)
-            for s, other in found.without.items()
-            if s not in keep
+            s: predicted(simulations, found.floors, found.best.fit.changes, found.without[s].fit.changes)
+            for s in asked & set(found.without)
         }
         doubted = {
             s: v.gain
@@ -82,16 +83,22 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
             return found, against
         least = min(doubted, key=lambda s: doubted[s])
         against[least] = doubted[least]
-        found = _without(simulations, found, least)
+        asked = set(doubted) - {least}
+        found = _without(simulations, found, least, asked, keep)
 
 
-def _without(simulations: Simulations, found: Found, suspect: Suspect) -> Found:
-    """What was found without one finding, and without each of the others besides."""
+def _without(
+    simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect], keep: Collection[Suspect]
+) -> Found:
+    """What was found without one finding, and without each of the others besides; of what is `asked` carefully."""
     yardstick, quick = found.yardstick, found.without[suspect].fit
     best = yardstick.fit(quick.changes, quick) or found.without[suspect]
     without: dict[Suspect, Scored] = {}
     for change in best.fit.changes:
-        other = yardstick.fit([c for c in best.fit.changes if c is not change], best.fit, "quick")
+        if change.suspect in keep:
+            continue
+        rest = [c for c in best.fit.changes if c is not change]
+        other = yardstick.fit(rest, best.fit, "compared" if change.suspect in asked else "quick")
         if other is not None:
             without[change.suspect] = other
     return replace(
