@@ -13,6 +13,7 @@ from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.search.grow import LOOSER, with_shape
 from realitygap.diagnose.search.linear import Linear
+from realitygap.robot.effects import EFFECTS
 
 
 def test_slopes_tell_the_step_that_was_taken_and_what_lies_across_it_as_before() -> None:
@@ -72,3 +73,10 @@ def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
     assert lines.earning(range(4), 5.0) == [0, 3]
     assert lines.earning([1, 2], 5.0) == [1]
     assert lines.earning([2], 5.0) == []
+
+
+@pytest.mark.parametrize(("place", "load"), [(0.3, True), (1.0, False), (-1.0, False)])
+def test_a_load_that_ran_away_from_its_link_is_none(place: float, load: bool) -> None:
+    why = EFFECTS["payload"].absurd
+    assert why is not None
+    assert (why({"mass": 1.0, "x": 0.0, "y": place, "z": 0.1}) is None) == load

@@ -29,8 +29,12 @@ def _first(plant: Plant, index: int) -> dict[str, float]:
     return {"mass": max(0.05 * sum(m.mass for m in moving), 0.2 * link.mass), "x": x, "y": y, "z": z}
 
 
-def _nothing(values: Values) -> str | None:
-    return None if math.isfinite(values["mass"]) and values["mass"] > 0 else "nothing would be loaded"
+def _none(values: Values) -> str | None:
+    if not (math.isfinite(values["mass"]) and values["mass"] > 0):
+        return "nothing would be loaded"
+    if max(abs(values[axis]) for axis in "xyz") >= WHERE:
+        return f"a load {WHERE:g} m or more beside its link is none: a lever and no weight would be added"
+    return None
 
 
 PAYLOAD = Effect(
@@ -60,5 +64,5 @@ PAYLOAD = Effect(
         "Robotics Research 5(3), 1986; Mamedov, Mikhel: Practical aspects of model-based collision detection, Front. "
         "Robotics AI 7, 2020.",
     ),
-    absurd=_nothing,
+    absurd=_none,
 )
