@@ -88,22 +88,23 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
         return None
     period = float(even[1] - even[0])
 
-    def tried(constant: float) -> tuple[float, float, float]:
+    def travelled(constant: float) -> tuple[Array, float]:
         smooth = low_pass(q, constant, period)
         by_position = smooth[span:] - smooth[:-span]
-        scale = float(by_velocity @ by_position / (by_position @ by_position))
-        error = float(np.sum((by_velocity - scale * by_position) ** 2))
-        return error, scale, float(np.corrcoef(by_velocity, by_position)[0, 1])
+        return by_position, float(by_velocity @ by_position / (by_position @ by_position))
 
-    errors = [tried(constant)[0] for constant in TIMES]
+    errors = []
+    for tried in TIMES:
+        by_position, scale = travelled(tried)
+        errors.append(float(np.sum((by_velocity - scale * by_position) ** 2)))
     best = int(np.argmin(errors))
     constant = float(TIMES[best])
     if 0 < best < len(TIMES) - 1:  # the lowest point of the parabola through the best three
         before, here, after = errors[best - 1 : best + 2]
         if before + after > 2.0 * here:
             constant += 0.5 * float(TIMES[1]) * (before - after) / (before - 2.0 * here + after)
-    _, scale, correlation = tried(constant)
-    return scale, constant, correlation
+    by_position, scale = travelled(constant)
+    return scale, constant, float(np.corrcoef(by_velocity, by_position)[0, 1])
 
 
 def low_pass(value: Array, constant: float, period: float) -> Array:

@@ -16,7 +16,8 @@ from realitygap.recording.faults import OFF, SURE, at_fault, velocity_of_positio
 MOST = 0.8
 """The share of the runs that could tell in which a joint's velocity must be at fault."""
 CLOCK = 1e-3
-"""How far a velocity's own clock may be off (an ordinary oscillator of a microcontroller): its scale is no better."""
+"""A recorder's clock against the robot's, and a velocity's own, whose scale is no better: 0.1 % is an ordinary
+oscillator of a microcontroller, a quartz is better."""
 BETWEEN = 0.02
 """What is not known of a time constant since a motion is not known between its samples, in periods of its recording:
 planted ones were off by 0.01 to 0.02 (root mean square 0.013), all the same way."""

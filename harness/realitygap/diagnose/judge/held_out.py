@@ -12,11 +12,11 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.evidence import Scored, score
+from realitygap.diagnose.search.evidence import score
 from realitygap.diagnose.search.exchange import ERRORS, ODDS, compare
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.diagnose.search.search import Found
@@ -80,33 +80,37 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
             if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least
         }
         if not doubted:
-            return found, against
+            return (_completed(found, keep) if against else found), against
         least = min(doubted, key=lambda s: doubted[s])
         against[least] = doubted[least]
         asked = set(doubted) - {least}
-        found = _without(simulations, found, least, asked, keep)
+        found = _without(simulations, found, least, asked)
 
 
-def _without(
-    simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect], keep: Collection[Suspect]
-) -> Found:
-    """What was found without one finding, and without each of the others besides; of what is `asked` carefully."""
-    yardstick, quick = found.yardstick, found.without[suspect].fit
-    best = yardstick.fit(quick.changes, quick) or found.without[suspect]
-    without: dict[Suspect, Scored] = {}
+def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect]) -> Found:
+    """The best model without one finding, and without each of the others besides that are `asked`."""
+    quick = found.without[suspect].fit
+    best = found.yardstick.fit(quick.changes, quick) or found.without[suspect]
+    found = replace(found, best=best, floors=measure(simulations, best.fit.changes), gains={}, without={})
+    return _besides(found, asked, "compared")
+
+
+def _completed(found: Found, keep: Collection[Suspect]) -> Found:
+    """What was found without what was dropped: with intervals, and without each finding that was not asked again."""
+    others = {c.suspect for c in found.best.fit.changes}.difference(keep, found.without)
+    found = _besides(found, others, "quick")
+    rivals = {s: rivals for s, rivals in found.rivals.items() if s in found.without}
+    return replace(found, cautious=found.yardstick.cautious(found.best.fit), rivals=rivals)
+
+
+def _besides(found: Found, asked: Collection[Suspect], care: Care) -> Found:
+    """The same with the best model fitted without each finding that is asked as well."""
+    best, without = found.best, dict(found.without)
     for change in best.fit.changes:
-        if change.suspect in keep:
-            continue
-        rest = [c for c in best.fit.changes if c is not change]
-        other = yardstick.fit(rest, best.fit, "compared" if change.suspect in asked else "quick")
-        if other is not None:
-            without[change.suspect] = other
-    return replace(
-        found,
-        best=best,
-        cautious=yardstick.cautious(best.fit),
-        floors=measure(simulations, best.fit.changes),
-        gains={s: best.evidence - other.evidence for s, other in without.items()},
-        without=without,
-        rivals={s: rivals for s, rivals in found.rivals.items() if s in without},
-    )
+        if change.suspect in asked:
+            rest = [c for c in best.fit.changes if c is not change]
+            other = found.yardstick.fit(rest, best.fit, care)
+            if other is not None:
+                without[change.suspect] = other
+    gains = {s: best.evidence - other.evidence for s, other in without.items()}
+    return replace(found, gains=gains, without=without)

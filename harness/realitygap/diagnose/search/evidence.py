@@ -193,22 +193,6 @@ def _covariance(number: NDArray[np.int64], slope: Array, whole: Array, model: Ar
     return np.asarray(model * np.outer(wider, wider))
 
 
-def densities(group: NDArray[np.int64], scored: Scored) -> Array:
-    """The logarithm of the density of every group of samples, beside a constant. Shape (groups,).
-
-    Args:
-        group: the number of the group of every stacked sample. Shape (m,).
-        scored: a model.
-    """
-    whitening, weight = scored.metric.whitening, scored.metric.weight
-    rows = whitening.rows
-    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
-    good = trust > 0.0
-    spread = np.zeros(len(rows))
-    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
-    return np.asarray(-0.5 * np.bincount(group[rows], white**2 + spread, minlength=int(group.max()) + 1))
-
-
 STRETCH = 1.0
 """Samples of one motion within this time [s] are one stretch: several times what lasts in a servo's residual."""
 

@@ -11,16 +11,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import EQUAL, Scored, densities, stretches
+from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round
+from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 
 ERRORS = 1.64
@@ -63,10 +65,24 @@ class Rival:
 def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[float, float]:
     """How much evidence another model has less than the best one, and the standard error of that."""
     number = stretches(channels)
-    a, b = (densities(number, s) for s in (best, other))
+    a, b = (_stretches(number, s) for s in (best, other))
     apart = a - b
     error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
     return best.evidence - other.evidence, error
+
+
+def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
+    """The logarithm of the density of every stretch of every motion, all channels of it together, beside a constant.
+
+    `number` is that of the stretch of every stacked sample, (m,).
+    """
+    whitening, weight = scored.metric.whitening, scored.metric.weight
+    rows = whitening.rows
+    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
+    good = trust > 0.0
+    spread = np.zeros(len(rows))
+    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
+    return np.asarray(-0.5 * np.bincount(number[rows], white**2 + spread, minlength=int(number.max()) + 1))
 
 
 @dataclass

@@ -180,8 +180,8 @@ def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
 def _plain_fits(round_: Round) -> list[list[Change]]:
     """All that a plain fit would have free beside the accepted model, where straight lines lead: alone, and beside each
     of those that are far from a straight line that promise most there. What limits a motion shows little before its
-    friction and gains are right, and these are mended in its place. Where that is no
-    longer the most of it, what straight lines say is superfluous is left out: they are true near by.
+    friction and gains are right, and these are mended in its place. Once less is promised than is explained, what
+    straight lines say is superfluous is left out: near by they are true.
     """
     lines, plain = round_.lines, _plain_blocks(round_)
     suspect = [b.suspect for b in lines.blocks]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.told import CLOCK
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -22,8 +23,6 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
 from realitygap.robot.drive import Array
 
-CLOCK = 1e-3
-"""A recorder's clock against the robot's: 0.1 % is an ordinary oscillator of a microcontroller, a quartz is better."""
 STAMPED = 0.5
 """How well it is known when a motion was sampled, in periods of its recording: stamps are given when data arrive."""
 SHARE = {"friction": 0.08, "drive": 0.04, "load": 0.04}

@@ -82,10 +82,9 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         if following is None and not whole:
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
-        if following is None and fresh:
-            following = grown(round_, kept, failed, again, parted(round_))
-        if following is None and fresh:
-            following = grown(round_, kept, failed, again, shared(round_))
+        for ways in (parted, shared):
+            if following is None and fresh:
+                following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)
         again = following is not None  # what failed is tried again beside what is new
         dropped = False
