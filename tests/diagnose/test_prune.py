@@ -3,7 +3,7 @@
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.search.prune import straight_losses, superfluous
+from realitygap.diagnose.search.prune import straight_losses, superfluous, untold
 from realitygap.diagnose.search.yardstick import Yardstick
 
 
@@ -19,7 +19,6 @@ def test_an_interval_tells_what_was_planted_and_not_what_is_as_the_model_has_it(
         limit = 5.0
         assert superfluous(problem, fitted, [], limit) == [constant]
         assert superfluous(problem, fitted, [constant], limit) == []
-        assert superfluous(problem, fitted, [], 2.0 * losses[friction].evidence) == [constant, friction]
-    assert losses[friction].told
-    assert not losses[constant].told
-    assert losses[friction].evidence > losses[constant].evidence
+        assert superfluous(problem, fitted, [], 2.0 * losses[friction]) == [constant, friction]
+        assert untold(problem, yardstick.as_told(fitted.fit)) == {constant}
+    assert losses[friction] > losses[constant]

@@ -95,6 +95,24 @@ def clash(a: Suspect, b: Suspect) -> bool:
     return a.effect in b.kind.excludes or b.effect in a.kind.excludes
 
 
+def as_read(changes: Sequence[Change], before: Sequence[Change], plant: Plant) -> list[Change]:
+    """Changes of which those that stood so `before` do the same at a joint's readings as before, if its zero is another
+    now: what depends on its angle was found by its readings.
+    """
+    angular = [c for c in changes if c.suspect.kind.turned is not None and c in before]
+    if not angular:
+        return list(changes)
+    zero, old = (changed(plant, c, plant).drive["offset"] for c in (changes, before))
+    out = []
+    for change in changes:
+        moved = {float(m) for m in (zero - old)[list(change.suspect.indices)]} if change in angular else {0.0}
+        turned = change.suspect.kind.turned
+        if turned is not None and len(moved) == 1 and moved != {0.0}:
+            change = change.at(turned(change.parameters, *moved))
+        out.append(change)
+    return out
+
+
 def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:
     """A plant with effects changed.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.data.case import JOINT_SIGNALS
-from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.whitening import Channel, stacked
@@ -65,7 +65,9 @@ def respond(
 ) -> list[Block]:
     """The responses of starts to a model with accepted changes; starts that cannot be simulated are left out."""
     variants = _together(simulations, tried)
-    still, *answers = residuals(simulations, [accepted, *([*accepted, *v.values()] for v in variants)], cases, coarse)
+    plant = simulations.problem.plant
+    models = [as_read([*accepted, *v.values()], accepted, plant) for v in variants]
+    still, *answers = residuals(simulations, [accepted, *models], cases, coarse)
     if still is None:
         return []
     masks: dict[int, Array] = {}

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.suspects import fitted
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.whitening import Channel
@@ -189,7 +189,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     for suspect, p in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
-        quick = round_.adjusted([*rest, p.change])
+        quick = round_.adjusted(as_read([*rest, p.change], rest, round_.simulations.problem.plant))
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import chi2
@@ -24,14 +23,6 @@ TOLD = 0.95
 stretches of the recordings say scatters more than the likelihood tells."""
 
 
-@dataclass(frozen=True)
-class Loss:
-    """What a model loses without a finding, by straight lines: evidence, and whether its interval tells it at all."""
-
-    evidence: float
-    told: bool
-
-
 def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
     """A model without the findings that gain less than a name needs, judged by quick fits; `keep` stays.
 
@@ -41,25 +32,25 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
-    needed, limit, now = set(keep), round_.limit, found
-    leaving = superfluous(round_.simulations.problem, now, needed, limit)
+    problem, limit, needed, now = round_.simulations.problem, round_.limit, set(keep), found
+    leaving = superfluous(problem, now, needed, limit)
     while len(leaving) > 1:
         without = round_.adjusted([c for c in now.fit.changes if c.suspect not in leaving], now.fit)
         if without is not None and now.evidence - without.evidence < limit:
             now = without
-            leaving = superfluous(round_.simulations.problem, now, needed, limit)
+            leaving = superfluous(problem, now, needed, limit)
         else:
             leaving = leaving[: len(leaving) // 2]
     while True:
-        losses = straight_losses(round_.simulations.problem, now)
-        doubtful = {s: loss for s, loss in losses.items() if s not in needed}
-        doubtful = {s: d for s, d in doubtful.items() if (told and not d.told) or d.evidence < DOUBTFUL * limit}
+        losses = straight_losses(problem, now)
+        vague = untold(problem, round_.yardstick.as_told(now.fit)) if told else set[Suspect]()
+        doubtful = {s: d for s, d in losses.items() if s not in needed and (s in vague or d < DOUBTFUL * limit)}
         if not doubtful:
             return now
-        least = min(doubtful, key=lambda s: doubtful[s].evidence)
+        least = min(doubtful, key=lambda s: doubtful[s])
         rest = [c for c in now.fit.changes if c.suspect != least]
         without = round_.adjusted(rest, now.fit)
-        enough = DOUBTFUL if told and not doubtful[least].told else 1.0
+        enough = DOUBTFUL if least in vague else 1.0
         if without is not None and now.evidence - without.evidence < enough * limit:
             now = without
         else:
@@ -73,7 +64,7 @@ def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], lim
     places = {s: at for s, at in _places(problem, scored).items() if s not in keep}
     away, out, lost, gone = _away(problem, scored), list[Suspect](), 0.0, list[int]()
     while places:
-        losses = {s: _loss(scored, away, [*gone, *at]).evidence for s, at in places.items()}
+        losses = {s: _loss(scored, away, [*gone, *at]) for s, at in places.items()}
         least = min(losses, key=lambda s: losses[s])
         if losses[least] - lost >= limit:
             break
@@ -82,8 +73,8 @@ def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], lim
     return out
 
 
-def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, Loss]:
-    """What a model loses without each finding, by the straight lines at its fit (Wald 1943).
+def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
+    """The evidence that a model loses without each finding, by the straight lines at its fit (Wald 1943).
 
     What is absent only at an infinite value, as a compliance, is left out.
     """
@@ -91,12 +82,23 @@ def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, Loss]:
     return {suspect: _loss(scored, away, at) for suspect, at in _places(problem, scored).items()}
 
 
-def _loss(scored: Scored, away: Array, at: Sequence[int]) -> Loss:
-    """What is lost without some values."""
+def untold(problem: Problem, scored: Scored) -> set[Suspect]:
+    """The findings whose intervals, all values of one together, hold what a model without them has."""
+    away, covariance = _away(problem, scored), scored.covariance
+    wider = scored.deviation / scored.fit.size / np.sqrt(np.diag(covariance))
+    covariance = covariance * np.outer(wider, wider)
+    return {
+        suspect
+        for suspect, at in _places(problem, scored).items()
+        if float(away[at] @ np.linalg.solve(covariance[np.ix_(at, at)], away[at])) <= float(chi2.ppf(TOLD, len(at)))
+    }
+
+
+def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
+    """The evidence that is lost without some values."""
     information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
     occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
-    far = float(away[at] @ information @ away[at])
-    return Loss(0.5 * far - max(occam, 0.0), far > float(chi2.ppf(TOLD, len(at))))
+    return 0.5 * float(away[at] @ information @ away[at]) - max(occam, 0.0)
 
 
 def _places(problem: Problem, scored: Scored) -> dict[Suspect, list[int]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.candidates.suspects import everyday
-from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
@@ -168,10 +168,10 @@ class Round:
                 chosen.append(p)
         variants = [(p, f) for p in chosen for f in (FOLLOWED if p.block.start.kind != "whole" else (1.0,))]
         changes = [p.block.start.at([a * f for a in p.amounts]) for p, f in variants]
-        accepted = self.now.fit.changes
+        accepted, plant = self.now.fit.changes, self.simulations.problem.plant
         still, *answers = residuals(
             self.simulations,
-            [accepted, *([*accepted, c] for c in changes)],
+            [accepted, *(as_read([*accepted, c], accepted, plant) for c in changes)],
             self.yardstick.train,
             self.yardstick.floors.coarse,
         )

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
-from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
+from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
@@ -86,11 +86,13 @@ class Yardstick:
         """The evidence, and the metric in which moves from a fit are looked for."""
         return sharp(self.channels, found, self.wrong)
 
+    def as_told(self, found: Fit) -> Scored:
+        """The same where laws are ordinary at best, for intervals."""
+        return cautious(self.channels, found, self.wrong)
+
     def cautious(self, found: Fit) -> Scored:
-        """The same where laws are ordinary at best, for intervals: with how far the likeliest values are, in simulation
-        since a limit is no straight line.
-        """
-        at = cautious(self.channels, found, self.wrong)
+        """The same with how far the likeliest values are in simulation, since a limit is no straight line."""
+        at = self.as_told(found)
         likeliest = fit(self.simulations, found.changes, self.train, at.metric, self.floors.coarse, found, "compared")
         return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
 
@@ -108,11 +110,13 @@ class Yardstick:
         by the model itself.
 
         Args:
-            changes: with first guesses.
+            changes: with first guesses; what stands in the known fit too may turn with a joint's zero (`as_read`).
             known: a fit near by, whose derivatives may be taken at first.
             care: how carefully.
         """
         train, coarse, near, best = self.train, self.floors.coarse, known, None
+        if known is not None:
+            changes = as_read(changes, known.changes, self.problem.plant)
         if known is None or care == "whole":
             first = residual(self.simulations, changes, train)
         else:

@@ -72,6 +72,8 @@ class Effect:
         read: (keys of a scenario) -> checked values, of an effect whose parameters are tables instead of numbers.
         example: such values.
         repeatable: several of them may stand on one target, and add up.
+        turned: (values, angle) -> the values that do the same at the joint's readings where its zero is that much
+            further [rad or m], of what depends on a joint's angle; None for all else.
     """
 
     name: str
@@ -93,6 +95,7 @@ class Effect:
     example: Mapping[str, Any] = field(default_factory=dict)
     repeatable: bool = False
     law: Literal["friction", "drive", "load", ""] = ""
+    turned: Callable[[Values, float], dict[str, float]] | None = None
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name. Raises KeyError."""

@@ -4,7 +4,7 @@ import math
 
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
 from realitygap.robot.effects.friction import FRICTION_HIGH
-from realitygap.robot.effects.joint import anywhere, effort_scale
+from realitygap.robot.effects.joint import anywhere, effort_scale, wave_turned
 from realitygap.robot.plant import Plant
 
 
@@ -68,6 +68,7 @@ FRICTION_RIPPLE = Effect(
     signals=("position", "velocity"),
     own=reads(share="friction_ripple", periods="friction_periods", phase="friction_phase"),
     apply=writes(share="friction_ripple", periods="friction_periods", phase="friction_phase"),
+    turned=wave_turned,
     possible=anywhere,
     page=Page(
         physics="Dry friction that changes with the angle, because a shaft is bent, a gear runs out of true or teeth "

@@ -5,12 +5,18 @@ import math
 from realitygap_engines import GRAVITY
 
 from realitygap.robot.drive import CASCADE, DC, NONE, PID, POSITION
+from realitygap.robot.effects.effect import Values
 from realitygap.robot.plant import Plant
 
 SLOWEST = 1e-3
 """A joint that went slower than this share of its limit stood still, and its speed is the encoder's noise."""
 SUPPLY = 12.0
 """Where the supply was recorded, and is not known beforehand [V]."""
+
+
+def wave_turned(values: Values, angle: float) -> dict[str, float]:
+    """A wave over a joint's angle that is the same over its readings where its zero is that much further."""
+    return {"phase": math.remainder(values["phase"] - values["periods"] * angle, 2.0 * math.pi)}
 
 
 def anywhere(_plant: Plant, _index: int) -> str | None:

@@ -11,6 +11,7 @@ from realitygap.robot.effects.joint import (
     has_servo,
     has_torque_constant,
     speed_scale,
+    wave_turned,
 )
 from realitygap.robot.plant import Plant
 
@@ -200,6 +201,7 @@ TORQUE_RIPPLE = Effect(
     signals=("position", "velocity"),
     own=reads(amplitude="ripple", periods="ripple_periods", phase="ripple_phase"),
     apply=writes(amplitude="ripple", periods="ripple_periods", phase="ripple_phase"),
+    turned=wave_turned,
     possible=anywhere,
     scaled=_visible_ripple,
     page=Page(

@@ -29,6 +29,7 @@ JOINT_STOP = Effect(
     signals=("position", "effort"),
     own=reads(lower="stop_lower", upper="stop_upper", stiffness="stop_stiffness"),
     apply=writes(lower="stop_lower", upper="stop_upper", stiffness="stop_stiffness"),
+    turned=lambda values, angle: {name: values[name] + angle for name in ("lower", "upper")},
     possible=anywhere,
     scaled=_firm_stop,
     page=Page(
@@ -63,6 +64,7 @@ CABLE_SPRING = Effect(
     signals=("position", "effort"),
     own=reads(stiffness="cable_stiffness", rest="cable_rest"),
     apply=writes(stiffness="cable_stiffness", rest="cable_rest"),
+    turned=lambda values, angle: {"rest": values["rest"] + angle},
     possible=anywhere,
     scaled=_soft_cable,
     page=Page(
