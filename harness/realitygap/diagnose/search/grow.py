@@ -18,7 +18,8 @@ from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
 
 TRIED = 4
-"""Suspects that are tried one by one: those that promise most."""
+"""Suspects that are tried one by one: those that promise most, also where none promises anything. A friction beside a
+play that had been fitted without it gained 150 by a quick fit of both, and promised less than nothing."""
 BEYOND = 2
 """The same of those that are far from any straight line, which were simulated at few sizes and promise too little."""
 AT_ONCE = 3
@@ -105,9 +106,9 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     """Models with more in them, and the evidence that each has to gain."""
     accepted, limit, plant = list(round_.now.fit.changes), round_.limit, round_.simulations.problem.plant
     first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
-    for p in round_.promised:
+    for p in [*(p for p in round_.promised if p.gain > 0.0), *round_.straight]:
         start = p.block.start.first
-        if p.gain > 0:
+        if p.gain > 0.0 or len(first) < TRIED:
             first.setdefault((start.suspect, start.free), start)
     ways: list[tuple[list[Change], float]] = []
     firsts = list(first.values())
