@@ -11,8 +11,8 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.search.exchange import Exchanged, exchanged
-from realitygap.diagnose.search.grow import grown, shared
+from realitygap.diagnose.search.exchange import Exchanged, _spare, exchanged
+from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -86,6 +86,27 @@ def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Pr
         assert not out.rivals
     finally:
         round_.now = now
+
+
+def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
+    problem: Problem, simulations: Simulations
+) -> None:
+    """Beside the friction that the demo lacks nothing is missing: a supply there is tried, and would go again."""
+    friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "supply_voltage"))
+    left = residual(simulations, [], problem.of("train"))
+    found = Yardstick(simulations, []).fit([friction])
+    assert left is not None
+    assert found is not None
+    at = Round(simulations, found.fit, [friction.suspect, other.suspect], needed(2), Fit((), left), print)
+    at.promised = []
+    assert any(standing(way) == standing([friction, other]) for way, _ in _ways(at))
+    both = at.yardstick.fit([*at.now.fit.changes, other], at.now.fit)
+    without = at.yardstick.fit([other])
+    assert both is not None
+    assert without is not None
+    accepted, at.now = at.now, both
+    assert _spare(at, accepted)
+    assert not _spare(at, without)
 
 
 def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_little(

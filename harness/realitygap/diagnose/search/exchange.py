@@ -20,7 +20,7 @@ from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
 from realitygap.diagnose.search.linear import Linear, Promise
-from realitygap.diagnose.search.prune import pruned
+from realitygap.diagnose.search.prune import DOUBTFUL, pruned
 from realitygap.diagnose.search.round import Round
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
@@ -123,8 +123,9 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         alone = None if change.suspect in keep else _without(round_, [c for c in now.fit.changes if c is not change])
         if alone is not None:
             out.without[change.suspect] = alone
-    least = min(out.without, key=lambda s: -out.without[s].evidence, default=None)
-    if least is not None and now.evidence - out.without[least].evidence < round_.limit:
+    spare = [s for s, without in out.without.items() if _spare(round_, without)]
+    if spare:
+        least = max(spare, key=lambda s: out.without[s].evidence)
         round_.say(f"  without {least}: {out.without[least].evidence - now.evidence:+.1f}")
         return Exchanged(better=out.without[least], rivals=before.rivals)
     compared: dict[Suspect, tuple[float, list[Rival]]] = {}
@@ -147,6 +148,14 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             if -rival.behind > max(ODDS, round_.little(rival.scored)) or equal:
                 out.offer(rival.scored)
     return out
+
+
+def _spare(round_: Round, without: Scored) -> bool:
+    """Whether a model without a finding has lost too little for a name: less than one needs, or little more and no more
+    than stretches of the recordings scatter by, as of a rival that cannot be told apart.
+    """
+    lost, error = compare(round_.yardstick.channels, round_.now, without)
+    return lost < round_.limit or lost < min(DOUBTFUL * round_.limit, ERRORS * error)
 
 
 def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:

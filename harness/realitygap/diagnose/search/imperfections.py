@@ -8,7 +8,7 @@ looks like a small constant effort, a torque constant that droops like a little 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -117,8 +117,6 @@ class _Known:
 def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> Imperfections:
     """What the residual changes by when each law is off by what it is known to, at a fitted model, and when clocks are.
 
-    What was added counts as what could be added too, as it did when it was: a model without it is no better known.
-
     Args:
         problem: whose motions were recorded.
         at: the fit, whose changes are part of the model.
@@ -126,7 +124,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         metric: in which effects are compared.
     """
     own = _accepted(problem, at)
-    known = [k for k, _ in own] + _of(blocks) + [replace(k, times=0.0) for k, a in own if a.suspect.table is None]
+    known = [k for k, _ in own] + _of(blocks)
     white = [metric(k.response) for k in known]
     size = [float(np.linalg.norm(w)) for w in white]
     does: dict[tuple[str, int], float] = {}

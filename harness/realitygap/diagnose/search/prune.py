@@ -43,7 +43,7 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
             leaving = leaving[: len(leaving) // 2]
     while True:
         losses = straight_losses(problem, now)
-        vague = untold(problem, round_.yardstick.cautious(now.fit)) if told else set[Suspect]()
+        vague = untold(problem, round_.yardstick.as_told(now.fit)) if told else set[Suspect]()
         doubtful = {s: d for s, d in losses.items() if s not in needed and (s in vague or d < DOUBTFUL * limit)}
         if not doubtful:
             return now
