@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.effects.effort_map import tabulated
 from realitygap.robot.effort_map import Table
@@ -103,14 +104,20 @@ def as_read(changes: Sequence[Change], before: Sequence[Change], plant: Plant) -
     if not angular:
         return list(changes)
     zero, old = (changed(plant, c, plant).drive["offset"] for c in (changes, before))
-    out = []
-    for change in changes:
-        moved = {float(m) for m in (zero - old)[list(change.suspect.indices)]} if change in angular else {0.0}
-        turned = change.suspect.kind.turned
-        if turned is not None and len(moved) == 1 and moved != {0.0}:
-            change = change.at(turned(change.parameters, *moved))
-        out.append(change)
-    return out
+    return [_turned(c, (zero - old)[list(c.suspect.indices)]) if c in angular else c for c in changes]
+
+
+def _turned(change: Change, moved: Array) -> Change:
+    """A change that does the same at the readings of its k joints, whose zeros moved: as it is where they moved apart.
+
+    Args:
+        change: of what depends on an angle.
+        moved: how far each zero moved [rad or m]. Shape (k,).
+    """
+    turned, by = change.suspect.kind.turned, float(moved[0])
+    if turned is None or by == 0.0 or (moved != by).any():
+        return change
+    return change.at(turned(change.parameters, by))
 
 
 def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:

@@ -154,8 +154,11 @@ def _spare(round_: Round, without: Scored) -> bool:
     """Whether a model without a finding has lost too little for a name: less than one needs, or little more and no more
     than stretches of the recordings scatter by, as of a rival that cannot be told apart.
     """
-    lost, error = compare(round_.yardstick.channels, round_.now, without)
-    return lost < round_.limit or lost < min(DOUBTFUL * round_.limit, ERRORS * error)
+    lost = round_.now.evidence - without.evidence
+    if not round_.limit <= lost < DOUBTFUL * round_.limit:
+        return lost < round_.limit
+    _, error = compare(round_.yardstick.channels, round_.now, without)
+    return lost < ERRORS * error
 
 
 def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
