@@ -11,7 +11,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.search.exchange import Exchanged, _spare, exchanged
+from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
@@ -104,9 +104,8 @@ def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
     without = at.yardstick.fit([other])
     assert both is not None
     assert without is not None
-    accepted, at.now = at.now, both
-    assert _spare(at, accepted)
-    assert not _spare(at, without)
+    assert not at.earned(both, at.now, at.limit)
+    assert at.earned(both, without, at.limit)
 
 
 def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_little(

@@ -16,8 +16,9 @@ from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
+from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import score
-from realitygap.diagnose.search.exchange import ERRORS, ODDS, compare
+from realitygap.diagnose.search.exchange import ODDS
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.diagnose.search.search import Found
 

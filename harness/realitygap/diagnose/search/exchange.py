@@ -10,23 +10,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
-from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import EQUAL, Scored, stretches
+from realitygap.diagnose.search.apart import ERRORS, compare
+from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear, Promise
-from realitygap.diagnose.search.prune import DOUBTFUL, pruned
+from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round
-from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 
-ERRORS = 1.64
-"""Standard errors of a difference that keep a rival in the confidence set: 95 %, one-sided."""
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
 LOOKED = 12
@@ -62,29 +56,6 @@ class Rival:
         return self.behind <= max(ODDS, ERRORS * self.error)
 
 
-def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[float, float]:
-    """How much evidence another model has less than the best one, and the standard error of that."""
-    number = stretches(channels)
-    a, b = (_stretches(number, s) for s in (best, other))
-    apart = a - b
-    error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
-    return best.evidence - other.evidence, error
-
-
-def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
-    """The logarithm of the density of every stretch of every motion, all channels of it together, beside a constant.
-
-    `number` is that of the stretch of every stacked sample, (m,).
-    """
-    whitening, weight = scored.metric.whitening, scored.metric.weight
-    rows = whitening.rows
-    white, trust = scored.metric(scored.fit.residual)[: len(rows)], weight[rows]
-    good = trust > 0.0
-    spread = np.zeros(len(rows))
-    spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
-    return np.asarray(-0.5 * np.bincount(number[rows], white**2 + spread, minlength=int(number.max()) + 1))
-
-
 @dataclass
 class Exchanged:
     """What could be left out or exchanged.
@@ -113,21 +84,24 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     Where one is superfluous, that is all that is said. What was far behind `before` is not tried again. A name that is
     no simpler has to gain what a new one has to (`Round.little`).
     """
-    now = round_.now
-    fewer = pruned(round_, now, keep, told=True)
-    if len(fewer.fit.changes) < len(now.fit.changes):
-        round_.say(f"  without {len(now.fit.changes) - len(fewer.fit.changes)}: {fewer.evidence - now.evidence:+.1f}")
-        return Exchanged(better=fewer, rivals=before.rivals)
+    now = pruned(round_, round_.now, keep, told=True)
     out = Exchanged()
-    for change in now.fit.changes:
-        alone = None if change.suspect in keep else _without(round_, [c for c in now.fit.changes if c is not change])
-        if alone is not None:
-            out.without[change.suspect] = alone
-    spare = [s for s, without in out.without.items() if _spare(round_, without)]
-    if spare:
+    while True:
+        doubtful = [c.suspect for c in now.fit.changes if c.suspect not in keep and _in_doubt(out, c.suspect, round_)]
+        for suspect in doubtful:
+            alone = _without(round_, now, suspect)
+            if alone is not None:
+                out.without[suspect] = alone
+                out.gains[suspect] = now.evidence - alone.evidence
+        spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.limit)]
+        if not spare:
+            break
         least = max(spare, key=lambda s: out.without[s].evidence)
-        round_.say(f"  without {least}: {out.without[least].evidence - now.evidence:+.1f}")
-        return Exchanged(better=out.without[least], rivals=before.rivals)
+        now = out.without.pop(least)
+    gone = len(round_.now.fit.changes) - len(now.fit.changes)
+    if gone:
+        round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
+        return Exchanged(better=now, rivals=before.rivals)
     compared: dict[Suspect, tuple[float, list[Rival]]] = {}
     for change in now.fit.changes:
         if change.suspect not in out.without:
@@ -150,21 +124,16 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     return out
 
 
-def _spare(round_: Round, without: Scored) -> bool:
-    """Whether a model without a finding has lost too little for a name: less than one needs, or little more and no more
-    than stretches of the recordings scatter by, as of a rival that cannot be told apart.
-    """
-    lost = round_.now.evidence - without.evidence
-    if not round_.limit <= lost < DOUBTFUL * round_.limit:
-        return lost < round_.limit
-    _, error = compare(round_.yardstick.channels, round_.now, without)
-    return lost < ERRORS * error
+def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:
+    """Whether it is open what a finding gains: it is not known yet, or little more than a name needs."""
+    return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.limit
 
 
-def _without(round_: Round, rest: Sequence[Change]) -> Scored | None:
+def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
-    quick = round_.adjusted(rest)
-    if quick is not None and round_.now.evidence - quick.evidence > PLAIN * round_.limit:
+    rest = [c for c in now.fit.changes if c.suspect != suspect]
+    quick = round_.adjusted(rest, now.fit)
+    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 

@@ -93,7 +93,7 @@ def _best(
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
         more = len(scored.fit.changes) > len(here)
-        if gain > needs and (gain > round_.little(scored) or not more):
+        if round_.earned(scored, round_.now, needs) and (gain > round_.little(scored) or not more):
             better.append((scored.evidence - needs, scored))
         else:
             failed.add(move)

@@ -12,12 +12,9 @@ from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.round import DOUBTFUL, Round
 from realitygap.robot.drive import Array
 
-DOUBTFUL = 2.0
-"""A finding is tried without where a straight line says that it gains less than this many times what a name needs; what
-its interval does not tell is left out where a fit says the same."""
 TOLD = 0.95
 """A finding whose interval at this level holds what a model without it has is doubtful, whatever its evidence: what
 stretches of the recordings say scatters more than the likelihood tells."""

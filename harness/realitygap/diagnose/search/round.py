@@ -13,8 +13,9 @@ from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
+from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.imperfections import SHARE
+from realitygap.diagnose.search.imperfections import SHARE, WORST
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
@@ -26,6 +27,10 @@ DEEP = 14
 promises too little of what leaves less unexplained (1.7 of 18, for half of an ordinary constant effort)."""
 FOLLOWED = (0.5, 1.0, 2.0)
 """What that amount is multiplied by: a straight line may lead too far, or end too early."""
+
+DOUBTFUL = 2.0
+"""A finding that gains less than this many times what a name needs is doubtful: it is tried without where a straight
+line says so, left out where its interval does not tell it, and has to be told by stretches of the recordings."""
 
 Say = Callable[[str], None]
 
@@ -104,7 +109,17 @@ class Round:
         """What the laws of a model leave of what is explained, as imperfect as recordings say that they are: the square
         of what they are off by. Where a round gains less, the search ends.
         """
-        return max(scored.imperfect.get(law, 1.0) * share for law, share in SHARE.items()) ** 2 * self.explained
+        off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in SHARE]
+        return max(off, default=WORST) ** 2 * self.explained
+
+    def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
+        """Whether a model gains enough over one with less in it: what is needed, and, where it is little more, more
+        than stretches of the recordings scatter by, as of a rival that can be told apart.
+        """
+        gain = more.evidence - fewer.evidence
+        if not needs <= gain < DOUBTFUL * needs:
+            return gain >= needs
+        return gain >= ERRORS * compare(self.yardstick.channels, more, fewer)[1]
 
     def led(self, other: Scored) -> None:
         """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what
