@@ -14,7 +14,7 @@ from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual, respond
 from realitygap.diagnose.search.evidence import stretches
-from realitygap.diagnose.search.imperfections import OTHER, SHARE, imperfections
+from realitygap.diagnose.search.imperfections import OTHER, SHARE, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
@@ -145,6 +145,25 @@ def test_a_law_is_off_by_a_share_of_what_the_model_has_of_it(
     assert abs(drive @ off) == pytest.approx(float(off @ off), rel=0.1)
     later = np.nan_to_num(wrong.responses[:, wrong.laws.index("")])
     assert later == pytest.approx(OTHER * next(b for b in blocks if b.suspect == delay).columns[:, 0])
+
+
+def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
+    problem: Problem, simulations: Simulations
+) -> None:
+    """A supply that sags by a first size is no straight line from one that sags by as much as laws may be off."""
+    yardstick = Yardstick(simulations, [])
+    at = Fit((), _of(simulations, yardstick, []))
+    sag, gain = (suspect_of(problem, e, "elbow") for e in ("voltage_sag", "controller_gain"))
+    blocks = yardstick.responses(at, [gain, sag])
+    near = nearer(problem, at, blocks, yardstick.plain(at).metric)
+    yardstick.stand_at(at, blocks)
+    start = next(s for s in near.values() if s.suspect == sag)
+    assert start.share < 0.5
+    less = _of(simulations, yardstick, [start.simulated(0)])
+    off = np.nan_to_num(less - at.residual)
+    drive = np.nan_to_num(yardstick.wrong.responses[:, [law == "drive" for law in yardstick.wrong.laws]])
+    left = off - drive @ np.linalg.lstsq(drive, off)[0]
+    assert np.linalg.norm(left) < 0.05 * np.linalg.norm(off)
 
 
 def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yardstick, problem: Problem) -> None:

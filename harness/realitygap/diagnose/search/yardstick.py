@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
 from realitygap.diagnose.search.evidence import Scored, cautious, score, sharp
-from realitygap.diagnose.search.imperfections import Imperfections, imperfections
+from realitygap.diagnose.search.imperfections import Imperfections, imperfections, nearer
 from realitygap.robot.drive import Array
 
 ELSEWHERE = (0.8, 1.25)
@@ -66,7 +66,14 @@ class Yardstick:
         lasts.
         """
         self.take_facts(at.residual)
-        self.wrong = imperfections(self.problem, at, blocks, self.plain(at).metric)
+        metric = self.plain(at).metric
+        near = nearer(self.problem, at, blocks, metric)
+        answers = respond(
+            self.simulations, at.changes, list(near.values()), self.train, self.floors.coarse, self.channels
+        )
+        of = {start: number for number, start in near.items()}
+        again = {of[b.start]: b for b in answers}
+        self.wrong = imperfections(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
         self.take_facts(self.score(at).left)
 
     def take_facts(self, left: Array) -> None:

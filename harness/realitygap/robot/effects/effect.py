@@ -57,7 +57,7 @@ class Effect:
         parameters: in the order of tables.
         signals: what it touches first.
         law: which of a model's laws it is a fault of, where that law is only nearly right; empty for what is no fault
-            of friction, drive or load.
+            of friction, drive, load or contact.
         own: (plant, index) -> values; the index is of a joint or link, 0 for ground and base.
         apply: (plant, indices, values) -> None, edits the plant in place; values are totals, and a parameter with a
             default that is left out stays.
@@ -94,7 +94,7 @@ class Effect:
     read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None
     example: Mapping[str, Any] = field(default_factory=dict)
     repeatable: bool = False
-    law: Literal["friction", "drive", "load", ""] = ""
+    law: Literal["friction", "drive", "load", "contact", ""] = ""
     turned: Callable[[Values, float], dict[str, float]] | None = None
 
     def parameter(self, name: str) -> Parameter:

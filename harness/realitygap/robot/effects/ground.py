@@ -38,6 +38,7 @@ GROUND_FRICTION = Effect(
     name="ground_friction",
     changes="model",
     sits_at="ground",
+    law="contact",
     parameters=(Parameter("coefficient", "", 0.0, 5.0, 0.5),),
     signals=("base_position", "position"),
     own=_own_friction,
@@ -85,6 +86,7 @@ SOFT_GROUND = Effect(
     name="soft_ground",
     changes="model",
     sits_at="ground",
+    law="contact",
     parameters=(
         Parameter("stiffness", "N/m", 10.0, 1e8, 3000.0, logarithmic=True),
         Parameter("damping", "N·s/m", 0.0, 1e6, 100.0),
