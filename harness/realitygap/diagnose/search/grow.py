@@ -73,7 +73,7 @@ def _best(
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
         if quick is not None and (gain > HOPEFUL * needs if needs > 0.0 else gain - needs > -FAR * round_.limit):
             tried.append((quick.evidence - needs, quick, needs, move))
-        elif gain < 0.0:
+        else:
             failed.add(move)
     better: list[tuple[float, Scored]] = []
     for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
