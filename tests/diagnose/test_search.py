@@ -14,7 +14,7 @@ from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual, respond
 from realitygap.diagnose.search.evidence import stretches
-from realitygap.diagnose.search.imperfections import OTHER, SHARE, Imperfections, imperfections, nearer
+from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
@@ -183,6 +183,28 @@ def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yar
     own = neutral(problem.plant, friction)["torque"]
     assert wrong.shares(at)[0] == 1.0
     assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
+
+
+def test_no_fault_of_a_law_is_larger_in_a_motion_than_laws_may_be_off_there(
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
+) -> None:
+    """A constant effort and a spring are faults of the load, of which each motion shows how much there is; what a
+    motion does not show, it says nothing of. Laws of a kind share faults, so all of them together are compared."""
+    at = Fit((), _of(simulations, yardstick, []))
+    names = ("rotor_inertia", "constant_effort", "cable_spring")
+    blocks = yardstick.responses(at, [suspect_of(problem, n, "elbow") for n in names])
+    metric = yardstick.plain(at).metric
+    wrong = imperfections(problem, at, blocks, metric)
+    cases = metric.whitening.cases
+    load = metric(wrong.responses[:, [law == "load" for law in wrong.laws]])[: len(cases)]
+    rotor = next(b for b in blocks if b.suspect.effect == "rotor_inertia")
+    own = dict(rotor.start.zero)["armature"]
+    does = own / (rotor.start.tries[0].parameters["armature"] - own) * metric(rotor.columns[:, 0])[: len(cases)]
+    assert set(cases.tolist()) == set(yardstick.train)
+    for case in yardstick.train:
+        here = cases == case
+        most = max(SHARE["load"] * float(np.linalg.norm(does[here])), UNSEEN)
+        assert 0.0 < np.linalg.norm(load[here]) <= most * np.sqrt(load.shape[1]) * (1.0 + 1e-6)
 
 
 def test_what_laws_of_a_kind_do_alike_counts_once(

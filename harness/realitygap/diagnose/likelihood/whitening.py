@@ -134,10 +134,14 @@ class Whitening:
         return np.concatenate([np.arange(span.start, span.stop, every) for (_, span), every in parts])
 
     @cached_property
+    def cases(self) -> NDArray[np.int64]:
+        """The motion that each of them is of. Shape (k,)."""
+        return np.repeat([c.case for c in self.channels], self._number)
+
+    @cached_property
     def share(self) -> Array:
         """How many facts each of them is. Shape (k,)."""
-        number = [-(-len(c.time) // every) for c, every in zip(self.channels, self._every, strict=True)]
-        return np.repeat(self.facts * self._every, number)
+        return np.repeat(self.facts * self._every, self._number)
 
     @cached_property
     def variance(self) -> Array:
@@ -147,6 +151,11 @@ class Whitening:
             for c, rest, every in zip(self.channels, self.rest, self._every, strict=True)
         ]
         return np.concatenate(parts)
+
+    @property
+    def _number(self) -> list[int]:
+        """How many samples of each channel are looked at."""
+        return [-(-len(c.time) // int(every)) for c, every in zip(self.channels, self._every, strict=True)]
 
     @cached_property
     def _every(self) -> NDArray[np.int64]:

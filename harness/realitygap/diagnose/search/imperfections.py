@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from realitygap.diagnose.candidates.starts import Start
+from realitygap.diagnose.candidates.starts import FURTHEST, Start
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.candidates.told import CLOCK
 from realitygap.diagnose.data.case import JOINT_SIGNALS
@@ -39,6 +40,8 @@ sample's period: planted delays came out 0.4 to 4.5 % off beside nearly right la
 stiffen with their load (catalogues of strain wave gears state two or three stiffnesses, the last 1.2 to 1.8 times the
 first), and where in them friction sits makes play seem narrower: planted springs came out 25 to 66 % too stiff, play 20
 to 26 % too narrow."""
+UNSEEN = 1.0
+"""What does less than this in a motion, in standard deviations of all its samples together, does not show there."""
 OTHER = 0.1
 """What else may be there without being missed, as a delay or an offset, in visible first sizes."""
 
@@ -130,7 +133,8 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     own = _accepted(problem, at)
     known = [k for k, _ in own] + _of(blocks)
     white = [metric(k.response) for k in known]
-    does, scale = _scales(known, white)
+    scale = _scales(known, white, metric.whitening.cases)
+    does = _done(known, [float(np.linalg.norm(w)) for w in white])
     off = [s * k.response for k, s in zip(known, scale, strict=True)]
     alike: dict[tuple[str, tuple[int, ...]], list[int]] = {}
     for i in range(len(own), len(known)):
@@ -154,7 +158,7 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9.
     """
     known = [k for k, _ in _accepted(problem, at)] + _of(blocks)
-    _, scale = _scales(known, [metric(k.response) for k in known])
+    scale = _scales(known, [metric(k.response) for k in known], metric.whitening.cases)
     most: dict[int, float] = {}
     for k, amount in zip(known, scale, strict=True):
         if k.block >= 0 and k.law and amount > 0.0:
@@ -162,17 +166,29 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     return {i: replace(blocks[i].start, share=m) for i, m in most.items() if m < blocks[i].start.share}
 
 
-def _scales(known: Sequence[_Known], white: Sequence[Array]) -> tuple[dict[tuple[str, int], float], list[float]]:
-    """What the largest of each kind of law does at each place, and how many times its response each value may be off.
+def _scales(known: Sequence[_Known], white: Sequence[Array], cases: NDArray[np.int64]) -> list[float]:
+    """How many times its response each value may be off: as many as no motion shows to be more than that, and as far as
+    a straight line is followed at most.
 
-    `white` are the responses in the metric in which effects are compared.
+    Args:
+        known: the responses.
+        white: the same in the metric in which effects are compared. Each (r,), or more than r.
+        cases: the motion of every sample that is looked at. Shape (r,).
     """
-    size = [float(np.linalg.norm(w)) for w in white]
+    motions = np.unique(cases)
+    sizes = [[float(np.linalg.norm(w[: len(cases)][cases == c])) for c in motions] for w in white]
+    does = [_done(known, [size[c] for size in sizes]) for c in range(len(motions))]
+    scales = [[_scale(k, s, d) for s, d in zip(size, does, strict=True)] for k, size in zip(known, sizes, strict=True)]
+    return [min(FURTHEST, *scale) for scale in scales]
+
+
+def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, int], float]:
+    """The size of what the largest of each kind of law does at each place, where each response has a size."""
     does: dict[tuple[str, int], float] = {}
-    for k, s in zip(known, size, strict=True):
+    for k, size in zip(known, sizes, strict=True):
         for place in k.places:
-            does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * s)
-    return does, [_scale(k, s, does) for k, s in zip(known, size, strict=True)]
+            does[k.law, place] = max(does.get((k.law, place), 0.0), k.times * size)
+    return does
 
 
 def _once(columns: Array, white: Array, most: float) -> Array:
@@ -192,12 +208,15 @@ def _once(columns: Array, white: Array, most: float) -> Array:
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
-    """How many times its response a value may be off; `does` is what the largest of each kind does at each place."""
+    """How many times its response a value may be off, as one motion says, in which it has a size; `does` is what the
+    largest of each kind of law does there at each place. A motion says nothing of what does not show in it.
+    """
     if known.times > 0.0:
         return known.share * known.times
     if not known.law:
         return OTHER
-    return SHARE[known.law] * max(does[known.law, p] for p in known.places) / size if size > 0.0 else 0.0
+    most = SHARE[known.law] * max(does[known.law, p] for p in known.places)
+    return max(most, UNSEEN) / size if size > 0.0 else np.inf
 
 
 def _share(suspect: Suspect) -> float:
