@@ -185,24 +185,24 @@ def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yar
     assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
 
 
-def test_no_fault_of_a_law_is_larger_in_a_motion_than_laws_may_be_off_there(
+def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_off_there(
     problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:
-    """A constant effort and a spring are faults of the load, of which each motion shows how much there is; what a
-    motion does not show, it says nothing of. Laws of a kind share faults, so all of them together are compared."""
+    """A constant effort and a spring are faults of the load, of which each signal shows how much there is; what it does
+    not show, it says nothing of. Laws of a kind share faults, so all of them together are compared."""
     at = Fit((), _of(simulations, yardstick, []))
     names = ("rotor_inertia", "constant_effort", "cable_spring")
     blocks = yardstick.responses(at, [suspect_of(problem, n, "elbow") for n in names])
     metric = yardstick.plain(at).metric
     wrong = imperfections(problem, at, blocks, metric)
-    cases = metric.whitening.cases
-    load = metric(wrong.responses[:, [law == "load" for law in wrong.laws]])[: len(cases)]
+    parts = metric.whitening.parts
+    load = metric(wrong.responses[:, [law == "load" for law in wrong.laws]])[: len(parts)]
     rotor = next(b for b in blocks if b.suspect.effect == "rotor_inertia")
     own = dict(rotor.start.zero)["armature"]
-    does = own / (rotor.start.tries[0].parameters["armature"] - own) * metric(rotor.columns[:, 0])[: len(cases)]
-    assert set(cases.tolist()) == set(yardstick.train)
-    for case in yardstick.train:
-        here = cases == case
+    does = own / (rotor.start.tries[0].parameters["armature"] - own) * metric(rotor.columns[:, 0])[: len(parts)]
+    assert len(np.unique(parts)) == sum(len(problem.signals(case)) for case in yardstick.train)
+    for part in np.unique(parts):
+        here = parts == part
         most = max(SHARE["load"] * float(np.linalg.norm(does[here])), UNSEEN)
         assert 0.0 < np.linalg.norm(load[here]) <= most * np.sqrt(load.shape[1]) * (1.0 + 1e-6)
 

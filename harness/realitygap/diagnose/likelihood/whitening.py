@@ -134,9 +134,10 @@ class Whitening:
         return np.concatenate([np.arange(span.start, span.stop, every) for (_, span), every in parts])
 
     @cached_property
-    def cases(self) -> NDArray[np.int64]:
-        """The motion that each of them is of. Shape (k,)."""
-        return np.repeat([c.case for c in self.channels], self._number)
+    def parts(self) -> NDArray[np.int64]:
+        """The number of the signal of a motion that each of them is of. Shape (k,)."""
+        found = list(dict.fromkeys((c.case, c.signal) for c in self.channels))
+        return np.repeat([found.index((c.case, c.signal)) for c in self.channels], self._number)
 
     @cached_property
     def share(self) -> Array:

@@ -41,7 +41,7 @@ stiffen with their load (catalogues of strain wave gears state two or three stif
 first), and where in them friction sits makes play seem narrower: planted springs came out 25 to 66 % too stiff, play 20
 to 26 % too narrow."""
 UNSEEN = 1.0
-"""What does less than this in a motion, in standard deviations of all its samples together, does not show there."""
+"""What does less than this in a signal of a motion, in standard deviations of all samples together, does not show."""
 OTHER = 0.1
 """What else may be there without being missed, as a delay or an offset, in visible first sizes."""
 
@@ -133,7 +133,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     own = _accepted(problem, at)
     known = [k for k, _ in own] + _of(blocks)
     white = [metric(k.response) for k in known]
-    scale = _scales(known, white, metric.whitening.cases)
+    scale = _scales(known, white, metric.whitening.parts)
     does = _done(known, [float(np.linalg.norm(w)) for w in white])
     off = [s * k.response for k, s in zip(known, scale, strict=True)]
     alike: dict[tuple[str, tuple[int, ...]], list[int]] = {}
@@ -158,7 +158,7 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9.
     """
     known = [k for k, _ in _accepted(problem, at)] + _of(blocks)
-    scale = _scales(known, [metric(k.response) for k in known], metric.whitening.cases)
+    scale = _scales(known, [metric(k.response) for k in known], metric.whitening.parts)
     most: dict[int, float] = {}
     for k, amount in zip(known, scale, strict=True):
         if k.block >= 0 and k.law and amount > 0.0:
@@ -166,18 +166,21 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     return {i: replace(blocks[i].start, share=m) for i, m in most.items() if m < blocks[i].start.share}
 
 
-def _scales(known: Sequence[_Known], white: Sequence[Array], cases: NDArray[np.int64]) -> list[float]:
-    """How many times its response each value may be off: as many as no motion shows to be more than that, and as far as
-    a straight line is followed at most.
+def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.int64]) -> list[float]:
+    """How many times its response each value may be off: as many as no signal of a motion shows to be more than that,
+    and as far as a straight line is followed at most.
+
+    A law that does much in one motion may be no more wrong in another, and what lasts shows in positions, what is fast
+    in velocities: 4 % of what inertia does in a free swing would be an offset of a joint by five degrees elsewhere.
 
     Args:
         known: the responses.
         white: the same in the metric in which effects are compared. Each (r,), or more than r.
-        cases: the motion of every sample that is looked at. Shape (r,).
+        parts: the number of the signal of a motion that every sample is of. Shape (r,).
     """
-    motions = np.unique(cases)
-    sizes = [[float(np.linalg.norm(w[: len(cases)][cases == c])) for c in motions] for w in white]
-    does = [_done(known, [size[c] for size in sizes]) for c in range(len(motions))]
+    inside = [parts == part for part in np.unique(parts)]
+    sizes = [[float(np.linalg.norm(w[: len(parts)][part])) for part in inside] for w in white]
+    does = [_done(known, [size[number] for size in sizes]) for number in range(len(inside))]
     scales = [[_scale(k, s, d) for s, d in zip(size, does, strict=True)] for k, size in zip(known, sizes, strict=True)]
     return [min(FURTHEST, *scale) for scale in scales]
 
@@ -208,8 +211,8 @@ def _once(columns: Array, white: Array, most: float) -> Array:
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
-    """How many times its response a value may be off, as one motion says, in which it has a size; `does` is what the
-    largest of each kind of law does there at each place. A motion says nothing of what does not show in it.
+    """How many times its response a value may be off, as one signal of a motion says, in which it has a size; `does` is
+    what the largest of each kind of law does there at each place. What does not show there, it says nothing of.
     """
     if known.times > 0.0:
         return known.share * known.times

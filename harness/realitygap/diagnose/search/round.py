@@ -67,7 +67,7 @@ class Round:
         if first is None:
             raise RuntimeError("the model that the search stands at cannot be simulated")
         yardstick.take_facts(first)
-        start = yardstick.score(Fit(at.changes, first))
+        start = yardstick.score(replace(at, residual=first))  # what is free is known from before where no fit is found
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self._at = (start if done is None else yardstick.elsewhere(done)).fit
         self._nothing = nothing
