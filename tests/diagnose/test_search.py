@@ -11,12 +11,12 @@ from realitygap.diagnose.data.changes import Change, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
-from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual, respond
-from realitygap.diagnose.search.evidence import stretches
+from realitygap.diagnose.search.evidence import Scored, stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.yardstick import Yardstick, absurd
 from realitygap.robot.drive import Array
 
 
@@ -61,6 +61,24 @@ def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations
     assert found is not None
     assert found.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
     assert found.deviation[0] > 0.0
+
+
+class Astray(Yardstick):
+    """Where laws count as imperfect, its likeliest Stribeck friction rises with speed."""
+
+    def settled(self, at: Scored, care: Care = "compared") -> Scored:  # noqa: ARG002 - the signature of what it overrides
+        (friction,) = at.fit.changes
+        rising = friction.at({"static": 0.01, "coulomb": 0.5})
+        return replace(at, fit=replace(at.fit, changes=(rising,)))
+
+
+def test_values_that_are_no_more_the_effect_are_no_fit(problem: Problem, simulations: Simulations) -> None:
+    """A search named one, and ended with an error in the round after it. A quick fit leaves it open."""
+    astray, friction = Astray(simulations, []), guess(problem, suspect_of(problem, "stribeck_friction", "elbow"))
+    quick = astray.fit([friction], care="quick")
+    assert quick is not None
+    assert absurd(quick)
+    assert astray.fit([friction], care="compared") is None
 
 
 def test_intervals_hold_how_far_the_likeliest_values_are_in_simulation(problem: Problem, yardstick: Yardstick) -> None:

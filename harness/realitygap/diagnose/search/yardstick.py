@@ -147,10 +147,11 @@ class Yardstick:
             anew = gain < SETTLED
             if anew:
                 start, near = best, best.fit
-        if best is None or (care != "quick" and any(absurd(c) for c in best.fit.changes)):
+        if best is None or (care != "quick" and absurd(best)):
             return None
         if care != "whole":
-            return self.settled(self.score(best.fit), passes)
+            there = self.settled(self.score(best.fit), passes)
+            return None if care != "quick" and absurd(there) else there
         found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
 
@@ -159,7 +160,7 @@ class Yardstick:
         place where laws count as imperfect.
         """
         full = self.fit(quick.fit.changes, quick.fit, "compared")
-        better = full is not None and full.evidence < quick.evidence and not any(map(absurd, quick.fit.changes))
+        better = full is not None and full.evidence < quick.evidence and not absurd(quick)
         return quick if better else full
 
     def settled(self, at: Scored, care: Care = "compared") -> Scored:
@@ -204,7 +205,7 @@ class Yardstick:
         return [np.column_stack(out[c]) for c in self.train if c in out]
 
 
-def absurd(change: Change) -> bool:
-    """Whether the values of a change are not its effect, as a Stribeck friction that grows with speed."""
-    why = change.suspect.kind.absurd
-    return why is not None and why(change.parameters) is not None
+def absurd(found: Scored) -> bool:
+    """Whether some values of a model are not the effect that they are of, as a Stribeck friction rising with speed."""
+    kinds = [(c.suspect.kind.absurd, c.parameters) for c in found.fit.changes]
+    return any(why is not None and why(values) is not None for why, values in kinds)
