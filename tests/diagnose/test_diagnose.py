@@ -1,6 +1,7 @@
 """Diagnosis on the bundled synthetic scenario: the planted effect is named, and nothing where nothing is missing."""
 
 import json
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -65,6 +66,17 @@ def test_the_mended_model_runs_and_has_no_gap_left(diagnosed: tuple[Path, dict[s
         gap = rms(costs(simulations, found.floors, [], judge), judge)
     assert found.best.fit.changes == ()
     assert gap < 1.25
+
+
+def test_a_search_that_has_no_time_proves_what_it_found_first() -> None:
+    """The friction is found in the first round; what would be lost without it is told, and that more may be missing."""
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    with Simulations(problem, 2) as simulations:
+        found = search(simulations, suspects(problem), [], lambda _: None, until=-math.inf)
+    assert found.cut
+    assert {c.suspect.effect for c in found.best.fit.changes} == {"coulomb_friction"}
+    (gain,) = found.gains.values()
+    assert gain > found.limit
 
 
 def test_every_suspect_can_be_neutral() -> None:

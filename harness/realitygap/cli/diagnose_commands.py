@@ -1,5 +1,6 @@
 """Commands that look for what a model lacks."""
 
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +15,12 @@ def diagnose(
     out: Out = None,
     jobs: Jobs = None,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="write the mended model as a MJCF file, too")] = False,
+    minutes: Annotated[
+        float,
+        typer.Option(
+            "--minutes", min=0.0, help="prove what was found by then", show_default="until nothing more helps"
+        ),
+    ] = inf,
 ) -> None:
     """Find what a model lacks, add it, prove that it helps.
 
@@ -26,7 +33,7 @@ def diagnose(
         from realitygap.diagnose.result.workflow import run_diagnosis, summary
         from realitygap.files.progress import Progress
 
-        result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead)
+        result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
     say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
     if mjcf:
         from realitygap.robot.mjcf_file import write_scenario_mjcf

@@ -1,5 +1,6 @@
 """Diagnosis as a library: verdict, findings and the mended model, of what `diagnosis.json` promises."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -133,7 +134,12 @@ class Diagnosed:
 
 
 def diagnose(
-    scenario: Source, engines: Sequence[str] = (), *, workers: int | None = None, progress: bool = False
+    scenario: Source,
+    engines: Sequence[str] = (),
+    *,
+    workers: int | None = None,
+    progress: bool = False,
+    minutes: float = math.inf,
 ) -> Diagnosed:
     """Find what a model lacks, name it, and prove on runs that were not fitted that it helps. It takes minutes.
 
@@ -142,12 +148,13 @@ def diagnose(
         engines: the first one searches, all confirm; none: MuJoCo searches and all that are installed confirm.
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
+        minutes: after which nothing more is looked for; what was found by then is proven.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.
     """
     names = [engines] if isinstance(engines, str) else engines
-    result = diagnosed(load_scenario(scenario), names, Progress(quiet=not progress), workers)
+    result = diagnosed(load_scenario(scenario), names, Progress(quiet=not progress), workers, minutes=minutes)
     return Diagnosed(result, result.to_json())
 
 

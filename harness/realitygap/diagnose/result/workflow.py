@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -38,6 +40,7 @@ from realitygap.scenario.file import ScenarioFile, load_scenario
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
 NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
+CUT = "the search was ended after the time that it had: more may be missing than what was found"
 SHOWN = 3
 """Candidates that were not named and are shown."""
 
@@ -51,6 +54,7 @@ def run_diagnosis(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
+    minutes: float = math.inf,
 ) -> Diagnosis:
     """Diagnose a scenario and write what was found.
 
@@ -61,11 +65,12 @@ def run_diagnosis(
         progress: told what is being done.
         workers: processes; None for one per core.
         ahead: those of them that were started already.
+        minutes: after which nothing more is looked for.
 
     Raises:
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
     """
-    result = diagnosed(load_scenario(path), names, progress, workers, ahead)
+    result = diagnosed(load_scenario(path), names, progress, workers, ahead, minutes)
     with last():
         write_diagnosis(result, out)
     return result
@@ -77,20 +82,26 @@ def diagnosed(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
+    minutes: float = math.inf,
 ) -> Diagnosis:
     """The same without writing anything."""
+    until = time.monotonic() + 60.0 * minutes
     chosen = engine_names(names)
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
     with Simulations(problem, workers, ahead) as simulations:
-        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings))
+        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), until)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     return result
 
 
 def diagnose(
-    simulations: Simulations, names: Sequence[str], say: Say = lambda _: None, blamed: Collection[str] = ()
+    simulations: Simulations,
+    names: Sequence[str],
+    say: Say = lambda _: None,
+    blamed: Collection[str] = (),
+    until: float = math.inf,
 ) -> Diagnosis:
     """Find, name, add and prove.
 
@@ -99,6 +110,7 @@ def diagnose(
         names: engines in which findings are confirmed; the searching one may be among them.
         say: told what is being done.
         blamed: joints where a mistake of the recordings is likely: no physics is named there.
+        until: when to look for nothing more, on the clock of `time.monotonic` [s].
     """
     problem = simulations.problem
     engines = [problem.engine, *(e for e in names if e != problem.engine)]
@@ -106,7 +118,7 @@ def diagnose(
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = velocity_filters(problem, everyone)
-    found, against = _searched(simulations, everyone, told, say)
+    found, against = _searched(simulations, everyone, told, say, until)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, changes, engines)
     mended = artefacts(proofs)
@@ -114,7 +126,7 @@ def diagnose(
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
         ]
-        found, against = _searched(simulations, [s for s in everyone if s not in mended], told, say)
+        found, against = _searched(simulations, [s for s in everyone if s not in mended], told, say, until)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, changes, engines)
     notes += [
@@ -122,6 +134,8 @@ def diagnose(
         "evidence by it, and it is not named"
         for s, gain in against.items()
     ]
+    if found.cut:
+        notes.append(CUT)
     judged = predicted(simulations, found.floors, changes)
     if judged.worse:
         notes.append(
@@ -160,10 +174,10 @@ def diagnose(
 
 
 def _searched(
-    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say
+    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, until: float
 ) -> tuple[Found, dict[Suspect, float]]:
     """What a search finds and held-out runs do not speak against; what they speak against, and how much."""
-    found = search(simulations, everyone, told, say)
+    found = search(simulations, everyone, told, say, until)
     say("looking at held-out runs and other engines")
     return supported(simulations, found, {c.suspect for c in told})
 

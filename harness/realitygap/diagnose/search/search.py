@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -43,6 +45,7 @@ class Found:
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
         promised: what was closest and not taken, best first.
+        cut: whether the search was ended while it may have found more.
     """
 
     base: Scored
@@ -56,9 +59,12 @@ class Found:
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
     promised: list[Promise] = field(default_factory=list)
+    cut: bool = False
 
 
-def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say) -> Found:
+def search(
+    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, until: float = math.inf
+) -> Found:
     """Search until no move gains enough.
 
     Args:
@@ -66,6 +72,8 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         everyone: the suspects.
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
+        until: when to look for nothing more after the first round, on the clock of `time.monotonic` [s]; what was
+            found by then is still asked whether it is needed, and what could stand in its place.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     base = residual(simulations, told, simulations.problem.of("train"))
@@ -74,10 +82,11 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
     nothing = Fit(tuple(told), base)
     at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
-        fresh = here not in seen  # what was dropped here once would only be added again
+        late = number > 0 and time.monotonic() > until
+        fresh = here not in seen and not late  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh else None
         if following is None and not whole:
             round_.widened(everyone)
@@ -97,7 +106,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
             if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
             dropped = following is not None and not swapped
-        if following is None:
+        if following is None and not late:
             following = with_unnamed(round_, kept)
             again = following is not None
         if following is None:
@@ -120,6 +129,7 @@ def search(simulations: Simulations, everyone: Sequence[Suspect], told: Sequence
         without=last.without,
         rivals=last.rivals,
         promised=round_.promised,
+        cut=late,
     )
 
 
