@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,8 +168,8 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
 
 
 def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.int64]) -> list[float]:
-    """How many times its response each value may be off: as many as no signal of a motion shows to be more than that,
-    and as far as a straight line is followed at most.
+    """How many times its response each value may be off: as much in all recordings together as its kind of law, in no
+    signal of a motion where it shows more than that, and as far as a straight line is followed at most.
 
     A law that does much in one motion may be no more wrong in another, and what lasts shows in positions, what is fast
     in velocities: 4 % of what inertia does in a free swing would be an offset of a joint by five degrees elsewhere.
@@ -178,11 +179,11 @@ def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.i
         white: the same in the metric in which effects are compared. Each (r,), or more than r.
         parts: the number of the signal of a motion that every sample is of. Shape (r,).
     """
-    inside = [parts == part for part in np.unique(parts)]
+    inside = [np.ones(len(parts), dtype=bool), *(parts == part for part in np.unique(parts))]
     sizes = [[float(np.linalg.norm(w[: len(parts)][part])) for part in inside] for w in white]
     does = [_done(known, [size[number] for size in sizes]) for number in range(len(inside))]
-    scales = [[_scale(k, s, d) for s, d in zip(size, does, strict=True)] for k, size in zip(known, sizes, strict=True)]
-    return [min(FURTHEST, *scale) for scale in scales]
+    unseen = [0.0, *(UNSEEN for _ in inside[1:])]
+    return [min(FURTHEST, *map(partial(_scale, k), size, does, unseen)) for k, size in zip(known, sizes, strict=True)]
 
 
 def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, int], float]:
@@ -210,16 +211,16 @@ def _once(columns: Array, white: Array, most: float) -> Array:
     return np.asarray(columns @ (turn * np.minimum(1.0, most / np.maximum(length, 1e-300))))
 
 
-def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float]) -> float:
-    """How many times its response a value may be off, as one signal of a motion says, in which it has a size; `does` is
-    what the largest of each kind of law does there at each place. What does not show there, it says nothing of.
+def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float], unseen: float) -> float:
+    """How many times its response a value may be off, as samples say in which it has a size; `does` is what the largest
+    of each kind of law does in them at each place. Of what does no more than `unseen` they say nothing.
     """
     if known.times > 0.0:
         return known.share * known.times
     if not known.law:
         return OTHER
     most = SHARE[known.law] * max(does[known.law, p] for p in known.places)
-    return max(most, UNSEEN) / size if size > 0.0 else np.inf
+    return max(most, unseen) / size if size > 0.0 else np.inf
 
 
 def _share(suspect: Suspect) -> float:

@@ -106,10 +106,16 @@ class Round:
         return self.yardstick.fit(changes, known or self.now.fit, "quick")
 
     def little(self, scored: Scored) -> float:
-        """What the laws of a model leave of what is explained, as imperfect as recordings say that they are: the square
-        of what they are off by. Where a round gains less, the search ends.
+        """What laws leave of what is explained, as imperfect as recordings say that they are: the square of what they
+        are off by. Where a round gains less, the search ends. Laws are those of the kinds of what is new in a model,
+        which is what they could be taken for; all of them where nothing is new.
+
+        Of a UR10e whose friction was uneven, the mass of the last link was refused for what friction leaves, and the
+        load that was fixed to it came out 19 % too heavy.
         """
-        off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in SHARE]
+        here = {c.suspect for c in self.now.fit.changes}
+        new = {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here} & set(SHARE)
+        off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (new or SHARE)]
         return max(off, default=WORST) ** 2 * self.explained
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
