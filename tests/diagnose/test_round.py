@@ -55,13 +55,13 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
 def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, round_: Round) -> None:
     """Of friction what friction leaves, of a gain what the drive leaves, and of a model with nothing new the most."""
     friction, gain = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("viscous_friction", "controller_gain"))
-    imperfect = {"friction": 1.0, "drive": 2.0, "load": 0.5, "": 2.0, "clock": 2.0}
+    imperfect = {"friction": 1.0, "drive": 0.5, "load": 0.5, "": 2.0, "clock": 2.0}
     own, explained = replace(round_.now, imperfect=imperfect), round_.explained
     try:
         round_.explained = 1000.0
         little = {c: round_.little(replace(own, fit=replace(own.fit, changes=(c,)))) for c in (friction, gain)}
         assert little[friction] == pytest.approx(1000.0 * SHARE["friction"] ** 2)
-        assert little[gain] == pytest.approx(1000.0 * (2.0 * SHARE["drive"]) ** 2)
+        assert little[gain] == pytest.approx(1000.0 * (0.5 * SHARE["drive"]) ** 2)
         assert round_.little(own) == max(little.values())
     finally:
         round_.explained = explained

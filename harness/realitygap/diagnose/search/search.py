@@ -88,7 +88,7 @@ def search(
         late = number > 0 and time.monotonic() > until
         fresh = here not in seen and not late  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh else None
-        if following is None and not whole:
+        if following is None and not whole and not late:
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
         for ways in (parted, shared):
