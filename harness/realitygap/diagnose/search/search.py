@@ -73,7 +73,7 @@ def search(
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
         until: when to look for nothing more after the first round, on the clock of `time.monotonic` [s]; what was
-            found by then is still asked whether it is needed, and what could stand in its place.
+            found by then is still asked whether it is needed, and what could stand in its place, which is told.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     base = residual(simulations, told, simulations.problem.of("train"))
@@ -103,7 +103,7 @@ def search(
             last = exchanged(round_, kept, last)
             following = last.better
             swapped = following is not None and len(following.fit.changes) == len(here)
-            if following is not None and swapped and standing(following.fit.changes) in seen:
+            if following is not None and swapped and (late or standing(following.fit.changes) in seen):
                 following = None
             dropped = following is not None and not swapped
         if following is None and not late:
