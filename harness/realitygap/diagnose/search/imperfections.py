@@ -169,7 +169,7 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
 
 def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.int64]) -> list[float]:
     """How many times its response each value may be off: as much in all recordings together as its kind of law, in no
-    signal of a motion where it shows more than that, and as far as a straight line is followed at most.
+    signal of a motion where it shows more than that, and what the model has not as far as a straight line is followed.
 
     A law that does much in one motion may be no more wrong in another, and what lasts shows in positions, what is fast
     in velocities: 4 % of what inertia does in a free swing would be an offset of a joint by five degrees elsewhere.
@@ -183,7 +183,7 @@ def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.i
     sizes = [[float(np.linalg.norm(w[: len(parts)][part])) for part in inside] for w in white]
     does = [_done(known, [size[number] for size in sizes]) for number in range(len(inside))]
     unseen = [0.0, *(UNSEEN for _ in inside[1:])]
-    return [min(FURTHEST, *map(partial(_scale, k), size, does, unseen)) for k, size in zip(known, sizes, strict=True)]
+    return [min(map(partial(_scale, k), size, does, unseen)) for k, size in zip(known, sizes, strict=True)]
 
 
 def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, int], float]:
@@ -220,7 +220,7 @@ def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float], un
     if not known.law:
         return OTHER
     most = SHARE[known.law] * max(does[known.law, p] for p in known.places)
-    return max(most, unseen) / size if size > 0.0 else np.inf
+    return min(max(most, unseen) / size, FURTHEST) if size > 0.0 else FURTHEST
 
 
 def _share(suspect: Suspect) -> float:
