@@ -134,8 +134,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     own = _accepted(problem, at)
     known = [k for k, _ in own] + _of(blocks)
     white = [metric(k.response) for k in known]
-    scale = _scales(known, white, metric.whitening.parts)
-    does = _done(known, [float(np.linalg.norm(w)) for w in white])
+    does, scale = _scales(known, white, metric.whitening.parts)
     off = [s * k.response for k, s in zip(known, scale, strict=True)]
     alike: dict[tuple[str, tuple[int, ...]], list[int]] = {}
     for i in range(len(own), len(known)):
@@ -159,7 +158,7 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9.
     """
     known = [k for k, _ in _accepted(problem, at)] + _of(blocks)
-    scale = _scales(known, [metric(k.response) for k in known], metric.whitening.parts)
+    _, scale = _scales(known, [metric(k.response) for k in known], metric.whitening.parts)
     most: dict[int, float] = {}
     for k, amount in zip(known, scale, strict=True):
         if k.block >= 0 and k.law and amount > 0.0:
@@ -167,9 +166,13 @@ def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -
     return {i: replace(blocks[i].start, share=m) for i, m in most.items() if m < blocks[i].start.share}
 
 
-def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.int64]) -> list[float]:
-    """How many times its response each value may be off: as much in all recordings together as its kind of law, in no
-    signal of a motion where it shows more than that, and what the model has not as far as a straight line is followed.
+def _scales(
+    known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.int64]
+) -> tuple[dict[tuple[str, int], float], list[float]]:
+    """What the largest of each kind of law does at each place, and how many times its response each value may be off.
+
+    As much in all recordings together as its kind of law, in no signal of a motion where it shows more than that, and
+    what the model has not as far as a straight line is followed.
 
     A law that does much in one motion may be no more wrong in another, and what lasts shows in positions, what is fast
     in velocities: 4 % of what inertia does in a free swing would be an offset of a joint by five degrees elsewhere.
@@ -183,7 +186,7 @@ def _scales(known: Sequence[_Known], white: Sequence[Array], parts: NDArray[np.i
     sizes = [[float(np.linalg.norm(w[: len(parts)][part])) for part in inside] for w in white]
     does = [_done(known, [size[number] for size in sizes]) for number in range(len(inside))]
     unseen = [0.0, *(UNSEEN for _ in inside[1:])]
-    return [min(map(partial(_scale, k), size, does, unseen)) for k, size in zip(known, sizes, strict=True)]
+    return does[0], [min(map(partial(_scale, k), size, does, unseen)) for k, size in zip(known, sizes, strict=True)]
 
 
 def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, int], float]:
