@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.imperfections import SHARE
-from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.round import LEAST, Round
 from realitygap.diagnose.search.search import needed
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -53,7 +53,8 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
 
 
 def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, round_: Round) -> None:
-    """Of friction what friction leaves, of a gain what the drive leaves, and of a model with nothing new the most."""
+    """Of friction what friction leaves, of a gain what a drive this good leaves, but the least that any finding has to
+    be worth, and of a model with nothing new the most."""
     friction, gain = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("viscous_friction", "controller_gain"))
     imperfect = {"friction": 1.0, "drive": 0.5, "load": 0.5, "": 2.0, "clock": 2.0}
     own, explained = replace(round_.now, imperfect=imperfect), round_.explained
@@ -61,7 +62,7 @@ def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, r
         round_.explained = 1000.0
         little = {c: round_.little(replace(own, fit=replace(own.fit, changes=(c,)))) for c in (friction, gain)}
         assert little[friction] == pytest.approx(1000.0 * SHARE["friction"] ** 2)
-        assert little[gain] == pytest.approx(1000.0 * (0.5 * SHARE["drive"]) ** 2)
+        assert little[gain] == pytest.approx(1000.0 * LEAST**2) == round_.least
         assert round_.little(own) == max(little.values())
     finally:
         round_.explained = explained
@@ -145,3 +146,30 @@ def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_litt
     one = grown(at, [], set(), again=True, ways=[gain])
     assert one is not None
     assert [c.suspect.target for c in one.fit.changes if c.suspect.effect == "controller_gain"] == ["*"]
+
+
+def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
+    problem: Problem, simulations: Simulations
+) -> None:
+    """A gain of the elbow that was named and is left out again: what it stands for can be named anew, and all is
+    compared as before. Beside a friction that explains most, laws have to be looked at anew."""
+    friction, gain = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "controller_gain"))
+    everyone = [friction.suspect, gain.suspect, suspect_of(problem, "viscous_friction", "elbow")]
+    left = residual(simulations, [], problem.of("train"))
+    yardstick = Yardstick(simulations, [])
+    found, much = yardstick.fit([friction, gain]), yardstick.fit([friction])
+    assert left is not None
+    assert found is not None
+    assert much is not None
+    far = Round(simulations, Fit((), left), everyone, needed(len(everyone)), Fit((), left), print)
+    assert not far.moved(much)
+    assert far.now.fit.changes == ()
+    at = Round(simulations, found.fit, everyone, needed(len(everyone)), Fit((), left), print)
+    assert {b.suspect.effect for b in at.blocks} == {"viscous_friction"}
+    less = at.adjusted([c for c in at.now.fit.changes if c.suspect == friction.suspect])
+    assert less is not None
+    assert at.moved(less)
+    assert {b.suspect.effect for b in at.blocks} == {"viscous_friction", "controller_gain"}
+    assert {p.block.suspect for p in at.straight} == {gain.suspect, everyone[2]}
+    assert at.explained == pytest.approx(less.evidence - at.yardstick.score(Fit((), left)).evidence)
+    assert standing(at.retold().fit.changes) == standing([friction])

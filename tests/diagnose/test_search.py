@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
-from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.suspects import neutral, suspects
 from realitygap.diagnose.data.changes import Change, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual, respond
-from realitygap.diagnose.search.evidence import Scored, stretches
+from realitygap.diagnose.search.evidence import Scored, score, stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.yardstick import Yardstick, absurd
@@ -241,6 +241,25 @@ def test_what_laws_of_a_kind_do_alike_counts_once(
     assert most > 0.0
     assert lengths.max() == pytest.approx(most, rel=1e-6)
     assert np.linalg.norm(friction, axis=0).max() <= most * (1.0 + 1e-6)
+
+
+def test_what_imperfections_do_alike_is_told_by_few(
+    problem: Problem, simulations: Simulations, yardstick: Yardstick, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A heavier link and its centre of mass do nearly the same, and so do many: fewer responses say what all of them
+    do, of the scenario's own model and of one that explains most."""
+    at, elbow = Fit((), _of(simulations, yardstick, [])), suspect_of(problem, "coulomb_friction", "elbow")
+    friction = guess(problem, elbow)
+    blocks, metric = yardstick.responses(at, suspects(problem)), yardstick.plain(at).metric
+    found = yardstick.fit([friction.at({"torque": FRICTION})])
+    assert found is not None
+    few = imperfections(problem, at, blocks, metric)
+    monkeypatch.setitem(imperfections.__globals__, "SHORTEST", -1.0)
+    every = imperfections(problem, at, blocks, metric)
+    assert len(few.laws) < len(every.laws)
+    for fit in (at, found.fit):
+        told = [score(yardstick.channels, fit, replace(wrong, facts=every.facts)).evidence for wrong in (few, every)]
+        assert told[0] == pytest.approx(told[1], abs=0.1)
 
 
 @pytest.mark.parametrize("times", [0.5, 1.3])

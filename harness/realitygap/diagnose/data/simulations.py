@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from queue import SimpleQueue
-from typing import cast
+from threading import Lock
+from typing import TypeVar, cast
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
@@ -14,6 +15,9 @@ from realitygap.diagnose.data.processes import Died, Process, number
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.robot.drive import Array
 from realitygap.simulate.opened import kept_open
+
+Item = TypeVar("Item")
+Done = TypeVar("Done")
 
 KEPT = 256e6
 """Bytes of signals that are remembered."""
@@ -36,20 +40,38 @@ class Simulations:
         for worker in self._workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers)) if self._workers else None
+        self._own = Lock()
         self._ends = ExitStack()
 
     def ask(self, queries: Sequence[Query]) -> list[dict[str, Array] | None]:
         """The signals of every query, in their order; None for a simulation that failed."""
         new = [q for q in dict.fromkeys(queries) if q not in self._remembered]
         self.count += len(new)
-        if self._threads is None or len(new) == 1:
-            fresh = dict(zip(new, [answer(self.problem, q) for q in new], strict=True))
-        else:
-            fresh = dict(zip(new, self._threads.map(self._send, new), strict=True))
+        fresh = dict(zip(new, self._answers(new), strict=True))
         out = [fresh[q] if q in fresh else self._remembered[q] for q in queries]
         for q, signals in fresh.items():
             self._remember(q, signals)
         return out
+
+    def _answers(self, new: Sequence[Query]) -> list[dict[str, Array] | None]:
+        """Simulated: one alone in this process, if nobody else does that meanwhile, several by the workers."""
+        if self._threads is None:
+            return [answer(self.problem, q) for q in new]
+        if len(new) == 1 and self._own.acquire(blocking=False):
+            try:
+                return [answer(self.problem, new[0])]
+            finally:
+                self._own.release()
+        return list(self._threads.map(self._send, new))
+
+    def side_by_side(self, work: Callable[[Item], Done], items: Sequence[Item]) -> list[Done]:
+        """What some work makes of every item, in their order: of as many at once as there are workers, so that one goes
+        on while another waits for its simulations.
+        """
+        if self.workers < 2 or len(items) < 2:
+            return [work(item) for item in items]
+        with ThreadPoolExecutor(self.workers) as threads:
+            return list(threads.map(work, items))
 
     def of(
         self,

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
@@ -27,6 +28,9 @@ LOOKED = 12
 """Suspects whose responses are simulated anew where a finding is missing: those that promise most by their responses
 beside it. What does the same as the finding does little more once it is there (a gain beside a risen supply), or little
 before (an offset of a joint that sticks): the better one of both counts."""
+ROUGHLY = 0.05
+"""Of these none that promises less than this share of what the finding gains: on the SO-101 those that came close
+promised 0.10, 0.38 and 1.0 of it."""
 EXCHANGED = 4
 """Suspects that are tried in the place of a finding: of these, those that promise most."""
 CLOSE = 0.75
@@ -88,32 +92,32 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     out = Exchanged()
     while True:
         doubtful = [c.suspect for c in now.fit.changes if c.suspect not in keep and _in_doubt(out, c.suspect, round_)]
-        for suspect in doubtful:
-            alone = _without(round_, now, suspect)
+        fitted = round_.simulations.side_by_side(partial(_without, round_, now), doubtful)
+        for suspect, alone in zip(doubtful, fitted, strict=True):
             if alone is not None:
                 out.without[suspect] = alone
                 out.gains[suspect] = now.evidence - alone.evidence
-        spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.limit)]
+        spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.least)]
         if not spare:
             break
-        least = max(spare, key=lambda s: out.without[s].evidence)
-        now = out.without.pop(least)
+        now = out.without.pop(max(spare, key=lambda s: out.without[s].evidence))
     gone = len(round_.now.fit.changes) - len(now.fit.changes)
     if gone:
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
         return Exchanged(better=now, rivals=before.rivals)
-    compared: dict[Suspect, tuple[float, list[Rival]]] = {}
-    for change in now.fit.changes:
-        if change.suspect not in out.without:
-            continue
-        rivals = before.rivals.get(change.suspect, [])
-        if not rivals or any(r.behind < FAR * round_.limit for r in rivals):
-            rivals = _rivals(round_, change, out.without[change.suspect], rivals)
-        compared[change.suspect] = round_.now.evidence, rivals
+    asked, evidence = [c for c in now.fit.changes if c.suspect in out.without], round_.now.evidence
+
+    def close(change: Change) -> list[Rival]:
+        rivals, alone = before.rivals.get(change.suspect, []), out.without[change.suspect]
+        again = not rivals or any(r.behind < FAR * round_.limit for r in rivals)
+        return _rivals(round_, change, alone, rivals) if again else rivals
+
+    compared = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
+    for rivals in compared.values():
         for rival in rivals:
             if rival.behind < -ODDS:
                 round_.led(rival.scored)
-    for suspect, (evidence, rivals) in compared.items():
+    for suspect, rivals in compared.items():
         further = round_.now.evidence - evidence
         out.rivals[suspect] = [replace(r, behind=r.behind + further) for r in rivals]
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
@@ -126,14 +130,14 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 
 def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:
     """Whether it is open what a finding gains: it is not known yet, or little more than a name needs."""
-    return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.limit
+    return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.least
 
 
 def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
     rest = [c for c in now.fit.changes if c.suspect != suspect]
     quick = round_.adjusted(rest, now.fit)
-    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
+    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.least:
         return quick
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 
@@ -154,7 +158,8 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         return Linear(round_.look.metric, alone.fit.residual, alone.fit.slope, blocks)
 
     here = [b for b in round_.blocks if fits(b.suspect)]
-    rough = list(dict.fromkeys(p.block.suspect for p in linear(here).promises()))[:LOOKED]
+    likely = [p for p in linear(here).promises() if p.gain > ROUGHLY * gain]
+    rough = list(dict.fromkeys(p.block.suspect for p in likely))[:LOOKED]
     known = {b.suspect for b in here}
     beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
     tried = [change.suspect, *rough, *(s for s in beside if fits(s))]

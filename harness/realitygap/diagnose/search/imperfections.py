@@ -43,6 +43,8 @@ first), and where in them friction sits makes play seem narrower: planted spring
 to 26 % too narrow."""
 UNSEEN = 1.0
 """What does less than this in a signal of a motion, in standard deviations of all samples together, does not show."""
+SHORTEST = 0.3
+"""Standard deviations of all samples together. An imperfection that does less could hide nothing."""
 OTHER = 0.1
 """What else may be there without being missed, as a delay or an offset, in visible first sizes."""
 
@@ -140,12 +142,14 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     for i in range(len(own), len(known)):
         alike.setdefault((known[i].law, known[i].places), []).append(i)
     columns = [(k.law, off[i]) for i, (k, _) in enumerate(own)]
+    faults: dict[str, list[Array]] = {}
     for (law, places), at_once in alike.items():
         found = np.column_stack([off[i] for i in at_once])
-        if law:
-            seen = np.column_stack([scale[i] * white[i] for i in at_once])
-            found = _once(found, seen, SHARE[law] * max(does[law, p] for p in places))
-        columns += [(law, c) for c in found.T]
+        seen = np.column_stack([scale[i] * white[i] for i in at_once])
+        turn = _once(seen, SHARE[law] * max(does[law, p] for p in places)) if law else np.eye(len(at_once))
+        faults.setdefault(law, []).append(found @ turn)
+    for law, parts in faults.items():
+        columns += [(law, c) for c in _shown(np.hstack(parts), metric).T]
     columns += _late(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
@@ -198,20 +202,34 @@ def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, in
     return does
 
 
-def _once(columns: Array, white: Array, most: float) -> Array:
-    """The same imperfections where none of what they do is larger than all laws of their kind may be off by.
+def _once(white: Array, most: float) -> Array:
+    """What imperfections are multiplied by for none of what they do to be larger than all laws of their kind may be off
+    by. Shape (n, n).
 
     Laws of one kind do much the same: Coulomb friction, friction by direction and the Stribeck effect are one fault of
     friction, not three that add up. So of their common covariance no direction has more than `most`².
 
     Args:
-        columns: of the residual. Shape (m, n).
-        white: the same in the metric. Shape (r, n).
+        white: what they do, in the metric. Shape (r, n).
         most: the length in the metric of what the kind of law may be off by.
     """
+    length, turn = _directions(white)
+    return turn * np.minimum(1.0, most / np.maximum(length, 1e-300))
+
+
+def _shown(columns: Array, metric: Metric) -> Array:
+    """The same imperfections, all of one kind of law, as few as do the same: the directions of their common covariance
+    that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
+    """
+    bare = replace(metric.whitening, rest=np.zeros(len(metric.whitening.rest)))
+    length, turn = _directions(bare(columns, metric.weight)[0])
+    return columns @ turn[:, length > SHORTEST]
+
+
+def _directions(white: Array) -> tuple[Array, Array]:
+    """The lengths of the directions of a common covariance, (n,), and what turns into them, (n, n)."""
     square, turn = np.linalg.eigh(white.T @ white)
-    length = np.sqrt(np.maximum(square, 0.0))
-    return np.asarray(columns @ (turn * np.minimum(1.0, most / np.maximum(length, 1e-300))))
+    return np.sqrt(np.maximum(square, 0.0)), turn
 
 
 def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float], unseen: float) -> float:

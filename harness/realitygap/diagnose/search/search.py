@@ -82,9 +82,12 @@ def search(
     nothing = Fit(tuple(told), base)
     at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
+    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say), None, False
     for number in range(ROUNDS):
-        round_ = Round(simulations, at, looked_at, limit, nothing, say)
-        here, whole = standing(round_.now.fit.changes), len(looked_at) == len(everyone)
+        stays = following is not None and dropped and round_.moved(following)
+        if number > 0 and not stays:
+            round_ = Round(simulations, at, looked_at, limit, nothing, say)
+        here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         late = number > 0 and time.monotonic() > until
         fresh = here not in seen and not late  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh else None
@@ -111,8 +114,10 @@ def search(
             again = following is not None
         if following is None:
             break
+        say("; ".join(told_change(c) for c in following.fit.changes))
+        if not dropped:
+            following = _further(round_, following, kept, failed)
         at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)
-        say("; ".join(told_change(c) for c in at.changes))
     start = round_.yardstick.score(nothing)
     best = round_.retold()
     floors = measure(simulations, best.fit.changes)
@@ -131,6 +136,16 @@ def search(
         promised=round_.promised,
         cut=late,
     )
+
+
+def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing]) -> Scored:
+    """What more gains enough beside what was found in a round, with what it knows: the next one looks at all anew."""
+    following: Scored | None = found
+    while following is not None and round_.moved(following):
+        found, following = following, grown(round_, keep, failed, again=False)
+        if following is not None:
+            round_.say("  and " + "; ".join(told_change(c) for c in following.fit.changes))
+    return found if following is None else following
 
 
 def needed(suspects: int) -> float:

@@ -53,7 +53,8 @@ class Yardstick:
         """The responses of every suspect that can stand beside the changes of a fit."""
         accepted = [c.suspect for c in at.changes]
         beside = [s for s in self.possible(at, everyone) if not any(clash(s, a) for a in accepted)]
-        tried = [start for s in beside for start in starts(self.problem, s, self._of_joint(at, s))]
+        found = self.simulations.side_by_side(lambda s: starts(self.problem, s, self._of_joint(at, s)), beside)
+        tried = [start for of in found for start in of]
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
 
     def possible(self, at: Fit, everyone: Sequence[Suspect]) -> list[Suspect]:
