@@ -1,12 +1,12 @@
 """Commands that look for what a model lacks."""
 
-from math import inf
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from realitygap.cli.options import Engines, Jobs, Out, folder_for, say
+from realitygap.diagnose.patience import MINUTES
 
 
 def diagnose(
@@ -18,9 +18,9 @@ def diagnose(
     minutes: Annotated[
         float,
         typer.Option(
-            "--minutes", min=0.0, help="prove what was found by then", show_default="until nothing more helps"
+            "--minutes", min=0.0, help="how long to look for more; what was found by then is proven; inf: to the end"
         ),
-    ] = inf,
+    ] = MINUTES,
 ) -> None:
     """Find what a model lacks, add it, prove that it helps.
 

@@ -1,12 +1,12 @@
 """Diagnosis as a library: verdict, findings and the mended model, of what `diagnosis.json` promises."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from realitygap.diagnose.patience import MINUTES
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import diagnosed, write_diagnosis
@@ -139,7 +139,7 @@ def diagnose(
     *,
     workers: int | None = None,
     progress: bool = False,
-    minutes: float = math.inf,
+    minutes: float = MINUTES,
 ) -> Diagnosed:
     """Find what a model lacks, name it, and prove on runs that were not fitted that it helps. It takes minutes.
 
@@ -148,7 +148,7 @@ def diagnose(
         engines: the first one searches, all confirm; none: MuJoCo searches and all that are installed confirm.
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
-        minutes: after which nothing more is looked for; what was found by then is proven.
+        minutes: after which nothing more is looked for, infinite for to the end; what was found by then is proven.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.

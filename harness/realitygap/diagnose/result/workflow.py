@@ -23,6 +23,7 @@ from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
 from realitygap.diagnose.judge.held_out import predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import in_units, worsened
+from realitygap.diagnose.patience import MINUTES
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
@@ -40,7 +41,10 @@ from realitygap.scenario.file import ScenarioFile, load_scenario
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
 NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
-CUT = "the search was ended after the time that it had: more may be missing than what was found"
+CUT = (
+    "the search was ended after the time that it had (--minutes): more may be missing than what was found, and another "
+    "run may find a little more or less"
+)
 SHOWN = 3
 """Candidates that were not named and are shown."""
 
@@ -54,7 +58,7 @@ def run_diagnosis(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
-    minutes: float = math.inf,
+    minutes: float = MINUTES,
 ) -> Diagnosis:
     """Diagnose a scenario and write what was found.
 
@@ -82,7 +86,7 @@ def diagnosed(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
-    minutes: float = math.inf,
+    minutes: float = MINUTES,
 ) -> Diagnosis:
     """The same without writing anything."""
     until = time.monotonic() + 60.0 * minutes

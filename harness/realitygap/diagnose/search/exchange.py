@@ -97,7 +97,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             if alone is not None:
                 out.without[suspect] = alone
                 out.gains[suspect] = now.evidence - alone.evidence
-        spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.least)]
+        spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.limit)]
         if not spare:
             break
         now = out.without.pop(max(spare, key=lambda s: out.without[s].evidence))
@@ -130,14 +130,14 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 
 def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:
     """Whether it is open what a finding gains: it is not known yet, or little more than a name needs."""
-    return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.least
+    return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.limit
 
 
 def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
     rest = [c for c in now.fit.changes if c.suspect != suspect]
     quick = round_.adjusted(rest, now.fit)
-    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.least:
+    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 

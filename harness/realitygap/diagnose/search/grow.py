@@ -46,7 +46,7 @@ def grown(
     gains enough.
 
     What each way gains is judged beyond what it needs: the limit for every finding, and for a shape odds of 20 : 1.
-    Where there are more findings than before each gains more than `round_.little` as well; where there are fewer they
+    Where there are more findings than before they gain more than `round_.little` as well; where there are fewer they
     may lose what those that go would have to gain.
     `keep` is never superfluous.
     `failed` are moves, told by the findings that they add and take away, that gained too little in a round before:
@@ -71,7 +71,7 @@ def _best(
         if quick is not None and fewer > 0:
             needs = -max(fewer * round_.limit, round_.little(quick))
         gain = -np.inf if quick is None else quick.evidence - round_.now.evidence
-        least = needs if quick is None or fewer >= 0 else max(needs, -fewer * round_.little(quick))
+        least = needs if quick is None or fewer >= 0 else max(needs, round_.little(quick))
         if quick is not None and (gain > HOPEFUL * least if least > 0.0 else gain - least > -FAR * round_.limit):
             tried.append((quick.evidence - needs, quick, needs, move))
         else:
@@ -93,8 +93,8 @@ def _best(
         new = [c for c in scored.fit.changes if c.suspect not in here]
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
-        more = max(len(scored.fit.changes) - len(here), 0)
-        if round_.earned(scored, round_.now, needs) and (gain > more * round_.little(scored) or not more):
+        more = len(scored.fit.changes) > len(here)
+        if round_.earned(scored, round_.now, needs) and (gain > round_.little(scored) or not more):
             better.append((scored.evidence - needs, scored))
         else:
             failed.add(move)

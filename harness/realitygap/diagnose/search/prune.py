@@ -29,7 +29,7 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
-    problem, limit, needed, now = round_.simulations.problem, round_.least, set(keep), found
+    problem, limit, needed, now = round_.simulations.problem, round_.limit, set(keep), found
     leaving = superfluous(problem, now, needed, limit)
     while len(leaving) > 1:
         without = round_.adjusted([c for c in now.fit.changes if c.suspect not in leaving], now.fit)

@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored
-from realitygap.diagnose.search.imperfections import SHARE
+from realitygap.diagnose.search.imperfections import SHARE, WORST
 from realitygap.diagnose.search.linear import Linear, Promise
 from realitygap.diagnose.search.yardstick import Yardstick, absurd
 from realitygap.robot.drive import Array
@@ -31,11 +31,6 @@ FOLLOWED = (0.5, 1.0, 2.0)
 DOUBTFUL = 2.0
 """A finding that gains less than this many times what a name needs is doubtful: it is tried without where a straight
 line says so, left out where its interval does not tell it, and has to be told by stretches of the recordings."""
-
-LEAST = 0.07
-"""The square of this is the share of all that is explained that a finding has to be worth at least, as what laws leave
-is the square of what they are off by. Of 250 findings in planted cases, exact laws and nearly right ones, five were
-worth less, one of them what had been planted."""
 
 Say = Callable[[str], None]
 
@@ -136,11 +131,6 @@ class Round:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
         return self.yardstick.fit(changes, known or self.now.fit, "quick")
 
-    @property
-    def least(self) -> float:
-        """What any finding has to be worth."""
-        return max(self.limit, LEAST**2 * self.explained)
-
     def little(self, scored: Scored) -> float:
         """What laws leave of what is explained, as imperfect as recordings say that they are: the square of what they
         are off by. Where a round gains less, the search ends. Laws are those of the kinds of what is new in a model,
@@ -152,7 +142,7 @@ class Round:
         here = {c.suspect for c in self.now.fit.changes}
         new = {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here} & set(SHARE)
         off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (new or SHARE)]
-        return max([LEAST, *off]) ** 2 * self.explained
+        return max(off, default=WORST) ** 2 * self.explained
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
         """Whether a model gains enough over one with less in it: what is needed, and, where it is little more, more

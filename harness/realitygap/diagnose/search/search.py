@@ -12,7 +12,7 @@ import numpy as np
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.responses import at_once, residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
@@ -83,8 +83,9 @@ def search(
     at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say), None, False
+    many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
-        stays = following is not None and dropped and round_.moved(following)
+        stays = many and following is not None and dropped and round_.moved(following)
         if number > 0 and not stays:
             round_ = Round(simulations, at, looked_at, limit, nothing, say)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
@@ -115,8 +116,8 @@ def search(
         if following is None:
             break
         say("; ".join(told_change(c) for c in following.fit.changes))
-        if not dropped:
-            following = _further(round_, following, kept, failed)
+        if many and not dropped:
+            following = _further(round_, following, kept, failed, until)
         at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)
     start = round_.yardstick.score(nothing)
     best = round_.retold()
@@ -138,10 +139,10 @@ def search(
     )
 
 
-def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing]) -> Scored:
+def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing], until: float) -> Scored:
     """What more gains enough beside what was found in a round, with what it knows: the next one looks at all anew."""
     following: Scored | None = found
-    while following is not None and round_.moved(following):
+    while following is not None and time.monotonic() < until and round_.moved(following):
         found, following = following, grown(round_, keep, failed, again=False)
         if following is not None:
             round_.say("  and " + "; ".join(told_change(c) for c in following.fit.changes))
