@@ -225,6 +225,15 @@ def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_of
         assert 0.0 < np.linalg.norm(load[here]) <= most * np.sqrt(load.shape[1]) * (1.0 + 1e-6)
 
 
+def test_an_effort_without_a_law_is_compared_with_whichever_law_may_be_off_by_most() -> None:
+    """At its own joint, where each kind of law is so imperfect as recordings say, or ordinary where they do not."""
+    does = {("friction", 0): 10.0, ("load", 0): 30.0, ("drive", 0): 100.0, ("drive", 1): 900.0}
+    wrong = Imperfections(np.ones(1), np.zeros((1, 0)), does=does)
+    assert wrong.ordinary(0, {"friction": 1.0, "load": 2.0, "drive": 0.5}) == pytest.approx(2.0 * SHARE["load"] * 30.0)
+    assert wrong.ordinary(0, {"load": 0.5}) == pytest.approx(SHARE["drive"] * 100.0)
+    assert wrong.ordinary(2, {"drive": 2.0}) == 0.0
+
+
 def test_what_laws_of_a_kind_do_alike_counts_once(
     problem: Problem, simulations: Simulations, yardstick: Yardstick
 ) -> None:

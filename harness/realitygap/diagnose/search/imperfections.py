@@ -88,10 +88,10 @@ class Imperfections:
         return self._thin[0]
 
     def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
-        """The length of what friction or load may be off by at a joint, whichever is more, where each kind of law is so
-        imperfect.
+        """The length of what friction, load or drive may be off by at a joint, whichever is most, where each kind of
+        law is so imperfect.
         """
-        laws = ("friction", "load")
+        laws = ("friction", "load", "drive")
         return max(imperfect.get(law, 1.0) * SHARE[law] * self.does.get((law, joint), 0.0) for law in laws)
 
     def shares(self, fit: Fit) -> Array:

@@ -35,7 +35,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
 
     A table competes as any finding does: each of its values has to be earned, so that a law with one or two values that
     explains as much is the better explanation; and it has to explain more than ordinary laws leave, and do more than
-    friction and load may be off by at its joint.
+    friction, load and drive may be off by at its joint.
     """
     best: tuple[float, Scored] | None = None
     for way in _promising(round_, keep):

@@ -86,7 +86,7 @@ class Yardstick:
         return score(self.channels, found, self.wrong)
 
     def ordinary(self, found: Scored, joint: int, other: Fit) -> bool:
-        """Whether what parts another fit from a model is no more than friction or load may be off by at a joint."""
+        """Whether what parts another fit from a model is no more than what laws may be off by at a joint."""
         change = float(np.linalg.norm(found.metric(other.residual - found.fit.residual)))
         return change <= self.wrong.ordinary(joint, found.imperfect)
 
