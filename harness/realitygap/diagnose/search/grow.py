@@ -78,7 +78,7 @@ def _best(
             failed.add(move)
     better: list[tuple[float, Scored]] = []
     for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
-        if better and promise < max(spare for spare, _ in better) - EQUAL:
+        if better and (round_.late or promise < max(spare for spare, _ in better) - EQUAL):
             break
         scored = round_.yardstick.refined(near)
         if scored is None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -45,6 +47,7 @@ class Round:
         limit: what a finding has to gain.
         nothing: the scenario's own model.
         say: told what is found.
+        until: when to look for nothing better than what was found, on the clock of `time.monotonic` [s].
 
     Attributes:
         explained: the evidence that the accepted model has more than the scenario's own.
@@ -59,9 +62,17 @@ class Round:
     """
 
     def __init__(
-        self, simulations: Simulations, at: Fit, everyone: Sequence[Suspect], limit: float, nothing: Fit, say: Say
+        self,
+        simulations: Simulations,
+        at: Fit,
+        everyone: Sequence[Suspect],
+        limit: float,
+        nothing: Fit,
+        say: Say,
+        until: float = math.inf,
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
+        self._until = until
         self.yardstick = yardstick = Yardstick(simulations, at.changes)
         first = residual(simulations, at.changes, yardstick.train)
         if first is None:
@@ -130,6 +141,11 @@ class Round:
     def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
         return self.yardstick.fit(changes, known or self.now.fit, "quick")
+
+    @property
+    def late(self) -> bool:
+        """Whether to look for nothing better than what was found."""
+        return time.monotonic() > self._until
 
     def little(self, scored: Scored) -> float:
         """What laws leave of what is explained, as imperfect as recordings say that they are: the square of what they

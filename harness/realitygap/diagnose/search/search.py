@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -72,8 +71,9 @@ def search(
         everyone: the suspects.
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
-        until: when to look for nothing more after the first round, on the clock of `time.monotonic` [s]; what was
-            found by then is still asked whether it is needed, and what could stand in its place, which is told.
+        until: when to look for nothing more, on the clock of `time.monotonic` [s]: the first round ends with what gains
+            enough, and what was found by then is still asked whether it is needed, and what could stand in its place,
+            which is told.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     base = residual(simulations, told, simulations.problem.of("train"))
@@ -82,14 +82,14 @@ def search(
     nothing = Fit(tuple(told), base)
     at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
-    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say), None, False
+    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
     many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
         stays = many and following is not None and dropped and round_.moved(following)
         if number > 0 and not stays:
-            round_ = Round(simulations, at, looked_at, limit, nothing, say)
+            round_ = Round(simulations, at, looked_at, limit, nothing, say, until)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
-        late = number > 0 and time.monotonic() > until
+        late = number > 0 and round_.late
         fresh = here not in seen and not late  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh else None
         if following is None and not whole and not late:
@@ -117,7 +117,7 @@ def search(
             break
         say("; ".join(told_change(c) for c in following.fit.changes))
         if many and not dropped:
-            following = _further(round_, following, kept, failed, until)
+            following = _further(round_, following, kept, failed)
         at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)
     start = round_.yardstick.score(nothing)
     best = round_.retold()
@@ -139,10 +139,10 @@ def search(
     )
 
 
-def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing], until: float) -> Scored:
+def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing]) -> Scored:
     """What more gains enough beside what was found in a round, with what it knows: the next one looks at all anew."""
     following: Scored | None = found
-    while following is not None and time.monotonic() < until and round_.moved(following):
+    while following is not None and not round_.late and round_.moved(following):
         found, following = following, grown(round_, keep, failed, again=False)
         if following is not None:
             round_.say("  and " + "; ".join(told_change(c) for c in following.fit.changes))
