@@ -1,5 +1,6 @@
 """Processes that simulate are the same whether they were started ahead or not, and end with what they are for."""
 
+import os
 import subprocess
 import sys
 import time
@@ -9,6 +10,7 @@ import pytest
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.processes import Died, Process, started
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.files.threads import THREADS
 
 
 def alive(process: Process) -> bool:
@@ -45,6 +47,18 @@ def test_who_needs_none_ends_them_at_once() -> None:
 def test_none_are_started_where_one_process_does_all() -> None:
     with started(1) as ahead:
         assert ahead == []
+
+
+@pytest.mark.parametrize("said", [None, "2"])
+def test_they_share_the_cores(monkeypatch: pytest.MonkeyPatch, said: str | None) -> None:
+    """Linear algebra takes one thread in each, unless whoever runs it has said otherwise."""
+    for name in THREADS:
+        if said is None:
+            monkeypatch.delenv(name, raising=False)
+        else:
+            monkeypatch.setenv(name, said)
+    with started(1):
+        assert [os.environ[name] for name in THREADS] == [said or "1"] * len(THREADS)
 
 
 def test_one_that_has_ended_says_so() -> None:

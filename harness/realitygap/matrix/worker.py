@@ -18,9 +18,9 @@ from typing import Any
 from realitygap_engines.errors import in_a_line
 
 from realitygap.files.lifeline import end_with
+from realitygap.files.threads import THREADS
 from realitygap.simulate.opened import kept_open
 
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 START = 300.0
 """s in which a process has to start, on however busy a machine."""
 KILLS = (signal.SIGKILL, signal.SIGTERM, signal.SIGHUP, signal.SIGINT)

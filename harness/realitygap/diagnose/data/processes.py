@@ -11,6 +11,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
+from realitygap.files.threads import THREADS
+
 
 class Died(Exception):
     """The process ended at its work."""
@@ -76,8 +78,13 @@ def number(jobs: int | None) -> int:
 def started(jobs: int | None) -> Iterator[list[Process]]:
     """As many processes as there are jobs (None: cores), none where one does all; those that are still in the list at
     the end are ended. Who uses one takes it out.
+
+    They share the cores with this one: linear algebra that is loaded from here on takes one thread each, unless the
+    environment says otherwise, which also makes its rounding the same on every machine.
     """
     count = number(jobs)
+    for name in THREADS:
+        os.environ.setdefault(name, "1")
     found = [Process() for _ in range(count if count > 1 else 0)]
     try:
         yield found
