@@ -2,5 +2,5 @@
 
 MINUTES = 3.0
 """Searches of one joint end within 40 s and of two links within two minutes of one core. A real arm with six joints
-lacks something everywhere, and goes on for a quarter of an hour to find what hardly shows: its first two minutes have
+lacks something everywhere, and goes on for a quarter of an hour to find what hardly shows: its first minutes have
 nearly all that its held-out runs gain."""

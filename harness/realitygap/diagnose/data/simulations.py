@@ -70,8 +70,14 @@ class Simulations:
         """
         if self.workers < 2 or len(items) < 2:
             return [work(item) for item in items]
-        with ThreadPoolExecutor(self.workers) as threads:
+        threads = ThreadPoolExecutor(self.workers)
+        try:
             return list(threads.map(work, items))
+        except BaseException:  # the others need not wait for their simulations to end
+            self.close()
+            raise
+        finally:
+            threads.shutdown(cancel_futures=True)
 
     def of(
         self,
