@@ -11,6 +11,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.processes import Died, Process, started
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.files.threads import THREADS
+from realitygap.robot.drive import Array
 
 
 def alive(process: Process) -> bool:
@@ -33,6 +34,31 @@ def test_processes_started_ahead_answer_as_this_one_does(problem: Problem) -> No
         assert b is not None
         assert a.keys() == b.keys()
         assert all(np.array_equal(a[s], b[s]) for s in a)
+
+
+def test_what_one_asks_again_is_there_whatever_others_ask_meanwhile(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With no room to remember more than one motion, each that is simulated takes the place of one that another may be
+    about to read."""
+    monkeypatch.setitem(Simulations._remember.__globals__, "KEPT", 0.0)
+    cases = range(len(problem.cases))
+    with Simulations(problem, 2) as simulations:
+        expected = simulations.of([], cases)
+
+        def both(finer: float) -> list[bool]:
+            """Whether a motion that was just asked for comes out the same beside new ones."""
+            case = int(10.0 * finer) % len(cases)
+            first = simulations.ask([simulations.query([], case)])
+            new = [simulations.query([], c, coarse=[finer] * len(cases)) for c in cases]
+            again = simulations.ask([simulations.query([], case), *new])
+            return [_same(found, expected[case]) for found in (first[0], again[0])]
+
+        assert all(map(all, simulations.side_by_side(both, [0.5, 0.6, 0.7, 0.8, 0.9])))
+
+
+def _same(a: dict[str, Array] | None, b: dict[str, Array] | None) -> bool:
+    return a is not None and b is not None and all(np.array_equal(a[s], b[s]) for s in b)
 
 
 def test_who_needs_none_ends_them_at_once() -> None:

@@ -40,18 +40,21 @@ class Simulations:
         for worker in self._workers:
             self._idle.put(worker)
         self._threads = ThreadPoolExecutor(len(self._workers)) if self._workers else None
-        self._own = Lock()
+        self._own, self._memory = Lock(), Lock()
         self._ends = ExitStack()
 
     def ask(self, queries: Sequence[Query]) -> list[dict[str, Array] | None]:
         """The signals of every query, in their order; None for a simulation that failed."""
-        new = [q for q in dict.fromkeys(queries) if q not in self._remembered]
-        self.count += len(new)
+        with self._memory:  # what is remembered now may make room for what others ask meanwhile
+            known = {q: self._remembered[q] for q in queries if q in self._remembered}
+            new = [q for q in dict.fromkeys(queries) if q not in known]
+            self.count += len(new)
         fresh = dict(zip(new, self._answers(new), strict=True))
-        out = [fresh[q] if q in fresh else self._remembered[q] for q in queries]
-        for q, signals in fresh.items():
-            self._remember(q, signals)
-        return out
+        with self._memory:
+            for q, signals in fresh.items():
+                self._remember(q, signals)
+        known |= fresh
+        return [known[q] for q in queries]
 
     def _answers(self, new: Sequence[Query]) -> list[dict[str, Array] | None]:
         """Simulated: one alone in this process, if nobody else does that meanwhile, several by the workers."""
@@ -98,6 +101,8 @@ class Simulations:
         return Query(tuple(changes), case, engine or self.problem.engine, finer)
 
     def _remember(self, query: Query, signals: dict[str, Array] | None) -> None:
+        if query in self._remembered:  # two asked at once
+            return
         size = sum(v.nbytes for v in signals.values()) if signals else 0
         while self._remembered and self._bytes + size > KEPT:
             oldest = next(iter(self._remembered))
