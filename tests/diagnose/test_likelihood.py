@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
+from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
 from realitygap.robot.drive import Array
 
@@ -16,7 +17,8 @@ def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal
 def measured_by(watched: Channel, rest: float, residual: Array, responses: Array) -> Metric:
     """The metric for what a residual leaves, of one channel."""
     whitening, weight = trusted([watched], np.ones(1), np.full(1, rest), residual)
-    return marginalised(whitening, weight, *whitening(responses, weight))
+    white, determinant = whitening(responses, weight)
+    return marginalised(whitening, weight, Parted.of(white, whitening.number), determinant)
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
@@ -30,6 +32,9 @@ def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
     whole = measure(residual)
     assert whole @ whole == pytest.approx(residual @ np.linalg.solve(dense, residual))
     assert measure.determinant == pytest.approx(0.5 * np.linalg.slogdet(dense)[1])
+    columns = rng.standard_normal((n, 2))
+    several = np.column_stack([residual, columns])
+    assert measure.gram([residual, columns]) == pytest.approx(several.T @ np.linalg.solve(dense, several))
 
 
 def test_what_was_not_measured_counts_nothing() -> None:
@@ -92,3 +97,22 @@ def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:
     )
     assert half == pytest.approx(np.sqrt(0.5) * full)
     assert less == pytest.approx(0.5 * determinant)
+
+
+def test_columns_that_are_zero_elsewhere_multiply_as_the_whole_matrix() -> None:
+    """Three channels, of which columns are zero in some: every product is that of the dense matrix."""
+    rng = np.random.default_rng(9)
+    sizes, rows = [7, 5, 9], np.repeat([0, 1, 2], [7, 5, 9])
+    seen = np.array([[1, 0, 1, 0], [0, 1, 1, 0], [0, 0, 1, 1]], dtype=bool)
+    dense = rng.standard_normal((21, 4)) * seen[rows]
+    scale, columns, amounts, others = (rng.standard_normal(s) for s in (21, 4, (4, 2), (21, 3)))
+    parted = Parted.of(dense, sizes)
+    assert [len(p.at) for p in parted.parts] == [2, 2, 2]
+    assert parted.gram() == pytest.approx(dense.T @ dense)
+    assert parted.on(others) == pytest.approx(dense.T @ others)
+    assert parted.times(amounts) == pytest.approx(dense @ amounts)
+    assert parted.scaled(scale, columns).times(np.eye(4)) == pytest.approx(dense * columns * scale[:, None])
+    assert parted.beside(parted).times(np.eye(8)) == pytest.approx(np.hstack([dense, dense]))
+    strides = [2, 1, 4]
+    few = np.concatenate([np.flatnonzero(rows == c)[::s] for c, s in enumerate(strides)])
+    assert parted.every(strides).times(np.eye(4)) == pytest.approx(dense[few])

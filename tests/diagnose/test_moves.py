@@ -1,7 +1,6 @@
 """Steps of a fit and moves of the search, by themselves."""
 
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -10,10 +9,19 @@ from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import LATER
 from realitygap.diagnose.fit.fit import secant
 from realitygap.diagnose.fit.responses import Block
-from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.diagnose.likelihood.metric import Metric, marginalised
+from realitygap.diagnose.likelihood.parted import Parted
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.grow import LOOSER, with_shape
 from realitygap.diagnose.search.linear import Linear
 from realitygap.robot.effects import EFFECTS
+
+
+def white(n: int) -> Metric:
+    """The metric of samples whose noise has a standard deviation of one."""
+    channel = Channel(0, "position", 0, 0.01 * np.arange(n), 1.0, np.zeros(n))
+    whitening = Whitening((channel,), np.zeros(1), np.ones(1))
+    return marginalised(whitening, np.ones(n), Parted.of(np.zeros((n, 0)), [n]), 0.0)
 
 
 def test_slopes_tell_the_step_that_was_taken_and_what_lies_across_it_as_before() -> None:
@@ -50,7 +58,7 @@ def test_what_is_tried_beside_a_plain_fit_gains_what_it_and_the_fit_leave_less()
     columns = rng.standard_normal((40, 3))
     left = -columns @ [1.0, 2.0, 1.0] + 0.01 * rng.standard_normal(40)
     blocks = [Block(start, columns[:, [k]]) for k, start in enumerate(tried)]
-    lines = Linear(cast("Metric", np.asarray), left, np.zeros((40, 0)), blocks)
+    lines = Linear(white(40), left, np.zeros((40, 0)), blocks)
     fixed = left + columns[:, 2]
     best, *_ = np.linalg.lstsq(columns[:, :2], -fixed, rcond=None)
     after = fixed + columns[:, :2] @ best
@@ -68,7 +76,7 @@ def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
     columns[:, 1] = columns[:, 0] + 0.3 * columns[:, 1]
     left = -columns @ [1.0, 0.0, 0.0, 0.7] + 0.5 * rng.standard_normal(400)
     blocks = [Block(start, columns[:, [k]]) for k, start in enumerate(tried)]
-    lines = Linear(cast("Metric", np.asarray), left, np.zeros((400, 0)), blocks)
+    lines = Linear(white(400), left, np.zeros((400, 0)), blocks)
     assert [k for k in range(4) if lines.promise(k).gain > 5.0] == [0, 1, 3]
     assert lines.earning(range(4), 5.0) == [0, 3]
     assert lines.earning([1, 2], 5.0) == [1]

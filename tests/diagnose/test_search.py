@@ -66,10 +66,10 @@ def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations
 class Astray(Yardstick):
     """Where laws count as imperfect, its likeliest Stribeck friction rises with speed."""
 
-    def settled(self, at: Scored, care: Care = "compared") -> Scored:  # noqa: ARG002 - the signature of what it overrides
-        (friction,) = at.fit.changes
+    def settled(self, at: Fit, care: Care = "compared") -> Scored:  # noqa: ARG002 - the signature of what it overrides
+        (friction,) = at.changes
         rising = friction.at({"static": 0.01, "coulomb": 0.5})
-        return replace(at, fit=replace(at.fit, changes=(rising,)))
+        return self.score(replace(at, changes=(rising,)))
 
 
 def test_values_that_are_no_more_the_effect_are_no_fit(problem: Problem, simulations: Simulations) -> None:
@@ -284,7 +284,7 @@ def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
     away = found.fit.changes[0].at({"torque": times * FRICTION})
     start = replace(found.fit, changes=(away,), residual=_of(simulations, own, [away]), here=False)
     scored = own.score(start)
-    settled = own.settled(scored)
+    settled = own.settled(scored.fit)
     assert settled.evidence > scored.evidence + 10.0
     assert settled.fit.value[0] == pytest.approx(FRICTION, rel=0.05)
 

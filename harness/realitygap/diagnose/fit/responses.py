@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.data.case import JOINT_SIGNALS
@@ -70,7 +71,7 @@ def respond(
     still, *answers = residuals(simulations, [accepted, *models], cases, coarse)
     if still is None:
         return []
-    masks: dict[int, Array] = {}
+    masks: dict[int, NDArray[np.bool_]] = {}
     found: dict[tuple[int, int], Array] = {}
     for variant, answer in zip(variants, answers, strict=True):
         if answer is None:
@@ -81,7 +82,7 @@ def respond(
             if len(variant) > 1:
                 (joint,) = try_.suspect.indices
                 if joint not in masks:
-                    masks[joint] = own_joint(simulations, channels, joint)
+                    masks[joint] = own_joint(simulations.problem, channels, joint)
                 column = np.where(masks[joint], change, 0.0)
             found[turn, number] = column / tried[turn].share
     out = []
@@ -121,9 +122,9 @@ def single(suspect: Suspect) -> bool:
     return suspect.kind.sits_at == "joint" and len(suspect.indices) == 1
 
 
-def own_joint(simulations: Simulations, channels: Iterable[Channel], joint: int) -> Array:
+def own_joint(problem: Problem, channels: Iterable[Channel], joint: int) -> NDArray[np.bool_]:
     """Which stacked samples are those of one joint. Shape (m,), of bool."""
-    judged = simulations.problem.judged
+    judged = problem.judged
     column = int(np.sum(judged[:joint]))
     parts = [
         np.full(len(c.time), c.signal in JOINT_SIGNALS and c.column == column and bool(judged[joint])) for c in channels

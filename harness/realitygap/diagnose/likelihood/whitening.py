@@ -130,36 +130,36 @@ class Whitening:
     @cached_property
     def rows(self) -> NDArray[np.int64]:
         """The samples that are looked at, `DENSE` of them for a fact: the others say the same. Shape (k,)."""
-        parts = zip(spans(self.channels), self._every, strict=True)
+        parts = zip(spans(self.channels), self.every, strict=True)
         return np.concatenate([np.arange(span.start, span.stop, every) for (_, span), every in parts])
 
     @cached_property
     def parts(self) -> NDArray[np.int64]:
         """The number of the signal of a motion that each of them is of. Shape (k,)."""
         found = list(dict.fromkeys((c.case, c.signal) for c in self.channels))
-        return np.repeat([found.index((c.case, c.signal)) for c in self.channels], self._number)
+        return np.repeat([found.index((c.case, c.signal)) for c in self.channels], self.number)
 
     @cached_property
     def share(self) -> Array:
         """How many facts each of them is. Shape (k,)."""
-        return np.repeat(self.facts * self._every, self._number)
+        return np.repeat(self.facts * self.every, self.number)
 
     @cached_property
     def variance(self) -> Array:
         """The variance of each of them. Shape (k,)."""
         parts = [
             c.noise**2 + c.slow[::every] ** 2 + rest**2
-            for c, rest, every in zip(self.channels, self.rest, self._every, strict=True)
+            for c, rest, every in zip(self.channels, self.rest, self.every, strict=True)
         ]
         return np.concatenate(parts)
 
     @property
-    def _number(self) -> list[int]:
+    def number(self) -> list[int]:
         """How many samples of each channel are looked at."""
-        return [-(-len(c.time) // int(every)) for c, every in zip(self.channels, self._every, strict=True)]
+        return [-(-len(c.time) // int(every)) for c, every in zip(self.channels, self.every, strict=True)]
 
     @cached_property
-    def _every(self) -> NDArray[np.int64]:
+    def every(self) -> NDArray[np.int64]:
         """Of each channel every so manieth sample is looked at. Shape (channels,)."""
         return np.maximum(1.0 / (DENSE * self.facts), 1.0).astype(int)
 
@@ -178,8 +178,12 @@ class Whitening:
 
     def scaled(self, thin: Array, weight: Array) -> tuple[Array, float]:
         """The same as a call, of columns that are thinned already. Shape (k, n)."""
+        scale, determinant = self.scale(weight)
+        return thin * scale[:, None], determinant
+
+    def scale(self, weight: Array) -> tuple[Array, float]:
+        """What each of the samples that are looked at is multiplied by, (k,), and that determinant."""
         trust = weight[self.rows]
-        scale = np.sqrt(self.share * trust / self.variance)
         good = trust > 0
         determinant = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))
-        return thin * scale[:, None], determinant
+        return np.asarray(np.sqrt(self.share * trust / self.variance)), determinant

@@ -18,6 +18,7 @@ from realitygap.diagnose.fit.responses import Block, residuals, respond, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.metric import marginalised
+from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections
@@ -68,7 +69,8 @@ class Wrong:
         beside = [b for b in self.blocks if not any(clash(b.suspect, s) for s in here)]
         found = tuple(c for c in self.found if c.case in cases)
         whitening = self.whitening.elsewhere(found)
-        metric = marginalised(whitening, np.ones(len(fit.residual)), np.zeros((len(whitening.rows), 0)), 0.0)
+        none = Parted.of(np.zeros((len(whitening.rows), 0)), whitening.number)
+        metric = marginalised(whitening, np.ones(len(fit.residual)), none, 0.0)
         return imperfections(self.problem, fit, [replace(b, columns=b.columns[rows]) for b in beside], metric)
 
     def _of(self, cases: Collection[int]) -> NDArray[np.bool_]:

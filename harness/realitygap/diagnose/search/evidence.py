@@ -19,7 +19,8 @@ from scipy.linalg import cho_factor, cho_solve
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
-from realitygap.diagnose.likelihood.whitening import Channel
+from realitygap.diagnose.likelihood.parted import Parted
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.robot.drive import Array
 
@@ -93,40 +94,93 @@ class Scored:
 
 def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The evidence of a fit at the best of the scales that each kind of law may be imperfect by."""
-    return _at(channels, fit, imperfections, tuple(IMPERFECT))
+    return _at(_first(channels, fit, imperfections), tuple(IMPERFECT))
 
 
 def cautious(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The same for laws that are ordinary at best: intervals are told so. That laws look better in a few motions is no
     promise for the machine's other motions, which the values are for.
     """
-    return _at(channels, fit, imperfections, tuple(scale for scale in IMPERFECT if scale >= 1.0))
+    return _at(_first(channels, fit, imperfections), tuple(scale for scale in IMPERFECT if scale >= 1.0))
 
 
 def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The same for laws that are as good as they may be: what is missing is not to pass for imperfections when moves
     are looked for.
     """
-    return _at(channels, fit, imperfections, (min(IMPERFECT),))
+    return _at(_first(channels, fit, imperfections), (min(IMPERFECT),))
 
 
-def _at(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, scales: Sequence[float]) -> Scored:
-    shares, left = imperfections.shares(fit), fit.residual
-    columns = [left[:, None], fit.slope.reshape(len(left), -1)]
-    thin: Array | None = None
-    for _ in range(PASSES if imperfections.laws else 1):
-        rest = rest_of(channels, imperfections.facts, left)
-        whitening, weight = trusted(channels, imperfections.facts, rest, left)
-        if thin is None:
-            thin = np.hstack([*map(whitening.thinned, columns), imperfections.thinned(whitening) * shares])
-        white, determinant = whitening.scaled(thin, weight)
-        odds = _Odds(white.T @ white, imperfections.laws)
-        chosen = odds.best(scales)
-        each = np.array([chosen[law] for law in imperfections.laws])
-        left = fit.residual - imperfections.responses @ (shares * odds.taken(each))
-    evidence = odds(chosen) - determinant - 0.5 * float(fit.prior @ fit.prior)
-    taken = white[:, white.shape[1] - len(each) :] * each
-    metric = marginalised(whitening, weight, taken, determinant, odds.factor(each))
+def scored_and_sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> tuple[Scored, Scored]:
+    """Both `score` and `sharp`, which begin alike."""
+    first = _first(channels, fit, imperfections)
+    return _at(first, tuple(IMPERFECT)), _at(first, (min(IMPERFECT),))
+
+
+@dataclass(frozen=True)
+class _Look:
+    """A fit in the metric of what a residual leaves.
+
+    Attributes:
+        fit: the model.
+        imperfections: of all models of a round.
+        whitening: what no law explains, of the residual.
+        weight: trust in every stacked sample. Shape (m,).
+        scale: what the samples that are looked at are multiplied by. Shape (k,).
+        determinant: half the logarithm of the covariance's.
+        thin: the residual, its p slopes and q imperfections in these samples, (k, 1 + p + q).
+        odds: of them.
+    """
+
+    fit: Fit
+    imperfections: Imperfections
+    whitening: Whitening
+    weight: Array
+    scale: Array
+    determinant: float
+    thin: Parted
+    odds: _Odds
+
+    def again(self, left: Array) -> _Look:
+        """The same in the metric of another residual. Shape (m,)."""
+        return _look(self.whitening.channels, self.fit, self.imperfections, left, self.thin)
+
+
+def _first(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> _Look:
+    """A fit in the metric of what it leaves itself."""
+    return _look(channels, fit, imperfections, fit.residual)
+
+
+def _look(
+    channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, left: Array, thin: Parted | None = None
+) -> _Look:
+    whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, imperfections.facts, left), left)
+    if thin is None:
+        own = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1)])
+        thin = Parted.of(whitening.thinned(own), whitening.number).beside(imperfections.thinned(whitening))
+    scale, determinant = whitening.scale(weight)
+    columns = np.ones(thin.width)
+    columns[thin.width - len(imperfections.laws) :] = imperfections.shares(fit)
+    odds = _Odds(thin.scaled(scale, columns).gram(), imperfections.laws)
+    return _Look(fit, imperfections, whitening, weight, scale, determinant, thin, odds)
+
+
+def _at(look: _Look, scales: Sequence[float]) -> Scored:
+    fit, wrong = look.fit, look.imperfections
+    shares = wrong.shares(fit)
+
+    def best(look: _Look) -> tuple[dict[str, float], Array, Array]:
+        chosen = look.odds.best(scales)
+        each = np.array([chosen[law] for law in wrong.laws])
+        return chosen, each, fit.residual - wrong.times(shares * look.odds.taken(each), look.whitening.channels)
+
+    chosen, each, left = best(look)
+    for _ in range(PASSES - 1 if wrong.laws else 0):
+        look = look.again(left)
+        chosen, each, left = best(look)
+    evidence = look.odds(chosen) - look.determinant - 0.5 * float(fit.prior @ fit.prior)
+    taken = wrong.thinned(look.whitening).scaled(look.scale, shares * each)
+    metric = marginalised(look.whitening, look.weight, taken, look.determinant, look.odds.factor(each))
     return Scored(fit, evidence, metric, chosen, left)
 
 

@@ -31,8 +31,9 @@ before (an offset of a joint that sticks): the better one of both counts."""
 ROUGHLY = 0.05
 """Of these none that promises less than this share of what the finding gains: on the SO-101 those that came close
 promised 0.10, 0.38 and 1.0 of it."""
-EXCHANGED = 4
-"""Suspects that are tried in the place of a finding: of these, those that promise most."""
+EXCHANGED, LATE = 4, 2
+"""Suspects that are tried in the place of a finding: of these, those that promise most. Fewer, once there is no more
+time to find a better name for it."""
 CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
@@ -85,8 +86,9 @@ class Exchanged:
 def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exchanged:
     """Every finding left out, and exchanged for what promises most in its place; `keep` stays.
 
-    Where one is superfluous, that is all that is said. What was far behind `before` is not tried again. A name that is
-    no simpler has to gain what a new one has to (`Round.little`).
+    Where one is superfluous, that is all that is said, unless it is late: then nothing new is looked for beside what is
+    left. What was far behind `before` is not tried again. A name that is no simpler has to gain what a new one has to
+    (`Round.little`).
     """
     now = pruned(round_, round_.now, keep, told=True)
     out = Exchanged()
@@ -104,7 +106,8 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     gone = len(round_.now.fit.changes) - len(now.fit.changes)
     if gone:
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
-        return Exchanged(better=now, rivals=before.rivals)
+        if not (round_.late and round_.moved(now)):
+            return Exchanged(better=now, rivals=before.rivals)
     asked, evidence = [c for c in now.fit.changes if c.suspect in out.without], round_.now.evidence
 
     def close(change: Change) -> list[Rival]:
@@ -113,10 +116,9 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         return _rivals(round_, change, alone, rivals) if again else rivals
 
     compared = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
-    for rivals in compared.values():
-        for rival in rivals:
-            if rival.behind < -ODDS:
-                round_.led(rival.scored)
+    ahead = {r.suspect: r for of in compared.values() for r in sorted(of, key=lambda r: -r.behind) if r.behind < -ODDS}
+    for rival in ahead.values():  # one that is better in the place of several leads to the same
+        round_.led(rival.scored)
     for suspect, rivals in compared.items():
         further = round_.now.evidence - evidence
         out.rivals[suspect] = [replace(r, behind=r.behind + further) for r in rivals]
@@ -169,7 +171,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
     chosen: dict[Suspect, Promise] = {}
     for p in promises:
         worth = p.gain > (CLOSE * max(gain, own) if chosen else 0.0)
-        if worth and p.block.suspect != change.suspect and len(chosen) < EXCHANGED:
+        if worth and p.block.suspect != change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
             chosen.setdefault(p.block.suspect, p)
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, p in chosen.items():

@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from realitygap.diagnose.candidates.starts import FURTHEST, Start
 from realitygap.diagnose.candidates.suspects import neutral
@@ -23,6 +24,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
 from realitygap.robot.drive import Array
 
@@ -77,15 +79,24 @@ class Imperfections:
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
     does: Mapping[tuple[str, int], float] = field(default_factory=dict)
-    _thin: dict[int, Array] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _parted: dict[str, Parted] = field(init=False, repr=False, compare=False, default_factory=dict)
 
-    def thinned(self, whitening: Whitening) -> Array:
+    def thinned(self, whitening: Whitening) -> Parted:
         """The responses in the samples that are looked at, which facts tell: they are the same for every model of a
-        round. Shape (k, q).
+        round. (k, q).
         """
-        if not self._thin:
-            self._thin[0] = whitening.thinned(self.responses)
-        return self._thin[0]
+        if "thin" not in self._parted:
+            self._parted["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
+        return self._parted["thin"]
+
+    def times(self, amounts: Array, channels: Sequence[Channel]) -> Array:
+        """What the residual changes by where each law is off by so many times that. Shape (q,) -> (m,)."""
+        return self._whole(channels).times(amounts[:, None])[:, 0]
+
+    def _whole(self, channels: Sequence[Channel]) -> Parted:
+        if "whole" not in self._parted:
+            self._parted["whole"] = Parted.of(self.responses, [len(c.time) for c in channels])
+        return self._parted["whole"]
 
     def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
         """The length of what friction, load or drive may be off by at a joint, whichever is most, where each kind of
@@ -220,10 +231,18 @@ def _once(white: Array, most: float) -> Array:
 def _shown(columns: Array, metric: Metric) -> Array:
     """The same imperfections, all of one kind of law, as few as do the same: the directions of their common covariance
     that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
+
+    What has no sample in common has no direction in common either, and stays apart (`Parted`).
     """
     bare = replace(metric.whitening, rest=np.zeros(len(metric.whitening.rest)))
-    length, turn = _directions(bare(columns, metric.weight)[0])
-    return columns @ turn[:, length > SHORTEST]
+    white = bare(columns, metric.weight)[0]
+    number, group = connected_components(white.T @ white != 0.0, directed=False)
+    few = []
+    for k in range(number):
+        together = np.flatnonzero(group == k)
+        length, turn = _directions(white[:, together])
+        few.append(columns[:, together] @ turn[:, length > SHORTEST])
+    return np.hstack(few) if few else columns
 
 
 def _directions(white: Array) -> tuple[Array, Array]:

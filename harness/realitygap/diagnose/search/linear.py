@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change, clash
@@ -49,15 +50,13 @@ class Linear:
 
     def __init__(self, metric: Metric, residual: Array, slope: Array, blocks: Sequence[Block]) -> None:
         self.blocks = list(blocks)
-        columns = [residual[:, None], slope, *(b.columns for b in blocks)]
-        white = metric(np.hstack([c for c in columns if c.shape[1]]))
-        p = slope.shape[1]
+        columns, p = [residual, slope, *(b.columns for b in blocks)], slope.shape[1]
+        gram = metric.gram([c for c in columns if c.ndim == 1 or c.shape[1]])
+        own, rest = slice(1, p + 1), np.delete(np.arange(len(gram)), slice(1, p + 1))
         if p:  # what a change of the accepted values would do is no gain of a suspect's
-            basis, _ = np.linalg.qr(np.vstack([white[:, 1 : p + 1], np.eye(p) / SLAB]))
-            tall = np.vstack([white, np.zeros((p, white.shape[1]))])
-            white = tall - basis @ (basis.T @ tall)
-        self.white = np.delete(white, slice(1, p + 1), axis=1)
-        self.gram = self.white.T @ self.white
+            beside = cho_solve(cho_factor(gram[own, own] + np.eye(p) / SLAB**2), gram[own])
+            gram = gram - gram[:, own] @ beside
+        self.gram = gram[np.ix_(rest, rest)]
         ends = np.cumsum([1, *(b.columns.shape[1] for b in blocks)])
         self.places = [np.arange(a, b) for a, b in pairwise(ends)]
         reach = [b.start.reach(k) for b in blocks for k in range(b.columns.shape[1])]

@@ -99,8 +99,7 @@ class Round:
         yardstick, say = self.yardstick, self.say
         self.blocks = [*self.blocks, *yardstick.responses(self._at, more)]
         yardstick.stand_at(self._at, self.blocks)
-        told = yardstick.score(self._at)
-        self.told, self.now = told, yardstick.settled(told)
+        self.told, self.now = yardstick.score(self._at), yardstick.settled(self._at)
         self._led, self._began = False, self.now.evidence
         self.explained = self.now.evidence - yardstick.score(self._nothing).evidence
         say(
@@ -114,6 +113,9 @@ class Round:
         self.look = self.yardstick.sharp(self.now.fit)
         self.lines = linear_at(self.look, self.blocks)
         self.straight = self.lines.promises()
+        if self.late and any(c.free for c in self.now.fit.changes):  # nothing is added any more
+            self.promised = self.straight
+            return
         followed = self._followed(self.straight)
         self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 

@@ -106,7 +106,7 @@ def search(
         else:
             last = exchanged(round_, kept, last)
             following = last.better
-            swapped = following is not None and len(following.fit.changes) == len(here)
+            swapped = following is not None and len(following.fit.changes) == len(round_.now.fit.changes)
             if following is not None and swapped and (late or standing(following.fit.changes) in seen):
                 following = None
             dropped = following is not None and not swapped

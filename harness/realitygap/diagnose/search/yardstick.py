@@ -14,7 +14,7 @@ from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
-from realitygap.diagnose.search.evidence import Scored, cautious, score, sharp
+from realitygap.diagnose.search.evidence import Scored, cautious, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections, nearer
 from realitygap.robot.drive import Array
 
@@ -151,7 +151,7 @@ class Yardstick:
         if best is None or (care != "quick" and absurd(best)):
             return None
         if care != "whole":
-            there = self.settled(self.score(best.fit), passes)
+            there = self.settled(best.fit, passes)
             return None if care != "quick" and absurd(there) else there
         found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
@@ -164,20 +164,23 @@ class Yardstick:
         better = full is not None and full.evidence < quick.evidence and not absurd(quick)
         return quick if better else full
 
-    def settled(self, at: Scored, care: Care = "compared") -> Scored:
+    def settled(self, at: Fit, care: Care = "compared") -> Scored:
         """A fit, moved on in the metric of moves to where its evidence is best, for models to be compared as they are.
 
         What laws are off by draws values away where it counts as noise, and another effect may mend that: a ripple of
         0.235 N·m was fitted as 0.213 beside friction that is uneven by some per cent, and an offset that the joint has
         not gained 80 in evidence; it gains 14 where both models are at their best.
         """
-        best, passes = at, 1 if care == "quick" else SETTLE
-        for _ in range(passes if self.wrong.laws and at.fit.names else 0):
-            metric = self.sharp(best.fit).metric
-            done = fit(self.simulations, best.fit.changes, self.train, metric, self.floors.coarse, best.fit, care)
+        best, moves = scored_and_sharp(self.channels, at, self.wrong)
+        last = 1 if care == "quick" else SETTLE
+        for number in range(last if self.wrong.laws and at.names else 0):
+            done = fit(self.simulations, best.fit.changes, self.train, moves.metric, self.floors.coarse, best.fit, care)
             if done is None:
                 break
-            there = self.score(done)
+            if number + 1 < last:
+                there, moves = scored_and_sharp(self.channels, done, self.wrong)
+            else:
+                there = self.score(done)
             gain = there.evidence - best.evidence
             best = there if gain > 0.0 else best
             if gain < SETTLED:
