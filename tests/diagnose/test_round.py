@@ -11,6 +11,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.search import prune
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.imperfections import SHARE
@@ -172,3 +173,19 @@ def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
     assert {p.block.suspect for p in at.straight} == {gain.suspect, everyone[2]}
     assert at.explained == pytest.approx(less.evidence - at.yardstick.score(Fit((), left)).evidence)
     assert standing(at.retold().fit.changes) == standing([friction])
+
+
+def test_what_straight_lines_wrongly_call_superfluous_stays_and_the_rest_goes(
+    problem: Problem, round_: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that is needed among those that are not, wherever it stands: halves are tried until it is alone."""
+    names = ("viscous_friction", "coulomb_friction", "controller_gain", "supply_voltage")
+    whole = round_.yardstick.fit([guess(problem, suspect_of(problem, n, "elbow")) for n in names], care="compared")
+    assert whole is not None
+    every = [c.suspect for c in whole.fit.changes]
+    friction = suspect_of(problem, "coulomb_friction", "elbow")
+    monkeypatch.setattr(prune, "superfluous", lambda *_: every)
+    assert [c.suspect for c in prune.pruned(round_, whole, []).fit.changes] == [friction]
+    kept = [suspect_of(problem, "supply_voltage", "elbow")]
+    monkeypatch.setattr(prune, "superfluous", lambda *_: [s for s in every if s not in kept])
+    assert {c.suspect for c in prune.pruned(round_, whole, kept).fit.changes} == {friction, *kept}
