@@ -194,9 +194,9 @@ def _slopes(
     slopes[:, new] = fresh
     if known is None or len(new) == len(places):
         return slopes, True
-    for k, place in enumerate(places):
-        if place is not None:
-            slopes[:, k] = known.slope[:, place] * space.scale[k] / known.size[place]
+    old = [k for k, place in enumerate(places) if place is not None]
+    at = [place for place in places if place is not None]
+    slopes[:, old] = known.slope[:, at] * (space.scale[old] / known.size[at])
     return slopes, known.here and set(space.changes) == set(known.changes)
 
 

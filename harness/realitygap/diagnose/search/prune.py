@@ -31,15 +31,17 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
     """
-    problem, limit, needed, now = round_.simulations.problem, round_.limit, set(keep), found
-    leaving = [superfluous(problem, now, needed, limit)]
-    while leaving:
+    problem, limit, workers = round_.simulations.problem, round_.limit, round_.simulations.workers
+    needed, now = set(keep), found
+    leaving, known = [superfluous(problem, now, needed, limit)], dict[tuple[Suspect, ...], Scored | None]()
+    while leaving and leaving[-1]:
+        ahead = [tuple(some) for some in leaving[-workers:] if tuple(some) not in known]
+        known |= zip(ahead, round_.simulations.side_by_side(partial(_left_out, round_, now), ahead), strict=True)
         some = leaving.pop()
-        without = _left_out(round_, now, some) if some else now
+        without, half = known[tuple(some)], len(some) // 2
         if without is not None and now.evidence - without.evidence < limit:
-            now = without
-        elif len(some) > 1:
-            half = len(some) // 2
+            now, known = without, {}  # what others lose beside it is not known yet
+        elif half:
             leaving += [some[half:], some[:half]]
         elif not told:
             needed.update(some)
@@ -49,12 +51,12 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
         doubtful = {s: d for s, d in losses.items() if s not in needed and (s in vague or d < DOUBTFUL * limit)}
         if not doubtful:
             return now
-        least = sorted(doubtful, key=lambda s: doubtful[s])[: round_.simulations.workers]
+        least = sorted(doubtful, key=lambda s: doubtful[s])[:workers]
         tried = round_.simulations.side_by_side(partial(_left_out, round_, now), [[s] for s in least])
         for suspect, without in zip(least, tried, strict=True):
             enough = DOUBTFUL if suspect in vague else 1.0
             if without is not None and now.evidence - without.evidence < enough * limit:
-                now = without  # what others would lose beside it is not known yet
+                now = without
                 break
             needed.add(suspect)
 
