@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -198,9 +198,18 @@ class _Odds:
     def best(self, scales: Sequence[float]) -> dict[str, float]:
         """The scale of each kind of law that makes the recordings most probable, one kind after the other."""
         chosen = dict.fromkeys(self.laws, scales[len(scales) // 2])
+        known: dict[tuple[float, ...], float] = {}  # where a sweep changes little, the next asks much the same
+
+        def odds(law: str, scale: float) -> float:
+            tried = {**chosen, law: scale}
+            at = tuple(tried.values())
+            if at not in known:
+                known[at] = self(tried)
+            return known[at]
+
         for _ in range(SWEEPS if len(scales) > 1 else 0):
             for law in chosen:
-                chosen[law] = max(scales, key=lambda scale: self({**chosen, law: scale}))
+                chosen[law] = max(scales, key=partial(odds, law))
         return chosen
 
     def taken(self, each: Array) -> Array:

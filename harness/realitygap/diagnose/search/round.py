@@ -199,13 +199,16 @@ class Round:
     def _jumps(self) -> list[Promise]:
         """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
         still = self.yardstick.plain(self.now.fit).evidence
+        far = [b for b in self.blocks if b.columns.shape[1] == 1]
+        far = [b for b in far if b.start.kind != "linear" or b.suspect.kind.sits_at == "ground"]
+        gains = self.simulations.side_by_side(
+            lambda b: self.yardstick.plain(self._moved(b.columns[:, 0])).evidence - still, far
+        )
         rough: dict[tuple[Suspect, tuple[str, ...]], tuple[float, Block]] = {}
-        for block in self.blocks:
-            if block.columns.shape[1] == 1 and (block.start.kind != "linear" or block.suspect.kind.sits_at == "ground"):
-                gain = self.yardstick.plain(self._moved(block.columns[:, 0])).evidence - still
-                which = block.suspect, block.start.first.free
-                if gain > rough.get(which, (0.0, block))[0]:
-                    rough[which] = gain, block
+        for block, gain in zip(far, gains, strict=True):
+            which = block.suspect, block.start.first.free
+            if gain > rough.get(which, (0.0, block))[0]:
+                rough[which] = gain, block
         out = []
         for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
             try_ = block.start.tries[0]
