@@ -19,7 +19,7 @@ from realitygap.robot.effects import EFFECTS
 
 def white(n: int) -> Metric:
     """The metric of samples whose noise has a standard deviation of one."""
-    channel = Channel(0, "position", 0, 0.01 * np.arange(n), 1.0, np.zeros(n))
+    channel = Channel(0, "position", 0, 0.01 * np.arange(n, dtype=np.float64), 1.0, np.zeros(n))
     whitening = Whitening((channel,), np.zeros(1), np.ones(1))
     return marginalised(whitening, np.ones(n), Parted.of(np.zeros((n, 0)), [n]), 0.0)
 

@@ -57,8 +57,13 @@ class Rival:
 
     @property
     def open(self) -> bool:
-        """Whether the recordings cannot tell it from the finding."""
+        """Whether the recordings cannot tell it from the finding, or it is the better one."""
         return self.behind <= max(ODDS, ERRORS * self.error)
+
+    @property
+    def ahead(self) -> bool:
+        """Whether it is surely the better one."""
+        return -self.behind > max(ODDS, ERRORS * self.error)
 
 
 @dataclass
@@ -88,7 +93,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 
     Where one is superfluous, that is all that is said, unless it is late: then nothing new is looked for beside what is
     left. What was far behind `before` is not tried again. A name that is no simpler has to gain what a new one has to
-    (`Round.little`).
+    (`Round.little`); once it is late it has to be the better one surely.
     """
     now = pruned(round_, round_.now, keep, told=True)
     out = Exchanged()
@@ -125,7 +130,8 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
             equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect)
-            if -rival.behind > max(ODDS, round_.little(rival.scored)) or equal:
+            better = -rival.behind > max(ODDS, round_.little(rival.scored))
+            if (better or equal) and (rival.ahead or not round_.late):
                 out.offer(rival.scored)
     return out
 

@@ -85,7 +85,7 @@ def search(
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
     many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
-        stays = many and following is not None and dropped and round_.moved(following)
+        stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
             round_ = Round(simulations, at, looked_at, limit, nothing, say, until)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
@@ -107,7 +107,7 @@ def search(
             last = exchanged(round_, kept, last)
             following = last.better
             swapped = following is not None and len(following.fit.changes) == len(round_.now.fit.changes)
-            if following is not None and swapped and (late or standing(following.fit.changes) in seen):
+            if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
             dropped = following is not None and not swapped
         if following is None and not late:
