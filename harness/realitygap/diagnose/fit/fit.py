@@ -219,8 +219,8 @@ def slope(
         coarse: how coarsely each is simulated.
         own: the channels of the residual, where the same value of one effect is moved at all joints at once and each
             joint's answer is its own, as responses are. For fits of a robot that is bolted down which are only
-            compared: on the SO-101 the cosine with the slope of the value alone is 0.98 to 1; on a humanoid it is 0.1
-            to 0.9, since one joint's friction moves all of it. None for each value alone.
+            compared: on the SO-101 the cosine with the slope of the value alone is 0.97 to 1; on a humanoid it is 0.02
+            to 0.97, since one joint's friction moves all of it. None for each value alone.
         values: the numbers of the values that count; None for all.
     """
     steps = space.steps(x)
