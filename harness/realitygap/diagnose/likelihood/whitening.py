@@ -170,19 +170,15 @@ class Whitening:
             columns: NaN where nothing was measured. Shape (m, n).
             weight: trust in each sample: 0 leaves it out. Shape (m,).
         """
-        return self.scaled(self.thinned(columns), weight)
+        scale, determinant = self.scale(weight)
+        return self.thinned(columns) * scale[:, None], determinant
 
     def thinned(self, columns: Array) -> Array:
         """Of stacked columns the samples that are looked at, 0 where nothing was measured. Shape (m, n) -> (k, n)."""
         return np.nan_to_num(columns[self.rows])
 
-    def scaled(self, thin: Array, weight: Array) -> tuple[Array, float]:
-        """The same as a call, of columns that are thinned already. Shape (k, n)."""
-        scale, determinant = self.scale(weight)
-        return thin * scale[:, None], determinant
-
     def scale(self, weight: Array) -> tuple[Array, float]:
-        """What each of the samples that are looked at is multiplied by, (k,), and that determinant."""
+        """What each of the samples that are looked at is multiplied by, (k,), and the determinant of a call."""
         trust = weight[self.rows]
         good = trust > 0
         determinant = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))

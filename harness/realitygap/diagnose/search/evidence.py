@@ -124,6 +124,7 @@ class _Look:
     Attributes:
         fit: the model.
         imperfections: of all models of a round.
+        shares: how much of each of them counts for the fit. Shape (q,).
         whitening: what no law explains, of the residual.
         weight: trust in every stacked sample. Shape (m,).
         scale: what the samples that are looked at are multiplied by. Shape (k,).
@@ -134,6 +135,7 @@ class _Look:
 
     fit: Fit
     imperfections: Imperfections
+    shares: Array
     whitening: Whitening
     weight: Array
     scale: Array
@@ -159,15 +161,14 @@ def _look(
         own = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1)])
         thin = Parted.of(whitening.thinned(own), whitening.number).beside(imperfections.thinned(whitening))
     scale, determinant = whitening.scale(weight)
-    columns = np.ones(thin.width)
-    columns[thin.width - len(imperfections.laws) :] = imperfections.shares(fit)
+    shares = imperfections.shares(fit)
+    columns = np.concatenate([np.ones(thin.width - len(shares)), shares])
     odds = _Odds(thin.scaled(scale, columns).gram(), imperfections.laws)
-    return _Look(fit, imperfections, whitening, weight, scale, determinant, thin, odds)
+    return _Look(fit, imperfections, shares, whitening, weight, scale, determinant, thin, odds)
 
 
 def _at(look: _Look, scales: Sequence[float]) -> Scored:
-    fit, wrong = look.fit, look.imperfections
-    shares = wrong.shares(fit)
+    fit, wrong, shares = look.fit, look.imperfections, look.shares
 
     def best(look: _Look) -> tuple[dict[str, float], Array, Array]:
         chosen = look.odds.best(scales)
