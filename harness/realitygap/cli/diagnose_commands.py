@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from realitygap.cli.options import Engines, Jobs, Out, folder_for, say
-from realitygap.diagnose.patience import MINUTES
 
 
 def diagnose(
@@ -16,11 +15,14 @@ def diagnose(
     jobs: Jobs = None,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="write the mended model as a MJCF file, too")] = False,
     minutes: Annotated[
-        float,
+        float | None,
         typer.Option(
-            "--minutes", min=0.0, help="how long to look for more; what was found by then is proven; inf: to the end"
+            "--minutes",
+            min=0.0,
+            help="how long to look for more; what was found by then is proven; inf: to the end",
+            show_default="3, or a third for every joint",
         ),
-    ] = MINUTES,
+    ] = None,
 ) -> None:
     """Find what a model lacks, add it, prove that it helps.
 

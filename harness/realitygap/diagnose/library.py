@@ -6,7 +6,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from realitygap.diagnose.patience import MINUTES
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import diagnosed, write_diagnosis
@@ -139,7 +138,7 @@ def diagnose(
     *,
     workers: int | None = None,
     progress: bool = False,
-    minutes: float = MINUTES,
+    minutes: float | None = None,
 ) -> Diagnosed:
     """Find what a model lacks, name it, and prove on runs that were not fitted that it helps. It takes minutes.
 
@@ -149,6 +148,7 @@ def diagnose(
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
         minutes: after which nothing more is looked for, infinite for to the end; what was found by then is proven.
+            None for three, and of a robot with many joints a third for each.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.

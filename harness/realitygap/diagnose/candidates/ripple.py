@@ -4,7 +4,8 @@ A ripple moves the joint, and the effort, by nearly the same sine of the angle: 
 residual beside a straight line at every period that the angles resolve (a Lomb-Scargle periodogram with a floating mean
 and trend: Zechmeister and Kürster 2009). Every signal of every motion has an unknown noise of its own, so that a share
 s that is explained of it counts −ln(1 − s): what is far off for another cause tells no more than the rest. All sums
-that the fits take are transforms of what falls into narrow bins of the angle (Press and Rybicki 1989).
+that the fits take are transforms of what falls into narrow bins of the angle (Press and Rybicki 1989), at the grid's
+periods alone (a chirp transform): over a joint that hardly moves the bins are so narrow that a turn has millions.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.fft import next_fast_len
 from scipy.ndimage import median_filter
+from scipy.signal import czt
 from scipy.special import gammainccinv
 
 from realitygap.robot.drive import Array
@@ -82,16 +83,14 @@ def power(angle: Array, residual: Array, grid: Array) -> Array:
     Shape (p, k), less than one.
     """
     step = float(grid[1] - grid[0])
-    whole = 2.0 * math.pi / step  # every wave of the grid repeats itself after so much
-    finest = max(NARROW * float(grid[-1]) / (2.0 * math.pi), LEAST / float(np.ptp(angle)))  # bins per rad
-    size = next_fast_len(math.ceil(whole * finest))
-    bins = np.floor((angle - angle.min()) / (whole / size)).astype(int)
+    wide = 1.0 / max(NARROW * float(grid[-1]) / (2.0 * math.pi), LEAST / float(np.ptp(angle)))  # of a bin [rad]
+    bins = np.floor((angle - angle.min()) / wide).astype(int)
     plain, _ = np.linalg.qr(np.column_stack([np.ones(len(bins)), bins - bins.mean()]))
     rest = residual - plain @ (plain.T @ residual)
     columns = np.column_stack([np.ones(len(angle)), plain, rest])
-    sums = np.array([np.bincount(bins % size, column, minlength=size)[:size] for column in columns.T])
-    waves = np.conj(np.fft.rfft(sums, axis=1))  # sums of exp(i·k·step·angle), from the first bin
+    sums = np.array([np.bincount(bins, column) for column in columns.T])
     at, twice = np.rint(grid / step).astype(int), np.rint(2.0 * grid / step).astype(int)
+    waves = czt(sums, int(twice[-1]) + 1, np.exp(1j * step * wide))  # sums of exp(i·k·step·angle), from the first bin
     once, double = waves[:, at], waves[0, twice]
     number = float(len(angle))
     cosine = 0.5 * (number + double.real) - (once[1:3].real ** 2).sum(axis=0)

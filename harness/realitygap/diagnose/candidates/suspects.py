@@ -97,15 +97,27 @@ industrial arms (Gautier 1997; Swevers 1997)."""
 SHARED = ("command_delay",)
 """The same for all joints: a bus has one latency."""
 FEW = 8
-"""With more joints than this, a plain fit may have one value for every type of servo too."""
+"""With more joints than this, a plain fit has one value for every type of servo, but of what is each joint's own: what
+one joint does moves all of a humanoid, so that values of many single joints are told from each other late, and badly.
+"""
 
 
 def everyday(problem: Problem, suspect: Suspect) -> bool:
     """Whether a plain fit of this robot would have a suspect free."""
     if suspect.effect in SHARED:
         return suspect.target == "*"
+    if suspect.effect not in EVERYDAY[bool(problem.file.scenario.servos)]:
+        return False
+    by_type = suspect.effect not in OWN and int(problem.judged.sum()) > FEW
+    return len(suspect.indices) > 1 if by_type else len(suspect.indices) == 1
+
+
+def plain_first(problem: Problem, everyone: Sequence[Suspect]) -> list[Suspect]:
+    """What a search looks at first: with many joints only what a plain fit has free. All else is seen beside that, and
+    seen falsely without it: what one joint lacks moves all of a humanoid.
+    """
     many = int(problem.judged.sum()) > FEW
-    return suspect.effect in EVERYDAY[bool(problem.file.scenario.servos)] and (len(suspect.indices) == 1 or many)
+    return [s for s in everyone if everyday(problem, s)] if many else list(everyone)
 
 
 def fitted(effect: Effect) -> list[Parameter]:

@@ -23,7 +23,7 @@ from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
 from realitygap.diagnose.judge.held_out import predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import in_units, worsened
-from realitygap.diagnose.patience import MINUTES
+from realitygap.diagnose.patience import minutes_for
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
@@ -58,7 +58,7 @@ def run_diagnosis(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
-    minutes: float = MINUTES,
+    minutes: float | None = None,
 ) -> Diagnosis:
     """Diagnose a scenario and write what was found.
 
@@ -69,7 +69,7 @@ def run_diagnosis(
         progress: told what is being done.
         workers: processes; None for one per core.
         ahead: those of them that were started already.
-        minutes: after which nothing more is looked for.
+        minutes: after which nothing more is looked for; None for as long as the robot's joints take.
 
     Raises:
         InputError: for a scenario that cannot be diagnosed; nothing is written then.
@@ -86,14 +86,15 @@ def diagnosed(
     progress: Progress,
     workers: int | None = None,
     ahead: list[Process] | None = None,
-    minutes: float = MINUTES,
+    minutes: float | None = None,
 ) -> Diagnosis:
     """The same without writing anything."""
-    until = time.monotonic() + 60.0 * minutes
+    began = time.monotonic()
     chosen = engine_names(names)
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
+    until = began + 60.0 * (minutes_for(int(problem.judged.sum())) if minutes is None else minutes)
     with Simulations(problem, workers, ahead) as simulations:
         result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), until)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]

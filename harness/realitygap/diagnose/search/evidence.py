@@ -59,13 +59,19 @@ class Scored:
 
     @cached_property
     def covariance(self) -> Array:
-        """Of the values that are likeliest where laws are imperfect, in sizes². Shape (p, p)."""
+        """Of the values that are likeliest where laws are imperfect, in sizes², as the likelihood says or as stretches
+        of the recordings scatter, whichever is wider. Shape (p, p).
+        """
         if not len(self.fit.names):
             return np.zeros((0, 0))
-        slope, whole = self._white
-        model = np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
         whitening = self.metric.whitening
-        return _covariance(stretches(whitening.channels)[whitening.rows], slope, whole, model)
+        return _covariance(stretches(whitening.channels)[whitening.rows], *self._white, self.likely)
+
+    @cached_property
+    def likely(self) -> Array:
+        """The same as the likelihood says, of which evidence is made. Shape (p, p)."""
+        slope, _ = self._white
+        return np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
 
     @property
     def deviation(self) -> Array:

@@ -32,8 +32,8 @@ ROUGHLY = 0.05
 """Of these none that promises less than this share of what the finding gains: on the SO-101 those that came close
 promised 0.10, 0.38 and 1.0 of it."""
 EXCHANGED, LATE = 4, 2
-"""Suspects that are tried in the place of a finding: of these, those that promise most. Fewer, once there is no more
-time to find a better name for it."""
+"""Suspects that are tried in the place of a finding: of these, those that promise most. Fewer, of twice as many, once
+there is no more time to find a better name for it."""
 CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
@@ -167,7 +167,7 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
 
     here = [b for b in round_.blocks if fits(b.suspect)]
     likely = [p for p in linear(here).promises() if p.gain > ROUGHLY * gain]
-    rough = list(dict.fromkeys(p.block.suspect for p in likely))[:LOOKED]
+    rough = list(dict.fromkeys(p.block.suspect for p in likely))[: 2 * LATE if round_.late else LOOKED]
     known = {b.suspect for b in here}
     beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
     tried = [change.suspect, *rough, *(s for s in beside if fits(s))]

@@ -104,8 +104,10 @@ def untold(problem: Problem, scored: Scored) -> set[Suspect]:
 
 
 def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
-    """The evidence that is lost without some values."""
-    information = np.linalg.inv(scored.covariance[np.ix_(at, at)])
+    """The evidence that is lost without some values. As stretches scatter by what is still missing they say less, and
+    of a humanoid's fit that without half of it nothing is lost, where 250 are.
+    """
+    information = np.linalg.inv(scored.likely[np.ix_(at, at)])
     occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
     return 0.5 * float(away[at] @ information @ away[at]) - max(occam, 0.0)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from realitygap.diagnose.candidates.suspects import plain_first
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -81,7 +82,7 @@ def search(
         raise RuntimeError("the scenario's own model cannot be simulated")
     nothing = Fit(tuple(told), base)
     at, seen, again = nothing, set[Standing](), True
-    looked_at, last, failed = list(everyone), Exchanged(), set[Standing]()
+    looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
     many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
@@ -118,7 +119,7 @@ def search(
         say("; ".join(told_change(c) for c in following.fit.changes))
         if many and not dropped:
             following = _further(round_, following, kept, failed)
-        at, looked_at = following.fit, list(everyone) if dropped else round_.likely(LIKELY)
+        at, looked_at = following.fit, list(everyone) if dropped or not (number or whole) else round_.likely(LIKELY)
     start = round_.yardstick.score(nothing)
     best = round_.retold()
     floors = measure(simulations, best.fit.changes)
