@@ -84,24 +84,24 @@ def search(
     at, seen, again = nothing, set[Standing](), True
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
-    many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
+    many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
             round_ = Round(simulations, at, looked_at, limit, nothing, say, until)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
-        late = number > 0 and round_.late
-        fresh = here not in seen and not late  # what was dropped here once would only be added again
+        first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
+        fresh = fresh and (first or not round_.late)
         following = grown(round_, kept, failed, whole and again) if fresh else None
-        if following is None and not whole and not late:
+        if following is None and not whole and (first or not round_.late):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
         for ways in (parted, shared):
-            if following is None and fresh:
+            if following is None and fresh and (first or not round_.late):
                 following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)
         again = following is not None  # what failed is tried again beside what is new
-        dropped = False
+        dropped, cut = False, not first and round_.late
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
         else:
@@ -111,7 +111,7 @@ def search(
             if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
             dropped = following is not None and not swapped
-        if following is None and not late:
+        if following is None and (first or not round_.late):
             following = with_unnamed(round_, kept)
             again = following is not None
         if following is None:
@@ -119,7 +119,7 @@ def search(
         say("; ".join(told_change(c) for c in following.fit.changes))
         if many and not dropped:
             following = _further(round_, following, kept, failed)
-        at, looked_at = following.fit, list(everyone) if dropped or not (number or whole) else round_.likely(LIKELY)
+        at, looked_at = following.fit, list(everyone) if dropped or (first and not whole) else round_.likely(LIKELY)
     start = round_.yardstick.score(nothing)
     best = round_.retold()
     floors = measure(simulations, best.fit.changes)
@@ -136,7 +136,7 @@ def search(
         without=last.without,
         rivals=last.rivals,
         promised=round_.promised,
-        cut=late,
+        cut=cut,
     )
 
 
