@@ -9,6 +9,7 @@ import pytest
 import yaml
 from realitygap.diagnose.candidates.suspects import FEW, OWN, everyday, plain_first, suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.result.story_text import places
 from realitygap.scenario.file import load_scenario
 
 LINK = (
@@ -64,3 +65,10 @@ def test_with_many_joints_a_plain_fit_comes_first_and_has_one_value_for_every_ty
         assert friction == {(i,) for i in every}
         assert plain_first(problem, everyone) == everyone
     assert all(len(s.indices) == 1 for s in plain if s.effect in OWN)
+
+
+def test_the_joints_of_several_types_of_servo_are_counted_and_not_the_types(tmp_path: Path) -> None:
+    everyone = suspects(chain(tmp_path, 5))
+    types = [s for s in everyone if s.effect == "coulomb_friction" and s.servo]
+    assert places(types) == "5 joints"
+    assert places([s for s in everyone if s.effect == "coulomb_friction" and len(s.indices) == 1]) == "5 joints"

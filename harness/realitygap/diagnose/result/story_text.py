@@ -104,18 +104,19 @@ def _unnamed(result: Diagnosis, change: Change) -> str:
 
 def _grouped(changes: Sequence[Change]) -> str:
     """Many findings as part of a sentence: `coulomb friction at 6 joints and link mass at 3 links are ...`."""
-    places: dict[str, list[Suspect]] = {}
+    found: dict[str, list[Suspect]] = {}
     for change in changes:
-        places.setdefault(name_label(change.suspect), []).append(change.suspect)
+        found.setdefault(name_label(change.suspect), []).append(change.suspect)
     told = []
-    for effect, where in places.items():
+    for effect, where in found.items():
         alone = len(where) == 1
-        told.append(f"{effect} at {target_label(where[0]) if alone else _places(where)}")
+        told.append(f"{effect} at {target_label(where[0]) if alone else places(where)}")
     return f"{listed(told)} {'are' if len(changes) > 1 else 'is'} missing or wrong"
 
 
-def _places(where: Sequence[Suspect]) -> str:
-    return f"{len(where)} {where[0].kind.sits_at}s"
+def places(where: Sequence[Suspect]) -> str:
+    """How many joints, or links, several findings of one effect are at: two types of servo are many joints."""
+    return f"{len({i for suspect in where for i in suspect.indices})} {where[0].kind.sits_at}s"
 
 
 def verdict(result: Diagnosis) -> str:
