@@ -91,17 +91,16 @@ def search(
             round_ = Round(simulations, at, looked_at, limit, nothing, say, until)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
-        fresh = fresh and (first or not round_.late)
-        following = grown(round_, kept, failed, whole and again) if fresh else None
-        if following is None and not whole and (first or not round_.late):
+        following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
+        if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
         for ways in (parted, shared):
-            if following is None and fresh and (first or not round_.late):
+            if following is None and fresh and not _over(round_, first):
                 following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)
         again = following is not None  # what failed is tried again beside what is new
-        dropped, cut = False, not first and round_.late
+        dropped, cut = False, _over(round_, first)
         if following is not None:
             last = Exchanged()  # beside what is new, another name may be as good
         else:
@@ -111,7 +110,7 @@ def search(
             if following is not None and swapped and standing(following.fit.changes) in seen:
                 following = None
             dropped = following is not None and not swapped
-        if following is None and (first or not round_.late):
+        if following is None and not _over(round_, first):
             following = with_unnamed(round_, kept)
             again = following is not None
         if following is None:
@@ -138,6 +137,11 @@ def search(
         promised=round_.promised,
         cut=cut,
     )
+
+
+def _over(round_: Round, first: bool) -> bool:
+    """Whether nothing more is looked for: it is late, and this is not the first round, which is always made."""
+    return round_.late and not first
 
 
 def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing]) -> Scored:
