@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
@@ -115,12 +115,15 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             return Exchanged(better=now, rivals=before.rivals)
     asked, evidence = [c for c in now.fit.changes if c.suspect in out.without], round_.now.evidence
 
-    def close(change: Change) -> list[Rival]:
+    def close(change: Change) -> tuple[list[Rival], Scored | None]:
         rivals, alone = before.rivals.get(change.suspect, []), out.without[change.suspect]
-        again = not rivals or any(r.behind < FAR * round_.limit for r in rivals)
-        return _rivals(round_, change, alone, rivals) if again else rivals
+        if rivals and all(r.behind >= FAR * round_.limit for r in rivals):
+            return rivals, None
+        place = _Place.of(round_, change, alone)
+        return _rivals(place, rivals), None if round_.late else _several(place)
 
-    compared = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
+    found = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
+    compared = {suspect: rivals for suspect, (rivals, _) in found.items()}
     ahead = {r.suspect: r for of in compared.values() for r in sorted(of, key=lambda r: -r.behind) if r.behind < -ODDS}
     for rival in ahead.values():  # one that is better in the place of several leads to the same
         round_.led(rival.scored)
@@ -133,6 +136,9 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             better = -rival.behind > max(ODDS, round_.little(rival.scored))
             if (better or equal) and (rival.ahead or not round_.late):
                 out.offer(rival.scored)
+    for _, several in found.values():
+        if several is not None:
+            out.offer(several)
     return out
 
 
@@ -150,40 +156,76 @@ def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
 
 
-def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival]) -> list[Rival]:
-    """What explains nearly as much in the place of a finding, the closest first.
+@dataclass(frozen=True)
+class _Place:
+    """Where a finding is missing, and what could stand there.
 
-    Whatever does leaves as little as the model with the finding, in whose metric it is looked for: where the finding is
-    missing, most of what it explains is taken for what no law does.
+    Attributes:
+        round_: of the search.
+        change: the finding.
+        alone: the model without it.
+        blocks: the responses of what could, the finding's own among them.
+        gain: the evidence that the finding gains, there or by its response, whichever is more.
     """
-    yardstick, rest = round_.yardstick, alone.fit.changes
-    gain = round_.now.evidence - alone.evidence
 
-    def fits(suspect: Suspect) -> bool:
-        return not any(clash(suspect, c.suspect) for c in rest)
+    round_: Round
+    change: Change
+    alone: Scored
+    blocks: Sequence[Block]
+    gain: float
 
-    def linear(blocks: Sequence[Block]) -> Linear:
-        return Linear(round_.look.metric, alone.fit.residual, alone.fit.slope, blocks)
+    @classmethod
+    def of(cls, round_: Round, change: Change, alone: Scored) -> _Place:
+        """What promises anything there, simulated anew."""
+        rest, gain = [c.suspect for c in alone.fit.changes], round_.now.evidence - alone.evidence
 
-    here = [b for b in round_.blocks if fits(b.suspect)]
-    likely = [p for p in linear(here).promises() if p.gain > ROUGHLY * gain]
-    rough = list(dict.fromkeys(p.block.suspect for p in likely))[: 2 * LATE if round_.late else LOOKED]
-    known = {b.suspect for b in here}
-    beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
-    tried = [change.suspect, *rough, *(s for s in beside if fits(s))]
-    anew = yardstick.responses(alone.fit, tried)
-    promises = linear([*anew, *(b for b in here if b.suspect in rough)]).promises()
-    own = max((p.gain for p in promises if p.block.suspect == change.suspect), default=gain)
+        def fits(suspect: Suspect) -> bool:
+            return not any(clash(suspect, other) for other in rest)
+
+        here = [b for b in round_.blocks if fits(b.suspect)]
+        likely = [p for p in _lines(round_, alone, here).promises() if p.gain > ROUGHLY * gain]
+        rough = list(dict.fromkeys(p.block.suspect for p in likely))[: 2 * LATE if round_.late else LOOKED]
+        known = {b.suspect for b in here}
+        beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
+        tried = [change.suspect, *rough, *(s for s in beside if fits(s))]
+        anew = round_.yardstick.responses(alone.fit, tried)
+        place = cls(round_, change, alone, [*anew, *(b for b in here if b.suspect in rough)], gain)
+        own = (p.gain for p in place.lines.promises() if p.block.suspect == change.suspect)
+        return replace(place, gain=max([gain, *own]))
+
+    @cached_property
+    def lines(self) -> Linear:
+        """The straight-line model of what could stand there."""
+        return _lines(self.round_, self.alone, self.blocks)
+
+    def quick(self, changes: Sequence[Change]) -> Scored | None:
+        """A model with other changes there, fitted quickly."""
+        rest = self.alone.fit.changes
+        return self.round_.adjusted(as_read([*rest, *changes], rest, self.round_.simulations.problem.plant))
+
+
+def _lines(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
+    """The straight-line model where a finding is missing.
+
+    What explains nearly as much leaves as little as the model with the finding, in whose metric it is looked for: where
+    the finding is missing, most of what it explains is taken for what no law does.
+    """
+    return Linear(round_.look.metric, alone.fit.residual, alone.fit.slope, blocks)
+
+
+def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
+    """What explains nearly as much in the place of a finding, the closest first."""
+    round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
     chosen: dict[Suspect, Promise] = {}
-    for p in promises:
-        worth = p.gain > (CLOSE * max(gain, own) if chosen else 0.0)
-        if worth and p.block.suspect != change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
+    for p in place.lines.promises():
+        worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
+        if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
             chosen.setdefault(p.block.suspect, p)
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, p in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
-        quick = round_.adjusted(as_read([*rest, p.change], rest, round_.simulations.problem.plant))
+        quick = place.quick([p.change])
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit
@@ -191,8 +233,32 @@ def _rivals(round_: Round, change: Change, alone: Scored, before: Sequence[Rival
         if scored is not None:
             out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored)))
             if close:
-                round_.say(f"  {suspect} for {change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
+                round_.say(f"  {suspect} for {place.change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
     return sorted(out, key=lambda r: r.behind)
+
+
+def _several(place: _Place) -> Scored | None:
+    """The model with several findings in the place of one, where they gain what every one more needs; None elsewhere.
+
+    Two laws at one joint are easily taken for one that does the most of both. In the place of an effort without a law
+    they only have to explain as much.
+    """
+    round_, own = place.round_, place.change.suspect
+    lines = _lines(round_, place.alone, [b for b in place.blocks if b.suspect != own])
+    several = lines.several(round_.limit)
+    numbers = [i for i, b in enumerate(lines.blocks) if any(b is p.block for p in several)]
+    if len(several) < 2 or lines.gain(numbers) < CLOSE * place.gain:
+        return None
+    quick = place.quick([p.change for p in several])
+    if quick is None or round_.now.evidence - quick.evidence > FAR * round_.limit:
+        return None
+    scored = round_.yardstick.refined(quick)
+    if scored is None:
+        return None
+    gain, needs = scored.evidence - round_.now.evidence, round_.limit * (len(several) - 1)
+    round_.say(f"  {'; '.join(str(p.block.suspect) for p in several)} for {own}: {gain:+.1f}")
+    enough = gain > -EQUAL if own.table is not None else gain > max(needs, round_.little(scored))
+    return scored if enough else None
 
 
 def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:

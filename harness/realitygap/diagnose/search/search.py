@@ -106,10 +106,10 @@ def search(
         else:
             last = exchanged(round_, kept, last)
             following = last.better
-            swapped = following is not None and len(following.fit.changes) == len(round_.now.fit.changes)
-            if following is not None and swapped and standing(following.fit.changes) in seen:
+            fewer = following is not None and len(following.fit.changes) < len(round_.now.fit.changes)
+            if following is not None and not fewer and standing(following.fit.changes) in seen:
                 following = None
-            dropped = following is not None and not swapped
+            dropped = following is not None and fewer
         if following is None and not _over(round_, first):
             following = with_unnamed(round_, kept)
             again = following is not None
