@@ -1,14 +1,17 @@
 """What stands in the place of a finding, on recordings of the bundled demo (synthetic) with planted effects."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 from demo_problem import FRICTION, demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.changes import Change, Standing, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.rehearse.planting import plant_recordings
-from realitygap.diagnose.search.exchange import Exchanged, exchanged
+from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 
@@ -16,24 +19,52 @@ PULL = 0.9
 """A constant effort at the elbow besides its friction [N·m], larger than that."""
 
 
-def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None:
-    """Friction by direction is dry friction beside a constant effort that is no larger, while a joint moves."""
+@dataclass(frozen=True)
+class Stood:
+    """A round, and what is right where it stands."""
+
+    simulations: Simulations
+    round_: Round
+    right: Standing
+
+
+def stood(missing: dict[str, dict[str, float]], wrong: dict[str, dict[str, float]], others: Sequence[str]) -> Stood:
+    """A round of a search that found something wrong at the elbow, of recordings where something is missing there."""
     bare = demo_problem()
-    names = ("direction_friction", "coulomb_friction", "constant_effort", "viscous_friction")
-    both, dry, pull, _ = (guess(bare, suspect_of(bare, name, "elbow")) for name in names)
-    lacking = [dry.at({"torque": FRICTION}), pull.at({"effort": PULL})]
+
+    def elbow(effects: dict[str, dict[str, float]]) -> list[Change]:
+        return [guess(bare, suspect_of(bare, name, "elbow")).at(values) for name, values in effects.items()]
+
     with Simulations(bare, 2) as simulations:
         floors = measure(simulations, [])
-    problem = plant_recordings(bare, floors, lacking, "mujoco")
-    with Simulations(problem, 2) as simulations:
-        left = residual(simulations, [], problem.of("train"))
-        assert left is not None
-        everyone, nothing = [suspect_of(problem, name, "elbow") for name in names], Fit((), left)
-        begun = both.at({"forward": 0.01, "backward": FRICTION + PULL})
-        at = Fit((begun,), left)
-        round_ = Round(simulations, at, everyone, needed(len(everyone)), nothing, print)
-        assert standing(round_.now.fit.changes) == standing([both])
-        better = exchanged(round_, [], Exchanged()).better
+    problem = plant_recordings(bare, floors, elbow(missing), "mujoco")
+    simulations = Simulations(problem, 2)
+    left = residual(simulations, [], problem.of("train"))
+    assert left is not None
+    everyone = [suspect_of(problem, name, "elbow") for name in (*wrong, *missing, *others)]
+    at = Fit(tuple(elbow(wrong)), left)
+    round_ = Round(simulations, at, everyone, needed(len(everyone)), Fit((), left), print)
+    assert standing(round_.now.fit.changes) == standing(elbow(wrong))
+    return Stood(simulations, round_, standing(elbow(missing)))
+
+
+def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None:
+    """Friction by direction is dry friction beside a constant effort that is no larger, while a joint moves."""
+    missing = {"coulomb_friction": {"torque": FRICTION}, "constant_effort": {"effort": PULL}}
+    wrong = {"direction_friction": {"forward": 0.01, "backward": FRICTION + PULL}}
+    at = stood(missing, wrong, ["viscous_friction"])
+    with at.simulations:
+        better = exchanged(at.round_, [], Exchanged()).better
     assert better is not None
-    assert standing(better.fit.changes) == standing(lacking)
-    assert better.evidence - round_.now.evidence > round_.limit
+    assert standing(better.fit.changes) == at.right
+    assert better.evidence - at.round_.now.evidence > at.round_.limit
+
+
+def test_a_limit_stands_in_the_place_of_what_mends_it_though_its_first_sizes_promise_nothing() -> None:
+    missing = {"torque_speed_limit": {"stall_torque": 5.0, "no_load_speed": 5.0}}
+    at = stood(missing, {"supply_voltage": {"supply": 13.0}}, ["coulomb_friction", "controller_gain"])
+    with at.simulations:
+        better = renamed(at.round_, [c.suspect for c in at.round_.now.fit.changes])
+        assert renamed(at.round_, []) is None
+    assert better is not None
+    assert standing(better.fit.changes) == at.right

@@ -7,17 +7,20 @@ the test of Vuong 1989: the difference in evidence beside its standard error ove
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
+import numpy as np
+
+from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import EQUAL, Scored
-from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round
 from realitygap.robot.effects import EFFECTS
@@ -38,6 +41,11 @@ CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
 promised 0.89 to 1.3 of it."""
+BEYOND = 1
+"""Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
+were simulated at few sizes, and promise too little."""
+LOOSER = (1.0, 2.0, 4.0)
+"""What the first size of a limit is multiplied by, where another fit is near by."""
 FAR = 2.0
 """A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
 PLAIN = 3.0
@@ -113,13 +121,29 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
         if not (round_.late and round_.moved(now)):
             return Exchanged(better=now, rivals=before.rivals)
-    asked, evidence = [c for c in now.fit.changes if c.suspect in out.without], round_.now.evidence
+    return _compared(round_, out, before, 2 * LATE if round_.late else LOOKED)
+
+
+def renamed(round_: Round, new: Collection[Suspect]) -> Scored | None:
+    """The best model with another name in the place of one of the newest findings; None where none is better. What is
+    added beside a wrong name mends it, until the right one gains nothing in its place.
+    """
+    out = Exchanged()
+    asked = [c.suspect for c in round_.now.fit.changes if c.suspect in new]
+    fitted = round_.simulations.side_by_side(partial(_without, round_, round_.now), asked)
+    out.without = {suspect: alone for suspect, alone in zip(asked, fitted, strict=True) if alone is not None}
+    return _compared(round_, out, Exchanged(), 2 * LATE).better
+
+
+def _compared(round_: Round, out: Exchanged, before: Exchanged, looked: int) -> Exchanged:
+    """What could stand in the place of every finding without which the model is known: of so many suspects."""
+    asked, evidence = [c for c in round_.now.fit.changes if c.suspect in out.without], round_.now.evidence
 
     def close(change: Change) -> tuple[list[Rival], Scored | None]:
         rivals, alone = before.rivals.get(change.suspect, []), out.without[change.suspect]
         if rivals and all(r.behind >= FAR * round_.limit for r in rivals):
             return rivals, None
-        place = _Place.of(round_, change, alone)
+        place = _Place.of(round_, change, alone, looked)
         return _rivals(place, rivals), None if round_.late else _several(place)
 
     found = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
@@ -175,8 +199,8 @@ class _Place:
     gain: float
 
     @classmethod
-    def of(cls, round_: Round, change: Change, alone: Scored) -> _Place:
-        """What promises anything there, simulated anew."""
+    def of(cls, round_: Round, change: Change, alone: Scored, looked: int) -> _Place:
+        """What promises anything there, so many of it simulated anew."""
         rest, gain = [c.suspect for c in alone.fit.changes], round_.now.evidence - alone.evidence
 
         def fits(suspect: Suspect) -> bool:
@@ -184,11 +208,12 @@ class _Place:
 
         here = [b for b in round_.blocks if fits(b.suspect)]
         likely = [p for p in _lines(round_, alone, here).promises() if p.gain > ROUGHLY * gain]
-        rough = list(dict.fromkeys(p.block.suspect for p in likely))[: 2 * LATE if round_.late else LOOKED]
+        rough = list(dict.fromkeys(p.block.suspect for p in likely))[:looked]
         known = {b.suspect for b in here}
         beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
-        tried = [change.suspect, *rough, *(s for s in beside if fits(s))]
-        anew = round_.yardstick.responses(alone.fit, tried)
+        far = [] if round_.late else _far(round_, change.suspect)
+        tried = [change.suspect, *rough, *(s for s in [*beside, *far] if fits(s))]
+        anew = round_.yardstick.responses(alone.fit, list(dict.fromkeys(tried)))
         place = cls(round_, change, alone, [*anew, *(b for b in here if b.suspect in rough)], gain)
         own = (p.gain for p in place.lines.promises() if p.block.suspect == change.suspect)
         return replace(place, gain=max([gain, *own]))
@@ -213,19 +238,39 @@ def _lines(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
     return Linear(round_.look.metric, alone.fit.residual, alone.fit.slope, blocks)
 
 
+def _far(round_: Round, finding: Suspect) -> list[Suspect]:
+    """What is far from any straight line at the joints of a finding, as a limit: what it does beside the finding, which
+    does nearly the same, says nothing of what it does in its place.
+    """
+    whole = dict.fromkeys(b.suspect for b in round_.blocks if b.start.kind == "whole")
+    return [s for s in whole if s != finding and set(s.joints) == set(finding.joints)]
+
+
+def _sizes(limit: Change) -> list[Change]:
+    """A limit at several multiples of its first size: from one that is too tight no fit finds back."""
+    first = {n: v for n, v in limit.parameters.items() if n in limit.free and np.isfinite(v)}
+    return [limit.at({n: looser * v for n, v in first.items()}) for looser in LOOSER]
+
+
 def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
-    chosen: dict[Suspect, Promise] = {}
+    chosen: dict[Suspect, list[Change]] = {}
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
-            chosen.setdefault(p.block.suspect, p)
+            chosen.setdefault(p.block.suspect, [p.change])
+    for p in place.lines.promises():
+        suspect = p.block.suspect
+        far = p.block.start.kind == "whole" and p.gain > 0.0 and suspect not in {place.change.suspect, *chosen}
+        if far and len(chosen) < EXCHANGED + BEYOND and not round_.late:
+            chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
-    for suspect, p in chosen.items():
+    for suspect, begun in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
-        quick = place.quick([p.change])
+        tried = [scored for change in begun if (scored := place.quick([change])) is not None]
+        quick = max(tried, key=lambda scored: scored.evidence, default=None)
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = round_.now.evidence - quick.evidence < FAR * round_.limit

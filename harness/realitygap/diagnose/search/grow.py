@@ -12,7 +12,7 @@ from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
-from realitygap.diagnose.search.exchange import FAR
+from realitygap.diagnose.search.exchange import FAR, LOOSER
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
@@ -26,8 +26,6 @@ AT_ONCE = 3
 """Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
 FITTED = 3
 """Ways that are fitted: those that gain most in a quick fit."""
-LOOSER = (1.0, 2.0, 4.0)
-"""What the first size of a limit is multiplied by beside another limit of its effect."""
 HOPEFUL = 0.5
 """A quick fit finds at least this share of what a way gains: two steps take most of the way (`fit.FEW`). One that has
 less in it is judged as a rival is (`exchange.FAR`)."""

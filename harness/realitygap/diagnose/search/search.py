@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import at_once, residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged
+from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.rotor import parted
@@ -82,6 +82,7 @@ def search(
         raise RuntimeError("the scenario's own model cannot be simulated")
     nothing = Fit(tuple(told), base)
     at, seen, again = nothing, set[Standing](), True
+    asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
     many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
@@ -92,6 +93,9 @@ def search(
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
+        if following is not None and not many:
+            better = _renamed(round_, asked)
+            following = following if better is None or standing(better.fit.changes) in seen else better
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
@@ -137,6 +141,14 @@ def search(
         promised=round_.promised,
         cut=cut,
     )
+
+
+def _renamed(round_: Round, asked: set[Suspect]) -> Scored | None:
+    """The model with a better name for one of the findings that were not asked for theirs, which they are now."""
+    new = [c.suspect for c in round_.now.fit.changes if c.suspect not in asked]
+    better = renamed(round_, new) if new else None
+    asked.update(new if better is None else [*new, *(c.suspect for c in better.fit.changes)])
+    return better
 
 
 def _over(round_: Round, first: bool) -> bool:
