@@ -60,9 +60,9 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
     assert better.evidence - at.round_.now.evidence > at.round_.limit
 
 
-def test_a_limit_stands_in_the_place_of_what_mends_it_though_its_first_sizes_promise_nothing() -> None:
-    missing = {"torque_speed_limit": {"stall_torque": 5.0, "no_load_speed": 5.0}}
-    at = stood(missing, {"supply_voltage": {"supply": 13.0}}, ["coulomb_friction", "controller_gain"])
+def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
+    missing = {"torque_speed_limit": {"stall_torque": 7.0, "no_load_speed": 6.5}}
+    at = stood(missing, {"supply_voltage": {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"])
     with at.simulations:
         better = renamed(at.round_, [c.suspect for c in at.round_.now.fit.changes])
         assert renamed(at.round_, []) is None

@@ -161,8 +161,8 @@ def _compared(round_: Round, out: Exchanged, before: Exchanged, looked: int) -> 
             if (better or equal) and (rival.ahead or not round_.late):
                 out.offer(rival.scored)
     for _, several in found.values():
-        if several is not None:
-            out.offer(several)
+        if several is not None and (out.better is None or round_.spare(several) > round_.spare(out.better)):
+            out.better = several
     return out
 
 
@@ -302,8 +302,9 @@ def _several(place: _Place) -> Scored | None:
         return None
     gain, needs = scored.evidence - round_.now.evidence, round_.limit * (len(several) - 1)
     round_.say(f"  {'; '.join(str(p.block.suspect) for p in several)} for {own}: {gain:+.1f}")
-    enough = gain > -EQUAL if own.table is not None else gain > max(needs, round_.little(scored))
-    return scored if enough else None
+    if own.table is not None:
+        return scored if gain > -EQUAL else None
+    return scored if gain > max(needs, round_.little(scored)) else None
 
 
 def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:

@@ -151,6 +151,10 @@ class Round:
         """Whether to look for nothing better than what was found."""
         return time.monotonic() > self._until
 
+    def spare(self, scored: Scored) -> float:
+        """The evidence of a model beyond what its findings have to gain."""
+        return scored.evidence - self.limit * len(scored.fit.changes)
+
     def little(self, scored: Scored) -> float:
         """What laws leave of what is explained, as imperfect as recordings say that they are: the square of what they
         are off by. Where a round gains less, the search ends. Laws are those of the kinds of what is new in a model,
