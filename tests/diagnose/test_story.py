@@ -250,6 +250,27 @@ def test_many_findings_are_told_by_effect_and_in_a_table(
     assert text.count("<details>") == 1
 
 
+def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, number in {"MANY": 0, "ALIKE": 1, "FIRST": 0}.items():
+        monkeypatch.setattr(story, name, number)
+    result = told("partly explained")
+    other = Suspect("coulomb_friction", "shoulder", (0,))
+    both = (*result.changes, Change(other, (("torque", 0.2),), ("torque",)))
+    place = result.where[0]
+    result = replace(
+        result, changes=both, shown={**result.shown, other: Shown(1.05, 1.02)}, where=[place, place, place]
+    )
+    text, page, words = page_of(result, tmp_path)
+    assert not page.open, "an element is left open"
+    assert "coulomb friction 2 joints torque median" in words
+    assert "each its own: 0.200 N·m to" in words
+    assert "coulomb friction at 2 joints 1. coulomb friction at elbow" in words
+    assert "3 more, with smaller gaps" in words
+    assert text.count("<details>") == 4, "places, both findings together, and each"
+
+
 def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     profile = Suspect("command_profile", "elbow", (1,))
     change = Change(profile, (("speed", np.inf), ("acceleration", 40.0)), ("acceleration",))

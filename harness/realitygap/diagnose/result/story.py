@@ -34,6 +34,10 @@ from realitygap.robot.effects import EFFECTS
 
 SHOWN = 4
 """Joints whose curves are shown: those with the largest gap."""
+FIRST = 8
+"""Rows of a table of joints and signals that are seen at once; the others unfold."""
+ALIKE = 4
+"""With an effect at more places than this, its findings stand together under one title, and as one row of the table."""
 NOT_FITTED = "not fitted"
 USES = {"held_out": "held out", "train": "training"}
 
@@ -60,7 +64,9 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "gaps": gaps,
         "mended": bool(changes),
         "where": [_place(p) for p in result.where],
+        "first": FIRST,
         "findings": findings,
+        "groups": _groups(findings),
         "table": _table(findings) if len(findings) > MANY else [],
         "curves": _curves(result),
         "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
@@ -111,7 +117,9 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = change.suspect.kind, change.suspect
     parameters = [] if suspect.table is None else value_rows(result, change)
+    values = [v for _, v in change.values] if suspect.table is not None else []
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
+        values.append(content["parameters"][p.name]["value"])
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
         known = p.name in change.free or told["low"] < told["high"]
         spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
@@ -136,6 +144,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "said": lacks(result, change),
         "better": better(result, change),
         "parameters": parameters,
+        "values": values,
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
@@ -145,10 +154,38 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     }
 
 
+def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict[str, Any]]]]]:
+    """The findings with their numbers, those of an effect at many joints together under one title."""
+    alike: dict[str, list[tuple[int, dict[str, Any]]]] = {}
+    for number_, f in enumerate(found, 1):
+        alike.setdefault(f["name"], []).append((number_, f))
+    groups: list[tuple[str, list[tuple[int, dict[str, Any]]]]] = []
+    for name, members in alike.items():
+        if len(members) > ALIKE:
+            groups.append((f"{name} at {len(members)} {members[0][1]['sits_at']}s", members))
+        else:
+            groups += [("", [member]) for member in members]
+    return groups
+
+
 def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-    """Every fitted value in one table, alike effects together."""
+    """Every fitted value in one table, alike effects together, with the number of joints, or links, that each row is
+    of: of an effect at many of them every parameter is one row, with its median and extremes.
+    """
+    rows = []
+    for _, members in _groups(found):
+        first = members[0][1]
+        for k, (name, value, spread, own) in enumerate(first["parameters"]):
+            if all(f["parameters"][k][2] == NOT_FITTED for _, f in members):
+                continue
+            where = first["target"]
+            if len(members) > 1:
+                ordered = sorted((f["values"][k], f["parameters"][k][1]) for _, f in members)
+                where = f"{len(members)} {first['sits_at']}s"
+                value = f"median {ordered[len(ordered) // 2][1]}"
+                spread = f"each its own: {ordered[0][1]} to {ordered[-1][1]}"
+            rows.append((first["name"], where, name, value, spread, own))
     order = list(dict.fromkeys(f["name"] for f in found))
-    rows = [(f["name"], f["target"], *p) for f in found for p in f["parameters"] if p[2] != NOT_FITTED]
     return sorted(rows, key=lambda row: order.index(row[0]))
 
 
