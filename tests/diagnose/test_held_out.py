@@ -5,12 +5,12 @@ from dataclasses import replace
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.changes import Change, standing
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import predicted, supported
+from realitygap.diagnose.judge.held_out import _wider, certain_of, predicted, supported
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
@@ -33,7 +33,7 @@ def found(problem: Problem, simulations: Simulations) -> Found:
     without = {friction.suspect: scored(offset), offset.suspect: scored(friction)}
     floors = measure(simulations, best.fit.changes)
     gains = {s: best.evidence - other.evidence for s, other in without.items()}
-    return Found(base, best, best, 6.0, 6.0, floors, yardstick, gains=gains, without=without)
+    return Found(base, best, best, 6.0, dict.fromkeys(gains, 6.0), floors, yardstick, gains=gains, without=without)
 
 
 def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
@@ -62,15 +62,37 @@ def test_a_finding_needs_that_all_runs_together_say_enough_for_it(simulations: S
         found.gains[friction]
         + predicted(simulations, found.floors, found.best.fit.changes, found.without[friction].fit.changes).gain
     )
-    assert not supported(simulations, replace(found, least=together - 1.0), [offset])[1]
-    assert list(supported(simulations, replace(found, least=together + 1.0), [offset])[1]) == [friction]
+    assert not supported(simulations, replace(found, least={friction: together - 1.0}), [offset])[1]
+    assert list(supported(simulations, replace(found, least={friction: together + 1.0}), [offset])[1]) == [friction]
 
 
 def test_what_held_out_runs_speak_for_beside_all_that_was_found_is_not_asked_again(
     simulations: Simulations, found: Found
 ) -> None:
     friction, offset = (c.suspect for c in found.best.fit.changes)
-    poor = replace(found, gains={friction: 1e9, offset: found.gains[offset]}, least=1e6)
+    poor = replace(found, gains={friction: 1e9, offset: found.gains[offset]}, least={friction: 1e6, offset: 6.0})
     left, against = supported(simulations, poor, [])
     assert list(against) == [offset]
-    assert left.gains[friction] < poor.least
+    assert left.gains[friction] < poor.least[friction]
+
+
+def test_a_finding_is_not_named_where_its_interval_holds_what_the_model_has(
+    problem: Problem, simulations: Simulations, found: Found
+) -> None:
+    friction, offset = found.best.fit.changes
+    best = found.yardstick.fit([friction, offset])
+    assert best is not None
+    vague = replace(found, best=best, cautious=found.yardstick.cautious(best.fit), gains={}, without={})
+    left, dropped = certain_of(simulations, vague, [])
+    assert dropped == [offset.suspect], "the robot has none"
+    assert standing(left.best.fit.changes) == standing([friction])
+    assert certain_of(simulations, vague, [offset.suspect]) == (vague, [])
+
+
+def test_an_interval_is_as_wide_as_a_value_moved_by_what_is_not_named(found: Found) -> None:
+    friction = found.best.fit.changes[0]
+    own = found.yardstick.fit([friction])
+    assert own is not None
+    elsewhere = replace(own.fit, changes=(own.fit.changes[0].at({"torque": float(own.fit.value[0]) + 0.3}),))
+    assert _wider(own, own.fit).deviation[0] <= own.deviation[0] < 0.2
+    assert _wider(own, elsewhere).deviation[0] == pytest.approx(0.3, rel=0.1)

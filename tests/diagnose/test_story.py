@@ -65,7 +65,7 @@ def told(judged: Any) -> Callable[[str], Diagnosis]:
         best = done if named else base
         rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
         gains, rivals = {FRICTION: 41.0}, {FRICTION: [rival]}
-        found = Found(base, best, best, 6.0, 6.0, floors, yardstick, gains=gains, rivals=rivals)
+        found = Found(base, best, best, 6.0, {FRICTION: 6.0}, floors, yardstick, gains=gains, rivals=rivals)
         gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 4.0),), ("gain",))
         result = Diagnosis(
             problem=problem,

@@ -1,4 +1,5 @@
-"""Held-out runs, looked at once after the model is chosen: the difference in log predictive density, with its error.
+"""What speaks against findings once the model is chosen: their own intervals, and held-out runs, which are looked at
+once: the difference in log predictive density, with its error.
 
 First of every finding beside all others, then of the whole model beside the scenario's own.
 """
@@ -17,9 +18,10 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
 from realitygap.diagnose.search.apart import ERRORS, compare
-from realitygap.diagnose.search.evidence import score
+from realitygap.diagnose.search.evidence import Scored, score
 from realitygap.diagnose.search.exchange import ODDS
 from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.search import Found
 
 NOTHING = 0.1
@@ -78,7 +80,7 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
         doubted = {
             s: v.gain
             for s, v in verdicts.items()
-            if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least
+            if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least[s]
         }
         if not doubted:
             return (_completed(found, keep) if against else found), against
@@ -88,10 +90,47 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
         found = _without(simulations, found, least, asked)
 
 
+def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, list[Suspect]]:
+    """What was found without the findings whose 95 % intervals hold what the model has anyway, one after the other, the
+    least first; and these. `keep` stays. The intervals of the others are as wide as their values moved by that: what is
+    not named may be there.
+
+    Evidence compares models at their best, and intervals say in which range a machine's value is: of 75 findings beside
+    nearly right laws, planted at six seeds, six had such an interval, with 9 to 112 in evidence, and none was true.
+    """
+    vague, gains, before = list[Suspect](), found.gains, found.best.fit
+    while True:
+        open_ = untold(simulations.problem, found.cautious).difference(keep, vague)
+        if not open_ and not vague:
+            return found, vague
+        if not open_:
+            found = _completed(found, keep)
+            return replace(found, cautious=_wider(found.cautious, before)), vague
+        least = min(open_, key=lambda s: gains.get(s, 0.0))
+        vague.append(least)
+        found = _without(simulations, found, least, [])
+        found = replace(found, cautious=found.yardstick.cautious(found.best.fit))
+
+
+def _wider(cautious: Scored, before: Fit) -> Scored:
+    """A model for intervals whose values may be off by what they were elsewhere in another fit, too."""
+    known = {
+        (before.changes[i].suspect, name): value for (i, name), value in zip(before.names, before.value, strict=True)
+    }
+    fit = cautious.fit
+    was = [known.get((fit.changes[i].suspect, n), v) for (i, n), v in zip(fit.names, fit.value, strict=True)]
+    away = np.zeros(len(was)) if cautious.away is None else cautious.away
+    return replace(cautious, away=np.hypot(away, (fit.value - np.array(was)) / fit.size))
+
+
 def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect]) -> Found:
     """The best model without one finding, and without each of the others besides that are `asked`."""
-    quick = found.without[suspect].fit
-    best = found.yardstick.fit(quick.changes, quick) or found.without[suspect]
+    known = found.without.get(suspect)
+    rest = [c for c in found.best.fit.changes if c.suspect != suspect]
+    near = found.best.fit if known is None else known.fit
+    best = found.yardstick.fit(rest, near) or known or found.yardstick.fit(rest, near, "quick")
+    if best is None:
+        raise RuntimeError(f"the model without {suspect} cannot be simulated")
     found = replace(found, best=best, floors=measure(simulations, best.fit.changes), gains={}, without={})
     return _besides(found, asked, "compared")
 

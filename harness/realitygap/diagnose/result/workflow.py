@@ -20,7 +20,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
-from realitygap.diagnose.judge.held_out import predicted, supported
+from realitygap.diagnose.judge.held_out import certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.patience import minutes_for
@@ -123,7 +123,7 @@ def diagnose(
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = velocity_filters(problem, everyone)
-    found, against = _searched(simulations, everyone, told, say, until)
+    found, why_not = _searched(simulations, everyone, told, say, until)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, changes, engines)
     mended = artefacts(proofs)
@@ -131,14 +131,10 @@ def diagnose(
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
         ]
-        found, against = _searched(simulations, [s for s in everyone if s not in mended], told, say, until)
+        found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, until)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, changes, engines)
-    notes += [
-        f"{s} helps on training runs only: held-out runs {'gain only' if gain > 0.0 else 'lose'} {abs(gain):.1f} in "
-        "evidence by it, and it is not named"
-        for s, gain in against.items()
-    ]
+    notes += why_not
     if found.cut:
         notes.append(CUT)
     judged = predicted(simulations, found.floors, changes)
@@ -180,11 +176,28 @@ def diagnose(
 
 def _searched(
     simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, until: float
-) -> tuple[Found, dict[Suspect, float]]:
-    """What a search finds and held-out runs do not speak against; what they speak against, and how much."""
-    found = search(simulations, everyone, told, say, until)
+) -> tuple[Found, list[str]]:
+    """What a search finds, and neither its interval nor held-out runs speak against; why what else it found is not
+    named.
+    """
+    keep = {c.suspect for c in told}
+    found, vague = certain_of(simulations, search(simulations, everyone, told, say, until), keep)
     say("looking at held-out runs and other engines")
-    return supported(simulations, found, {c.suspect for c in told})
+    found, against = supported(simulations, found, keep)
+    if against:
+        found, more = certain_of(simulations, found, keep)
+        vague += more
+    why_not = [f"{s} is not named: its 95 % interval holds what the model has already" for s in vague]
+    return found, [*why_not, *(_against(s, gain) for s, gain in against.items())]
+
+
+def _against(suspect: Suspect, gain: float) -> str:
+    """Why held-out runs speak against a finding."""
+    if gain > 0.0:
+        return f"{suspect} is not named: with the {gain:.1f} that held-out runs gain it explains less than laws leave"
+    return (
+        f"{suspect} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not named"
+    )
 
 
 def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -164,8 +164,12 @@ class Round:
         load that was fixed to it came out 19 % too heavy.
         """
         here = {c.suspect for c in self.now.fit.changes}
-        new = {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here} & set(SHARE)
-        off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (new or SHARE)]
+        return self.leaves(scored, {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here})
+
+    def leaves(self, scored: Scored, laws: Collection[str]) -> float:
+        """What laws of some kinds leave of what is explained; all of them where none of these is known."""
+        known = set(SHARE).intersection(laws)
+        off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
         return max(off, default=WORST) ** 2 * self.explained
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:

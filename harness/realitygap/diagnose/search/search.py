@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,7 +38,7 @@ class Found:
         best: the model with the best evidence.
         cautious: the same, for intervals.
         limit: what a finding has to gain.
-        least: the same, or what laws leave of what the best model explains, where that is more.
+        least: the same for each, or what laws of its kind leave of what the best model explains, where that is more.
         floors: of the best model.
         yardstick: what models were compared on in the last round.
         gains: evidence that is lost without each finding, by suspect.
@@ -52,7 +52,7 @@ class Found:
     best: Scored
     cautious: Scored
     limit: float
-    least: float
+    least: Mapping[Suspect, float]
     floors: Floors
     yardstick: Yardstick
     gains: dict[Suspect, float] = field(default_factory=dict)
@@ -132,7 +132,7 @@ def search(
         best=best,
         cautious=cautious,
         limit=limit,
-        least=max(limit, round_.little(best)),
+        least={s: max(limit, round_.leaves(best, {s.kind.law})) for s in (c.suspect for c in best.fit.changes)},
         floors=floors,
         yardstick=round_.yardstick,
         gains=last.gains,
