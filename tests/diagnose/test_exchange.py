@@ -64,7 +64,7 @@ def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
     missing = {"torque_speed_limit": {"stall_torque": 7.0, "no_load_speed": 6.5}}
     at = stood(missing, {"supply_voltage": {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"])
     with at.simulations:
-        better = renamed(at.round_, [c.suspect for c in at.round_.now.fit.changes])
-        assert renamed(at.round_, []) is None
+        better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
+        assert renamed(at.round_, [], []) is None
     assert better is not None
     assert standing(better.fit.changes) == at.right

@@ -21,7 +21,7 @@ from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
-from realitygap.diagnose.search.prune import pruned
+from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.round import Round
 from realitygap.robot.effects import EFFECTS
 
@@ -90,9 +90,9 @@ class Exchanged:
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
 
-    def offer(self, other: Scored) -> None:
-        """Take a model that is better than those before."""
-        if self.better is None or other.evidence > self.better.evidence:
+    def offer(self, other: Scored, round_: Round) -> None:
+        """Take a model that is better than those before, beyond what its findings have to gain."""
+        if self.better is None or round_.spare(other) > round_.spare(self.better):
             self.better = other
 
 
@@ -121,10 +121,10 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
         if not (round_.late and round_.moved(now)):
             return Exchanged(better=now, rivals=before.rivals)
-    return _compared(round_, out, before, 2 * LATE if round_.late else LOOKED)
+    return _compared(round_, keep, out, before, 2 * LATE if round_.late else LOOKED)
 
 
-def renamed(round_: Round, new: Collection[Suspect]) -> Scored | None:
+def renamed(round_: Round, keep: Sequence[Suspect], new: Collection[Suspect]) -> Scored | None:
     """The best model with another name in the place of one of the newest findings; None where none is better. What is
     added beside a wrong name mends it, until the right one gains nothing in its place.
     """
@@ -132,10 +132,10 @@ def renamed(round_: Round, new: Collection[Suspect]) -> Scored | None:
     asked = [c.suspect for c in round_.now.fit.changes if c.suspect in new]
     fitted = round_.simulations.side_by_side(partial(_without, round_, round_.now), asked)
     out.without = {suspect: alone for suspect, alone in zip(asked, fitted, strict=True) if alone is not None}
-    return _compared(round_, out, Exchanged(), 2 * LATE).better
+    return _compared(round_, keep, out, Exchanged(), 2 * LATE).better
 
 
-def _compared(round_: Round, out: Exchanged, before: Exchanged, looked: int) -> Exchanged:
+def _compared(round_: Round, keep: Sequence[Suspect], out: Exchanged, before: Exchanged, looked: int) -> Exchanged:
     """What could stand in the place of every finding without which the model is known: of so many suspects."""
     asked, evidence = [c for c in round_.now.fit.changes if c.suspect in out.without], round_.now.evidence
 
@@ -159,11 +159,26 @@ def _compared(round_: Round, out: Exchanged, before: Exchanged, looked: int) -> 
             equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect)
             better = -rival.behind > max(ODDS, round_.little(rival.scored))
             if (better or equal) and (rival.ahead or not round_.late):
-                out.offer(rival.scored)
+                out.offer(rival.scored, round_)
+            shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
+            if shorter is not None:
+                out.offer(shorter, round_)
     for _, several in found.values():
-        if several is not None and (out.better is None or round_.spare(several) > round_.spare(out.better)):
-            out.better = several
+        if several is not None:
+            out.offer(several, round_)
     return out
+
+
+def _shorter(round_: Round, rival: Scored, keep: Sequence[Suspect]) -> Scored | None:
+    """A rival's model without what it makes superfluous, where that says as much with fewer findings; None elsewhere.
+    One supply for all joints, which does no more than that of one of them beside what the others were mended by, stands
+    in the place of all of that.
+    """
+    if not superfluous(round_.simulations.problem, rival, keep, round_.limit):
+        return None
+    shorter = pruned(round_, rival, keep)
+    fewer = len(shorter.fit.changes) < len(round_.now.fit.changes)
+    return shorter if fewer and round_.spare(shorter) > round_.spare(round_.now) else None
 
 
 def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:

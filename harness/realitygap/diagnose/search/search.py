@@ -94,7 +94,7 @@ def search(
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
         if following is not None and not many:
-            better = _renamed(round_, asked)
+            better = _renamed(round_, kept, asked)
             following = following if better is None or standing(better.fit.changes) in seen else better
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
@@ -143,10 +143,10 @@ def search(
     )
 
 
-def _renamed(round_: Round, asked: set[Suspect]) -> Scored | None:
+def _renamed(round_: Round, keep: Sequence[Suspect], asked: set[Suspect]) -> Scored | None:
     """The model with a better name for one of the findings that were not asked for theirs, which they are now."""
     new = [c.suspect for c in round_.now.fit.changes if c.suspect not in asked]
-    better = renamed(round_, new) if new else None
+    better = renamed(round_, keep, new) if new else None
     asked.update(new if better is None else [*new, *(c.suspect for c in better.fit.changes)])
     return better
 
