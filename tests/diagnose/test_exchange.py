@@ -19,6 +19,10 @@ PULL = 0.9
 """A constant effort at the elbow besides its friction [N·m], larger than that."""
 
 
+Effects = dict[tuple[str, str], dict[str, float]]
+"""Values of effects, by effect and target."""
+
+
 @dataclass(frozen=True)
 class Stood:
     """A round, and what is right where it stands."""
@@ -28,30 +32,30 @@ class Stood:
     right: Standing
 
 
-def stood(missing: dict[str, dict[str, float]], wrong: dict[str, dict[str, float]], others: Sequence[str]) -> Stood:
-    """A round of a search that found something wrong at the elbow, of recordings where something is missing there."""
+def stood(missing: Effects, wrong: Effects, others: Sequence[str]) -> Stood:
+    """A round of a search that found something wrong, of recordings where something is missing."""
     bare = demo_problem()
 
-    def elbow(effects: dict[str, dict[str, float]]) -> list[Change]:
-        return [guess(bare, suspect_of(bare, name, "elbow")).at(values) for name, values in effects.items()]
+    def of(effects: Effects) -> list[Change]:
+        return [guess(bare, suspect_of(bare, name, at)).at(values) for (name, at), values in effects.items()]
 
     with Simulations(bare, 2) as simulations:
         floors = measure(simulations, [])
-    problem = plant_recordings(bare, floors, elbow(missing), "mujoco")
+    problem = plant_recordings(bare, floors, of(missing), "mujoco")
     simulations = Simulations(problem, 2)
     left = residual(simulations, [], problem.of("train"))
     assert left is not None
-    everyone = [suspect_of(problem, name, "elbow") for name in (*wrong, *missing, *others)]
-    at = Fit(tuple(elbow(wrong)), left)
+    everyone = [c.suspect for c in (*of(wrong), *of(missing))] + [suspect_of(problem, o, "elbow") for o in others]
+    at = Fit(tuple(of(wrong)), left)
     round_ = Round(simulations, at, everyone, needed(len(everyone)), Fit((), left), print)
-    assert standing(round_.now.fit.changes) == standing(elbow(wrong))
-    return Stood(simulations, round_, standing(elbow(missing)))
+    assert standing(round_.now.fit.changes) == standing(of(wrong))
+    return Stood(simulations, round_, standing(of(missing)))
 
 
 def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None:
     """Friction by direction is dry friction beside a constant effort that is no larger, while a joint moves."""
-    missing = {"coulomb_friction": {"torque": FRICTION}, "constant_effort": {"effort": PULL}}
-    wrong = {"direction_friction": {"forward": 0.01, "backward": FRICTION + PULL}}
+    missing = {("coulomb_friction", "elbow"): {"torque": FRICTION}, ("constant_effort", "elbow"): {"effort": PULL}}
+    wrong = {("direction_friction", "elbow"): {"forward": 0.01, "backward": FRICTION + PULL}}
     at = stood(missing, wrong, ["viscous_friction"])
     with at.simulations:
         better = exchanged(at.round_, [], Exchanged()).better
@@ -61,10 +65,26 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
 
 
 def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
-    missing = {"torque_speed_limit": {"stall_torque": 7.0, "no_load_speed": 6.5}}
-    at = stood(missing, {"supply_voltage": {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"])
+    missing = {("torque_speed_limit", "elbow"): {"stall_torque": 7.0, "no_load_speed": 6.5}}
+    at = stood(
+        missing, {("supply_voltage", "elbow"): {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"]
+    )
     with at.simulations:
         better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
         assert renamed(at.round_, [], []) is None
+    assert better is not None
+    assert standing(better.fit.changes) == at.right
+
+
+def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> None:
+    """A gain does at the elbow what a lower supply does, but where it is at its limit."""
+    wrong = {
+        ("supply_voltage", "shoulder"): {"supply": 13.0},
+        ("controller_gain", "elbow"): {"gain": 13.0 / 15.0 * 5.048},
+    }
+    at = stood({("supply_voltage", "*"): {"supply": 13.0}}, wrong, ["viscous_friction"])
+    with at.simulations:
+        shoulder = [c.suspect for c in at.round_.now.fit.changes if c.suspect.target == "shoulder"]
+        better = renamed(at.round_, [], shoulder)
     assert better is not None
     assert standing(better.fit.changes) == at.right
