@@ -265,7 +265,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     text, page, words = page_of(result, tmp_path)
     assert not page.open, "an element is left open"
     assert "coulomb friction 2 joints torque median" in words
-    assert "each its own: 0.200 N·m to" in words
+    assert "each its own, 0.200 N·m to" in words
     assert "coulomb friction at 2 joints 1. coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
     assert text.count("<details>") == 4, "places, both findings together, and each"

@@ -118,9 +118,11 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     effect, suspect = change.suspect.kind, change.suspect
     parameters = [] if suspect.table is None else value_rows(result, change)
     values = [v for _, v in change.values] if suspect.table is not None else []
+    shorts = [row[1] for row in parameters]
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
-        values.append(content["parameters"][p.name]["value"])
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
+        values.append(told["value"])
+        shorts.append(quantity(told["value"], unit, short=True))
         known = p.name in change.free or told["low"] < told["high"]
         spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
         parameters.append(
@@ -145,6 +147,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "better": better(result, change),
         "parameters": parameters,
         "values": values,
+        "shorts": shorts,
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
@@ -156,15 +159,15 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
 
 def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict[str, Any]]]]]:
     """The findings with their numbers, those of an effect at many joints together under one title."""
-    alike: dict[str, list[tuple[int, dict[str, Any]]]] = {}
-    for number_, f in enumerate(found, 1):
-        alike.setdefault(f["name"], []).append((number_, f))
+    numbered = list(enumerate(found, 1))
     groups: list[tuple[str, list[tuple[int, dict[str, Any]]]]] = []
-    for name, members in alike.items():
-        if len(members) > ALIKE:
-            groups.append((f"{name} at {len(members)} {members[0][1]['sits_at']}s", members))
-        else:
-            groups += [("", [member]) for member in members]
+    for member in numbered:
+        name = member[1]["name"]
+        alike = [other for other in numbered if other[1]["name"] == name]
+        if len(alike) <= ALIKE:
+            groups.append(("", [member]))
+        elif member is alike[0]:
+            groups.append((f"{name} at {len(alike)} {member[1]['sits_at']}s", alike))
     return groups
 
 
@@ -180,10 +183,10 @@ def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
                 continue
             where = first["target"]
             if len(members) > 1:
-                ordered = sorted((f["values"][k], f["parameters"][k][1]) for _, f in members)
+                ordered = sorted((f["values"][k], f["shorts"][k]) for _, f in members)
                 where = f"{len(members)} {first['sits_at']}s"
                 value = f"median {ordered[len(ordered) // 2][1]}"
-                spread = f"each its own: {ordered[0][1]} to {ordered[-1][1]}"
+                spread = f"each its own, {ordered[0][1]} to {ordered[-1][1]}"
             rows.append((first["name"], where, name, value, spread, own))
     order = list(dict.fromkeys(f["name"] for f in found))
     return sorted(rows, key=lambda row: order.index(row[0]))
