@@ -65,7 +65,7 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
 
 
 def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
-    missing = {("torque_speed_limit", "elbow"): {"stall_torque": 7.0, "no_load_speed": 6.5}}
+    missing = {("torque_speed_limit", "elbow"): {"stall_torque": 6.0, "no_load_speed": 9.1}}
     at = stood(
         missing, {("supply_voltage", "elbow"): {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"]
     )

@@ -41,7 +41,7 @@ CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
 promised 0.89 to 1.3 of it."""
-BEYOND = 1
+BEYOND = 2
 """Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
 were simulated at few sizes, and promise too little."""
 LOOSER = (1.0, 2.0, 4.0)
@@ -275,11 +275,10 @@ def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
             chosen.setdefault(p.block.suspect, [p.change])
-    for p in place.lines.promises():
-        suspect = p.block.suspect
-        far = p.block.start.kind == "whole" and p.gain > 0.0 and suspect not in {place.change.suspect, *chosen}
-        if far and len(chosen) < EXCHANGED + BEYOND and not round_.late:
-            chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
+    whole = [p.block.suspect for p in place.lines.promises() if p.block.start.kind == "whole" and p.gain > 0.0]
+    far = [s for s in dict.fromkeys(whole) if s not in {place.change.suspect, *chosen}]
+    for suspect in far[: 0 if round_.late else BEYOND]:
+        chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, begun in chosen.items():
         if any(r.suspect == suspect for r in out):
