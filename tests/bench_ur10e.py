@@ -152,9 +152,16 @@ def diagnosed() -> None:
             seconds = time.perf_counter() - start
             print(f"{run}: {found.verdict}, held out {before:.2f} -> {after:.2f} floors, {seconds:.0f} s")
             for finding in found.findings:
-                within = ", ".join(f"{n} {low:.4g} to {high:.4g}" for n, (low, high) in finding.intervals.items())
+                within = ", ".join(
+                    f"{n} {_short(low)} to {_short(high)}" for n, (low, high) in finding.intervals.items()
+                )
                 print(f"    {finding} 95 %: {within}")
             path = found.revised.save(Path(folder) / run)
+
+
+def _short(end: float | list[float]) -> str:
+    """An end of an interval: of an effort without a law one for every value."""
+    return "[" + ", ".join(f"{x:.4g}" for x in end) + "]" if isinstance(end, list) else f"{end:.4g}"
 
 
 def main() -> None:
