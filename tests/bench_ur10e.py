@@ -159,9 +159,9 @@ def diagnosed() -> None:
             path = found.revised.save(Path(folder) / run)
 
 
-def _short(end: float | list[float]) -> str:
+def _short(end: object) -> str:
     """An end of an interval: of an effort without a law one for every value."""
-    return "[" + ", ".join(f"{x:.4g}" for x in end) + "]" if isinstance(end, list) else f"{end:.4g}"
+    return f"{end:.4g}" if isinstance(end, float) else str(end)
 
 
 def main() -> None:
