@@ -271,6 +271,22 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     assert text.count("<details>") == 4, "places, both findings together, and each"
 
 
+def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A speed that a profile does not limit is not told, and tables of efforts stand at their own knots."""
+    monkeypatch.setattr(story, "ALIKE", 1)
+    one: dict[str, Any] = {"name": "command profile", "target": "elbow", "sits_at": "joint"}
+    both = {
+        "parameters": [("speed", "2 rad/s", "1 to 3", "none"), ("acceleration", "9 rad/s²", "8 to 10", "none")],
+        "short": {"speed": (2.0, "2"), "acceleration": (9.0, "9")},
+    }
+    less = {"parameters": [("acceleration", "7 rad/s²", "6 to 8", "none")], "short": {"acceleration": (7.0, "7")}}
+    rows = story._table([one | both, one | less | {"target": "knee"}])
+    assert rows == [
+        ("command profile", "elbow", "speed", "2 rad/s", "1 to 3", "none"),
+        ("command profile", "2 joints", "acceleration", "median 9", "each its own, 7 to 9", "none"),
+    ]
+
+
 def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     profile = Suspect("command_profile", "elbow", (1,))
     change = Change(profile, (("speed", np.inf), ("acceleration", 40.0)), ("acceleration",))

@@ -82,8 +82,11 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
             for s, v in verdicts.items()
             if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least[s]
         }
+        if not doubted and against:
+            found = _completed(found, keep)
+            return replace(found, cautious=found.yardstick.cautious(found.best.fit)), against
         if not doubted:
-            return (_completed(found, keep) if against else found), against
+            return found, against
         least = min(doubted, key=lambda s: doubted[s])
         against[least] = doubted[least]
         asked = set(doubted) - {least}
@@ -126,8 +129,8 @@ def _wider(cautious: Scored, before: Fit) -> Scored:
 def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect]) -> Found:
     """The best model without one finding, and without each of the others besides that are `asked`."""
     known = found.without.get(suspect)
-    rest = [c for c in found.best.fit.changes if c.suspect != suspect]
     near = found.best.fit if known is None else known.fit
+    rest = [c for c in near.changes if c.suspect != suspect]
     best = found.yardstick.fit(rest, near) or known or found.yardstick.fit(rest, near, "quick")
     if best is None:
         raise RuntimeError(f"the model without {suspect} cannot be simulated")
@@ -136,11 +139,11 @@ def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Co
 
 
 def _completed(found: Found, keep: Collection[Suspect]) -> Found:
-    """What was found without what was dropped: with intervals, and without each finding that was not asked again."""
+    """What was found without what was dropped, also without each finding that was not asked again."""
     others = {c.suspect for c in found.best.fit.changes}.difference(keep, found.without)
     found = _besides(found, others, "quick")
     rivals = {s: rivals for s, rivals in found.rivals.items() if s in found.without}
-    return replace(found, cautious=found.yardstick.cautious(found.best.fit), rivals=rivals)
+    return replace(found, rivals=rivals)
 
 
 def _besides(found: Found, asked: Collection[Suspect], care: Care) -> Found:

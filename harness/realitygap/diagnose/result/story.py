@@ -117,12 +117,10 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = change.suspect.kind, change.suspect
     parameters = [] if suspect.table is None else value_rows(result, change)
-    values = [v for _, v in change.values] if suspect.table is not None else []
-    shorts = [row[1] for row in parameters]
+    short: dict[str, tuple[float, str]] = {}
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
-        values.append(told["value"])
-        shorts.append(quantity(told["value"], unit, short=True))
+        short[p.name.replace("_", " ")] = told["value"], quantity(told["value"], unit, short=True)
         known = p.name in change.free or told["low"] < told["high"]
         spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
         parameters.append(
@@ -146,8 +144,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "said": lacks(result, change),
         "better": better(result, change),
         "parameters": parameters,
-        "values": values,
-        "shorts": shorts,
+        "short": short,
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
@@ -172,22 +169,24 @@ def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict
 
 
 def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-    """Every fitted value in one table, alike effects together, with the number of joints, or links, that each row is
-    of: of an effect at many of them every parameter is one row, with its median and extremes.
+    """Every fitted value in one table, alike effects together. Of an effect at many joints every parameter that several
+    of them have is one row, with its median and extremes.
     """
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for _, members in _groups(found):
-        first = members[0][1]
-        for k, (name, value, spread, own) in enumerate(first["parameters"]):
-            if all(f["parameters"][k][2] == NOT_FITTED for _, f in members):
-                continue
-            where = first["target"]
-            if len(members) > 1:
-                ordered = sorted((f["values"][k], f["shorts"][k]) for _, f in members)
-                where = f"{len(members)} {first['sits_at']}s"
-                value = f"median {ordered[len(ordered) // 2][1]}"
-                spread = f"each its own, {ordered[0][1]} to {ordered[-1][1]}"
-            rows.append((first["name"], where, name, value, spread, own))
+        fitted: dict[str, list[tuple[dict[str, Any], tuple[str, ...]]]] = {}
+        for _, f in members:
+            for p in f["parameters"]:
+                if p[2] != NOT_FITTED:
+                    fitted.setdefault(p[0], []).append((f, p))
+        for name, alike in fitted.items():
+            if len(alike) > 1 and all(name in f["short"] for f, _ in alike):
+                first, (_, _, _, own) = alike[0]
+                ordered = [text for _, text in sorted(f["short"][name] for f, _ in alike)]
+                value, spread = f"median {ordered[len(ordered) // 2]}", f"each its own, {ordered[0]} to {ordered[-1]}"
+                rows.append((first["name"], f"{len(alike)} {first['sits_at']}s", name, value, spread, own))
+            else:
+                rows += [(f["name"], f["target"], *p) for f, p in alike]
     order = list(dict.fromkeys(f["name"] for f in found))
     return sorted(rows, key=lambda row: order.index(row[0]))
 
