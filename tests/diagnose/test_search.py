@@ -12,7 +12,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Care, Fit
-from realitygap.diagnose.fit.responses import residual, respond
+from realitygap.diagnose.fit.responses import Block, residual, respond
 from realitygap.diagnose.search.evidence import Scored, score, stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
@@ -132,6 +132,23 @@ def test_what_the_accepted_values_could_do_is_no_gain_of_another(
     beside = Linear(base.metric, left, blocks[0].columns, blocks).promises()[0]
     alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).promises()[0]
     assert beside.gain < 0.05 * alone.gain
+
+
+def test_a_limit_that_is_too_tight_leads_the_right_way(
+    problem: Problem, simulations: Simulations, yardstick: Yardstick
+) -> None:
+    """As it is it is worse than none; a part of it is better, and nothing of what leads away."""
+    left = residual(simulations, [], yardstick.train)
+    assert left is not None
+    metric = yardstick.score(Fit((), left)).metric
+    tight = starts(problem, suspect_of(problem, "torque_speed_limit", "elbow"))[0]
+    blocks = [Block(tight, factor * np.nan_to_num(left)[:, None]) for factor in (-4.0, -0.5, 4.0)]
+    lines = Linear(metric, left, np.zeros((len(left), 0)), blocks)
+    whole = metric(np.nan_to_num(left))
+    assert lines.promise(0).gain < 0.0
+    assert lines.toward(0) == pytest.approx(0.5 * float(whole @ whole), rel=1e-6)
+    assert lines.toward(1) == pytest.approx(lines.promise(1).gain)
+    assert lines.toward(2) == 0.0
 
 
 def test_stretches_part_motions_and_seconds(yardstick: Yardstick) -> None:

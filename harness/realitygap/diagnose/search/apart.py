@@ -1,4 +1,4 @@
-"""Whether recordings tell two models apart: the difference in evidence beside what stretches of them scatter by.
+"""Where in the recordings two models differ: whether stretches of them tell the two apart, and what of it is where.
 
 The test of Vuong (1989), with stretches that are nearly independent in the place of samples.
 """
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import Scored, stretches
 from realitygap.robot.drive import Array
@@ -21,16 +22,16 @@ ERRORS = 1.64
 def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[float, float]:
     """How much evidence another model has less than the best one, and the standard error of that."""
     number = stretches(channels)
-    a, b = (_stretches(number, s) for s in (best, other))
+    a, b = (_densities(number, s) for s in (best, other))
     apart = a - b
     error = float(np.sqrt(len(apart)) * np.std(apart)) if len(apart) > 1 else 0.0
     return best.evidence - other.evidence, error
 
 
-def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
-    """The logarithm of the density of every stretch of every motion, all channels of it together, beside a constant.
+def _densities(number: NDArray[np.int64], scored: Scored) -> Array:
+    """The logarithm of the density of every part of the recordings, beside a constant.
 
-    `number` is that of the stretch of every stacked sample, (m,).
+    `number` is that of the part of every stacked sample, (m,), as of its stretch, all channels of it together.
     """
     whitening, weight = scored.metric.whitening, scored.metric.weight
     rows = whitening.rows
@@ -39,3 +40,27 @@ def _stretches(number: NDArray[np.int64], scored: Scored) -> Array:
     spread = np.zeros(len(rows))
     spread[good] = whitening.share[good] * np.log(whitening.variance[good] / trust[good])
     return np.asarray(-0.5 * np.bincount(number[rows], white**2 + spread, minlength=int(number.max()) + 1))
+
+
+def reached(channels: Sequence[Channel], explained: tuple[Scored, Scored], change: Array) -> float:
+    """The share of what one model explains beyond another that a change of the residual could mend at most, whatever
+    laws are off by: it acts at some joints, and what laws at others leave is not in its way.
+
+    With unit vectors of what is explained and of the change, both whitened, the square of their product is at most that
+    of the product of their lengths in each joint's channels, added up (Cauchy & Schwarz).
+
+    Args:
+        channels: of the stacked residual.
+        explained: the model that explains more, and the other.
+        change: of the residual; NaN where nothing was measured. Shape (m,).
+    """
+    known: dict[object, int] = {}
+    place = [known.setdefault(c.column if c.signal in JOINT_SIGNALS else c.key, len(known)) for c in channels]
+    number = np.repeat(np.asarray(place, dtype=np.int64), [len(c.time) for c in channels])
+    more, less = (_densities(number, s) for s in explained)
+    there = np.maximum(more - less, 0.0)
+    whitening, weight = explained[0].metric.whitening, explained[0].metric.weight
+    white = whitening(np.nan_to_num(change)[:, None], weight)[0][:, 0]
+    acts = np.bincount(number[whitening.rows], white**2, minlength=len(there))
+    both = float(there.sum() * acts.sum())
+    return float(np.sqrt(there * acts).sum()) ** 2 / both if both > 0.0 else 1.0

@@ -67,6 +67,15 @@ class Linear:
         """What one block gains alone."""
         return Promise(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
 
+    def toward(self, number: int) -> float:
+        """What a block of one response gains at the best part of it: of a limit that is too tight, and as it is would
+        be worse than none, whether it leads the right way.
+        """
+        (at,) = self.places[number]
+        slope, curve = -float(self.gram[at, 0]), float(self.gram[at, at])
+        part = min(max(slope / curve, 0.0), 1.0) if curve > 0.0 else 0.0
+        return part * slope - 0.5 * part**2 * curve
+
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""
         return sorted((self.promise(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)

@@ -15,7 +15,7 @@ from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
-from realitygap.diagnose.search.apart import ERRORS, compare
+from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored
 from realitygap.diagnose.search.imperfections import SHARE, WORST
 from realitygap.diagnose.search.linear import Linear, Promise
@@ -103,7 +103,8 @@ class Round:
         yardstick.stand_at(self._at, self.blocks)
         self.told, self.now = yardstick.score(self._at), yardstick.settled(self._at)
         self._led, self._began = False, self.now.evidence
-        self.explained = self.now.evidence - yardstick.score(self._nothing).evidence
+        self._bare = yardstick.score(self._nothing)
+        self.explained = self.now.evidence - self._bare.evidence
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
             + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
@@ -156,21 +157,29 @@ class Round:
         return scored.evidence - self.limit * len(scored.fit.changes)
 
     def little(self, scored: Scored) -> float:
-        """What laws leave of what is explained, as imperfect as recordings say that they are: the square of what they
-        are off by. Where a round gains less, the search ends. Laws are those of the kinds of what is new in a model,
-        which is what they could be taken for; all of them where nothing is new.
+        """What laws leave of what is explained, where a model differs from the accepted one. Where a round gains less,
+        the search ends. Laws are those of the kinds of what is new in a model, which is what they could be taken for;
+        all of them where nothing is new.
 
         Of a UR10e whose friction was uneven, the mass of the last link was refused for what friction leaves, and the
         load that was fixed to it came out 19 % too heavy.
         """
         here = {c.suspect for c in self.now.fit.changes}
-        return self.leaves(scored, {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here})
+        new = {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here}
+        return self.leaves(scored, new, self.now)
 
-    def leaves(self, scored: Scored, laws: Collection[str]) -> float:
-        """What laws of some kinds leave of what is explained; all of them where none of these is known."""
+    def leaves(self, scored: Scored, laws: Collection[str], other: Scored) -> float:
+        """What laws of some kinds, as imperfect as recordings say that they are, leave of what is explained, where two
+        models differ: the square of what they are off by. All of them where none of these is known.
+
+        Friction of the shoulder that is a little off is no friction of the elbow: of a UR10e the viscous friction of
+        the elbow was refused for what laws of six joints leave.
+        """
         known = set(SHARE).intersection(laws)
         off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
-        return max(off, default=WORST) ** 2 * self.explained
+        change = scored.fit.residual - other.fit.residual
+        at = reached(self.yardstick.channels, (self.now, self._bare), change)
+        return max(off, default=WORST) ** 2 * self.explained * at
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
         """Whether a model gains enough over one with less in it: what is needed, and, where it is little more, more

@@ -127,12 +127,13 @@ def search(
     best = round_.retold()
     floors = measure(simulations, best.fit.changes)
     cautious = round_.yardstick.cautious(best.fit)
+    named = [c.suspect for c in best.fit.changes]
     return Found(
         base=start,
         best=best,
         cautious=cautious,
         limit=limit,
-        least={s: max(limit, round_.leaves(best, {s.kind.law})) for s in (c.suspect for c in best.fit.changes)},
+        least={s: max(limit, round_.leaves(best, {s.kind.law}, last.without.get(s, start))) for s in named},
         floors=floors,
         yardstick=round_.yardstick,
         gains=last.gains,
