@@ -21,8 +21,8 @@ from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import Scored, score
 from realitygap.diagnose.search.exchange import ODDS
 from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.told import untold
 
 NOTHING = 0.1
 """What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9)."""

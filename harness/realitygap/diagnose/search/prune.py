@@ -6,14 +6,19 @@ from collections.abc import Collection, Sequence
 from functools import partial
 
 import numpy as np
+from scipy.stats import chi2
 
+from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.round import DOUBTFUL, Round
-from realitygap.diagnose.search.told import away_of, places, untold
 from realitygap.robot.drive import Array
+
+TOLD = 0.95
+"""A finding whose interval at this level holds what a model without it has is doubtful, whatever its evidence: what
+stretches of the recordings say scatters more than the likelihood tells."""
 
 
 def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
@@ -65,14 +70,14 @@ def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], lim
     """What could go together by the straight lines at a fit, the least first: each loses less than the limit beside
     those before it.
     """
-    left = {s: at for s, at in places(problem, scored).items() if s not in keep}
-    away, out, lost, gone = away_of(problem, scored), list[Suspect](), 0.0, list[int]()
-    while left:
-        losses = {s: _loss(scored, away, [*gone, *at]) for s, at in left.items()}
+    places = {s: at for s, at in _places(problem, scored).items() if s not in keep}
+    away, out, lost, gone = _away(problem, scored), list[Suspect](), 0.0, list[int]()
+    while places:
+        losses = {s: _loss(scored, away, [*gone, *at]) for s, at in places.items()}
         least = min(losses, key=lambda s: losses[s])
         if losses[least] - lost >= limit:
             break
-        lost, gone = losses[least], [*gone, *left.pop(least)]
+        lost, gone = losses[least], [*gone, *places.pop(least)]
         out.append(least)
     return out
 
@@ -82,8 +87,20 @@ def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
 
     What is absent only at an infinite value, as a compliance, is left out.
     """
-    away = away_of(problem, scored)
-    return {suspect: _loss(scored, away, at) for suspect, at in places(problem, scored).items()}
+    away = _away(problem, scored)
+    return {suspect: _loss(scored, away, at) for suspect, at in _places(problem, scored).items()}
+
+
+def untold(problem: Problem, scored: Scored) -> set[Suspect]:
+    """The findings whose intervals, all values of one together, hold what a model without them has."""
+    away, covariance = _away(problem, scored), scored.covariance
+    wider = scored.deviation / scored.fit.size / np.sqrt(np.diag(covariance))
+    covariance = covariance * np.outer(wider, wider)
+    return {
+        suspect
+        for suspect, at in _places(problem, scored).items()
+        if float(away[at] @ np.linalg.solve(covariance[np.ix_(at, at)], away[at])) <= float(chi2.ppf(TOLD, len(at)))
+    }
 
 
 def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
@@ -93,3 +110,22 @@ def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
     information = np.linalg.inv(scored.likely[np.ix_(at, at)])
     occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
     return 0.5 * float(away[at] @ information @ away[at]) - max(occam, 0.0)
+
+
+def _places(problem: Problem, scored: Scored) -> dict[Suspect, list[int]]:
+    """The numbers of the values that a finding does nothing without, of those that can be absent."""
+    fit, out = scored.fit, dict[Suspect, list[int]]()
+    for number, change in enumerate(fit.changes):
+        kind, zero = change.suspect.kind, neutral(problem.plant, change.suspect)
+        own = [k for k, (i, _) in enumerate(fit.names) if i == number]
+        at = [k for k in own if not kind.parameter(fit.names[k][1]).shape]
+        if own and all(np.isfinite(zero[fit.names[k][1]]) for k in at):
+            out[change.suspect] = at
+    return out
+
+
+def _away(problem: Problem, scored: Scored) -> Array:
+    """How far every value is from where it does nothing, in sizes. Shape (p,)."""
+    fit = scored.fit
+    zero = [neutral(problem.plant, fit.changes[i].suspect)[name] for i, name in fit.names]
+    return np.asarray((fit.value - np.array(zero)) / fit.size)

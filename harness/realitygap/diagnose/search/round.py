@@ -19,7 +19,6 @@ from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored
 from realitygap.diagnose.search.imperfections import SHARE, WORST
 from realitygap.diagnose.search.linear import Linear, Promise
-from realitygap.diagnose.search.told import untold
 from realitygap.diagnose.search.yardstick import Yardstick, absurd
 from realitygap.robot.drive import Array
 
@@ -164,33 +163,23 @@ class Round:
 
         Of a UR10e whose friction was uneven, the mass of the last link was refused for what friction leaves, and the
         load that was fixed to it came out 19 % too heavy.
-
-        What gains less than laws leave of all that is explained is doubtful, and its interval has to tell it: of an
-        SO-101, a ripple and a friction by direction gained 68, which no interval told, and what was fitted beside them
-        was not what it had been.
         """
         here = {c.suspect for c in self.now.fit.changes}
-        new = {c.suspect for c in scored.fit.changes if c.suspect not in here}
-        laws = {s.kind.law for s in new}
-        all_, there = self.leaves(scored, laws), self.leaves(scored, laws, self.now)
-        if not there < scored.evidence - self.now.evidence <= all_:
-            return there
-        return all_ if new & untold(self.simulations.problem, self.yardstick.as_told(scored.fit)) else there
+        new = {c.suspect.kind.law for c in scored.fit.changes if c.suspect not in here}
+        return self.leaves(scored, new, self.now)
 
-    def leaves(self, scored: Scored, laws: Collection[str], other: Scored | None = None) -> float:
-        """What laws of some kinds, as imperfect as recordings say that they are, leave of what is explained: the square
-        of what they are off by; where another model differs, if there is one. All of them where none of these is known.
+    def leaves(self, scored: Scored, laws: Collection[str], other: Scored) -> float:
+        """What laws of some kinds, as imperfect as recordings say that they are, leave of what is explained, where two
+        models differ: the square of what they are off by. All of them where none of these is known.
 
         Friction of the shoulder that is a little off is no friction of the elbow: of a UR10e the viscous friction of
         the elbow was refused for what laws of six joints leave.
         """
         known = set(SHARE).intersection(laws)
         off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
-        every = max(off, default=WORST) ** 2 * self.explained
-        if other is None:
-            return every
         change = scored.fit.residual - other.fit.residual
-        return every * reached(self.yardstick.channels, (self.now, self._bare), change)
+        at = reached(self.yardstick.channels, (self.now, self._bare), change)
+        return max(off, default=WORST) ** 2 * self.explained * at
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
         """Whether a model gains enough over one with less in it: what is needed, and, where it is little more, more
