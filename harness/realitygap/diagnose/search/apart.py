@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import Scored, stretches
 from realitygap.robot.drive import Array
@@ -50,13 +49,11 @@ def reached(channels: Sequence[Channel], explained: tuple[Scored, Scored], chang
     of the product of their lengths in each joint's channels, added up (Cauchy & Schwarz).
 
     Args:
-        channels: of the stacked residual.
+        channels: of the stacked residual, each of a joint.
         explained: the model that explains more, and the other.
         change: of the residual; NaN where nothing was measured. Shape (m,).
     """
-    known: dict[object, int] = {}
-    place = [known.setdefault(c.column if c.signal in JOINT_SIGNALS else c.key, len(known)) for c in channels]
-    number = np.repeat(np.asarray(place, dtype=np.int64), [len(c.time) for c in channels])
+    number = np.repeat([c.column for c in channels], [len(c.time) for c in channels])
     more, less = (_densities(number, s) for s in explained)
     there = np.maximum(more - less, 0.0)
     whitening, weight = explained[0].metric.whitening, explained[0].metric.weight

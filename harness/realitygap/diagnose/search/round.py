@@ -172,14 +172,18 @@ class Round:
         """What laws of some kinds, as imperfect as recordings say that they are, leave of what is explained, where two
         models differ: the square of what they are off by. All of them where none of these is known.
 
-        Friction of the shoulder that is a little off is no friction of the elbow: of a UR10e the viscous friction of
-        the elbow was refused for what laws of six joints leave.
+        Where a motion is followed, friction of the shoulder that is a little off is no effort of the elbow: of a UR10e
+        the viscous friction of the elbow was refused for what laws of six joints leave. Where it is simulated, what is
+        off at one joint moves all of them, further than straight lines tell.
         """
         known = set(SHARE).intersection(laws)
         off = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
+        every = max(off, default=WORST) ** 2 * self.explained
+        cases, train = self.simulations.problem.cases, self.yardstick.train
+        if any(cases[c].experiment.followed is None for c in train):
+            return every
         change = scored.fit.residual - other.fit.residual
-        at = reached(self.yardstick.channels, (self.now, self._bare), change)
-        return max(off, default=WORST) ** 2 * self.explained * at
+        return every * reached(self.yardstick.channels, (self.now, self._bare), change)
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
         """Whether a model gains enough over one with less in it: what is needed, and, where it is little more, more
