@@ -1,6 +1,7 @@
 """A round of the search on the bundled demo (synthetic): models are compared at their best, and no move is lost."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.search import prune
+from realitygap.diagnose.search import round as round_module
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.imperfections import SHARE
@@ -66,6 +68,19 @@ def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, r
         assert round_.little(own) == max(little.values())
     finally:
         round_.explained = explained
+
+
+def test_what_laws_leave_is_asked_where_a_finding_acts_only_of_a_motion_that_is_followed(
+    problem: Problem, round_: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    share, now = 0.25, round_.now
+    monkeypatch.setattr(round_module, "reached", lambda *_: share)
+    monkeypatch.setattr(round_, "explained", 1000.0)
+    simulated = round_.leaves(now, {"friction"}, now)
+    assert simulated > 0.0
+    cases = [SimpleNamespace(experiment=SimpleNamespace(followed=True)) for _ in problem.cases]
+    monkeypatch.setattr(round_, "simulations", SimpleNamespace(problem=SimpleNamespace(cases=cases)))
+    assert round_.leaves(now, {"friction"}, now) == pytest.approx(share * simulated)
 
 
 def test_moves_that_failed_are_tried_again_where_nothing_else_gains(problem: Problem, round_: Round) -> None:

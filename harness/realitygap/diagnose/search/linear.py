@@ -73,7 +73,7 @@ class Linear:
         """
         (at,) = self.places[number]
         slope, curve = -float(self.gram[at, 0]), float(self.gram[at, at])
-        part = min(max(slope / curve, 0.0), 1.0) if curve > 0.0 else 0.0
+        part = float(np.clip(slope / curve, 0.0, 1.0)) if curve > 0.0 else 0.0
         return part * slope - 0.5 * part**2 * curve
 
     def promises(self) -> list[Promise]:
