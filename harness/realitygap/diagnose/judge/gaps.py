@@ -54,21 +54,18 @@ def rms(costs: dict[int, float], cases: Sequence[int]) -> float:
 
 
 def shown(
-    simulations: Simulations, floors: Floors, changes: Sequence[Change], engines: Sequence[str]
+    simulations: Simulations, floors: Floors, models: Sequence[Sequence[Change]], engines: Sequence[str]
 ) -> dict[Suspect, Shown]:
-    """The held-out gap with the first, the first two, ... findings, in every engine that can express them.
+    """The held-out gap of models of which each has one finding more, as its last, in every engine that can express it.
 
     The first engine is the one that was searched in.
     """
     judge = simulations.problem.of("held_out")
-    prefixes = [tuple(changes[:k]) for k in range(len(changes) + 1)]
-    asked = [simulations.query(p, c, engine=e) for e in engines for p in prefixes for c in judge]
+    asked = [simulations.query(m, c, engine=e) for e in engines for m in models for c in judge]
     simulations.ask(asked)  # side by side; remembered
-    gaps = {
-        (e, k): rms(costs(simulations, floors, p, judge, e), judge) for e in engines for k, p in enumerate(prefixes)
-    }
+    gaps = {(e, k): rms(costs(simulations, floors, m, judge, e), judge) for e in engines for k, m in enumerate(models)}
     out = {}
-    for k, change in enumerate(changes):
+    for k, change in enumerate(m[-1] for m in models[1:]):
         others = {
             e: (gaps[e, k], gaps[e, k + 1])
             for e in engines[1:]

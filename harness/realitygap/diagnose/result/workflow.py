@@ -22,6 +22,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
 from realitygap.diagnose.judge.held_out import certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
+from realitygap.diagnose.judge.steps import steps
 from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.patience import minutes_for
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
@@ -125,7 +126,7 @@ def diagnose(
     told = velocity_filters(problem, everyone)
     found, why_not = _searched(simulations, everyone, told, say, until)
     changes = _ordered(found, told)
-    proofs = shown(simulations, found.floors, changes, engines)
+    proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     mended = artefacts(proofs)
     if mended:
         notes += [
@@ -133,7 +134,7 @@ def diagnose(
         ]
         found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, until)
         changes = _ordered(found, told)
-        proofs = shown(simulations, found.floors, changes, engines)
+        proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     notes += why_not
     if found.cut:
         notes.append(CUT)
