@@ -1,7 +1,6 @@
 """Diagnosis on the bundled synthetic scenario: the planted effect is named, and nothing where nothing is missing."""
 
 import json
-import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,6 +18,7 @@ from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
 from realitygap.diagnose.likelihood.disturbance import LIKELY, disturbances, sensitivities, spread
+from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.result.workflow import run_diagnosis, summary
 from realitygap.diagnose.search.exchange import simpler
 from realitygap.diagnose.search.search import search
@@ -72,7 +72,7 @@ def test_a_search_that_has_no_time_proves_what_it_found_first() -> None:
     """The friction is found in the first round; what would be lost without it is told, and that more may be missing."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
     with Simulations(problem, 2) as simulations:
-        found = search(simulations, suspects(problem), [], lambda _: None, until=-math.inf)
+        found = search(simulations, suspects(problem), [], lambda _: None, Patience(steps=0.0))
     assert found.cut
     assert {c.suspect.effect for c in found.best.fit.changes} == {"coulomb_friction"}
     (gain,) = found.gains.values()

@@ -10,7 +10,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.gaps import shown
-from realitygap.diagnose.judge.steps import steps
+from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -47,3 +47,10 @@ def test_steps_are_in_the_order_that_is_asked_for(found: Found) -> None:
     half, offset = found.best.fit.changes
     models = steps(found, [offset.suspect, half.suspect])
     assert [[c.suspect for c in m] for m in models] == [[], [offset.suspect], [offset.suspect, half.suspect]]
+
+
+def test_many_findings_are_steps_by_effect(problem: Problem) -> None:
+    both = [suspect_of(problem, effect, "elbow") for effect in ("coulomb_friction", "joint_offset")]
+    assert in_steps(both) == [both[:1], both[1:]]
+    alike = [replace(both[0], target=f"joint_{k}") for k in range(4)]
+    assert in_steps([alike[0], both[1], *alike[1:]]) == [alike, both[1:]]

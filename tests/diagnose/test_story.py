@@ -253,7 +253,7 @@ def test_many_findings_are_told_by_effect_and_in_a_table(
 def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, number in {"MANY": 0, "ALIKE": 1, "FIRST": 0}.items():
+    for name, number in {"MANY": 0, "FIRST": 0}.items():
         monkeypatch.setattr(story, name, number)
     result = told("partly explained")
     other = Suspect("coulomb_friction", "shoulder", (0,))
@@ -266,15 +266,21 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     assert not page.open, "an element is left open"
     assert "coulomb friction 2 joints torque median" in words
     assert "each its own, 0.200 N·m to" in words
-    assert "coulomb friction at 2 joints 1. coulomb friction at elbow" in words
+    assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors 1. coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
     assert text.count("<details>") == 4, "places, both findings together, and each"
 
 
 def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """A speed that a profile does not limit is not told, and tables of efforts stand at their own knots."""
-    monkeypatch.setattr(story, "ALIKE", 1)
-    one: dict[str, Any] = {"name": "command profile", "target": "elbow", "sits_at": "joint"}
+    monkeypatch.setattr(story, "MANY", 0)
+    one: dict[str, Any] = {
+        "name": "command profile",
+        "target": "elbow",
+        "sits_at": "joint",
+        "before": "3",
+        "after": "1",
+    }
     both = {
         "parameters": [("speed", "2 rad/s", "1 to 3", "none"), ("acceleration", "9 rad/s²", "8 to 10", "none")],
         "short": {"speed": (2.0, "2"), "acceleration": (9.0, "9")},

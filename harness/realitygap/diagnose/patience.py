@@ -1,14 +1,49 @@
-"""How long a diagnosis looks for more, where nobody says otherwise. Nothing heavy is imported here."""
+"""How long a diagnosis looks for more. Nothing heavy is imported here."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
 
 MINUTES = 3.0
-"""Searches of one joint end within 40 s and of two links within two minutes of one core. A real arm with six joints
-lacks something everywhere, and goes on for a quarter of an hour to find what hardly shows: its first minutes have
-nearly all that its held-out runs gain."""
+"""About how long a robot of up to nine joints takes on two cores where nobody says otherwise. Searches of one joint end
+within 40 s and of two links within two minutes of one core. A real arm with six joints lacks something everywhere, and
+goes on for a quarter of an hour to find what hardly shows: its first minutes have nearly all that its held-out runs
+gain."""
 EACH = 1 / 3
 """The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and five for a round of all
 that could be seen beside it."""
+STEPS = 1e6
+"""Engine steps of a joint that make a minute."""
+LONGER = 3.0
+"""The longest that a diagnosis looks for more, where an engine or a machine is slow, in multiples of that time."""
 
 
-def minutes_for(joints: int) -> float:
-    """How long to look for more, of a robot with so many joints [min]."""
-    return max(MINUTES, EACH * joints)
+@dataclass(frozen=True)
+class Patience:
+    """How long to look for more.
+
+    Attributes:
+        steps: of engines that may be asked for before, so that what is found does not hang on how fast a processor is.
+        until: when to look for nothing more in any case, on the clock of `time.monotonic` [s].
+    """
+
+    steps: float = math.inf
+    until: float = math.inf
+
+    @staticmethod
+    def of(joints: int, minutes: float | None, began: float) -> Patience:
+        """For so many minutes, or, of a robot with so many joints, about as long as it takes."""
+        if minutes is not None:
+            return Patience(until=began + 60.0 * minutes)
+        ordinary = max(MINUTES, EACH * joints)
+        return Patience(STEPS * ordinary / joints, began + 60.0 * LONGER * ordinary)
+
+    def over(self, steps: float) -> bool:
+        """Whether so many steps, or the time, are enough."""
+        return steps > self.steps or time.monotonic() > self.until
+
+
+FOREVER = Patience()
+"""To the end."""

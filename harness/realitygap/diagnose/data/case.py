@@ -41,6 +41,11 @@ class Case:
     windows: tuple[Experiment, ...] = ()
     length: float = np.inf
 
+    @property
+    def pieces(self) -> tuple[Experiment, ...]:
+        """What is simulated of it: its windows, or all of it at once."""
+        return self.windows or (self.experiment,)
+
     def value(self, signal: str) -> Array:
         """The measured signal. Shape (t, n)."""
         value = getattr(self.measured, signal)

@@ -27,11 +27,18 @@ class Simulations:
     """Simulates the cases of a problem with changes, in `workers` processes that load the engines themselves.
 
     Processes that were started `ahead` are taken from their list first.
+
+    Attributes:
+        count: simulations that were made.
+        steps: of engines that were asked for, also of what was remembered: what is looked for after so many does not
+            hang on how fast a processor is, or what else it does.
     """
 
     def __init__(self, problem: Problem, workers: int | None = None, ahead: list[Process] | None = None) -> None:
         self.problem = problem
         self.count = 0
+        self.steps = 0.0
+        self._length = [sum(e.duration * e.scenario.physics.step_rate for e in c.pieces) for c in problem.cases]
         self._remembered: dict[Query, dict[str, Array] | None] = {}
         self._bytes = 0.0
         self.workers = number(workers)
@@ -49,6 +56,7 @@ class Simulations:
             known = {q: self._remembered[q] for q in queries if q in self._remembered}
             new = [q for q in dict.fromkeys(queries) if q not in known]
             self.count += len(new)
+            self.steps += sum(self._length[q.case] * q.finer for q in set(queries))
         fresh = dict(zip(new, self._answers(new), strict=True))
         with self._memory:
             for q, signals in fresh.items():

@@ -48,12 +48,11 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     case, plant = problem.cases[query.case], problem.changed_plant(query.changes, query.case)
     if not all(c.suspect.possible(plant) for c in query.changes):  # a compliance whose rotor was left out
         return None
-    windows = case.windows or (case.experiment,)
     try:
-        traces = [_simulated(plant, query, e, number) for number, e in enumerate(windows)]
+        traces = [_simulated(plant, query, e, number) for number, e in enumerate(case.pieces)]
     except (Diverged, Failed, Unsupported):
         return None
-    trace = joined(windows, traces)
+    trace = joined(case.pieces, traces)
     signals = problem.signals(query.case)
     at = trace.only(signals).at(case.measured.time)
     out = {s: np.asarray(getattr(at, s)) for s in signals}

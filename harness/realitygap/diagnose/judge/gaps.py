@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -56,7 +57,8 @@ def rms(costs: dict[int, float], cases: Sequence[int]) -> float:
 def shown(
     simulations: Simulations, floors: Floors, models: Sequence[Sequence[Change]], engines: Sequence[str]
 ) -> dict[Suspect, Shown]:
-    """The held-out gap of models of which each has one finding more, as its last, in every engine that can express it.
+    """The held-out gap before and after each finding, in every engine that can express it, of models of which each has
+    one finding more than the one before it, or several.
 
     The first engine is the one that was searched in.
     """
@@ -64,14 +66,16 @@ def shown(
     asked = [simulations.query(m, c, engine=e) for e in engines for m in models for c in judge]
     simulations.ask(asked)  # side by side; remembered
     gaps = {(e, k): rms(costs(simulations, floors, m, judge, e), judge) for e in engines for k, m in enumerate(models)}
-    out = {}
-    for k, change in enumerate(m[-1] for m in models[1:]):
+    out = dict[Suspect, Shown]()
+    for k, (fewer, more) in enumerate(pairwise(models)):
+        known = {c.suspect for c in fewer}
         others = {
             e: (gaps[e, k], gaps[e, k + 1])
             for e in engines[1:]
             if gaps[e, k] < WORST / 10 and gaps[e, k + 1] < WORST / 10
         }
-        out[change.suspect] = Shown(gaps[engines[0], k], gaps[engines[0], k + 1], others)
+        done = Shown(gaps[engines[0], k], gaps[engines[0], k + 1], others)
+        out |= {c.suspect: done for c in more if c.suspect not in known}
     return out
 
 

@@ -3,28 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 
 from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.fit.fit import Fit, fit, residual_near
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
+MANY = 4
+"""More findings than this are told by effect: a step is an effect at all its places, since every step is simulated in
+every engine, a sentence tells how many places, and a table has the values."""
+
+
+def in_steps(ordered: Sequence[Suspect]) -> list[list[Suspect]]:
+    """Findings by steps, in their order: one alone, or, of many, those of an effect."""
+    out: dict[Suspect | str, list[Suspect]] = {}
+    for suspect in ordered:
+        out.setdefault(suspect.effect if len(ordered) > MANY else suspect, []).append(suspect)
+    return list(out.values())
+
 
 def steps(found: Found, ordered: Sequence[Suspect]) -> list[tuple[Change, ...]]:
-    """The models with none, the first, the first two, ... of the findings, each with its own values: those of the step
-    after it, moved to where the training runs are likelier without what that step adds.
+    """The models without any finding and after each step, each with its own values: those of the step after it, moved
+    to where the training runs are likelier without what that one adds.
 
     A finding's value beside all others is not the one that it has alone: a gain that stands for what friction is off by
     made the gap of held-out runs larger (66 to 93 floors) in the step that added it to friction as it is beside that
     gain.
     """
     known = found.best.fit
-    out = [_in_order(known.changes, ordered)]
-    for count in reversed(range(len(ordered))):
-        fewer = [c for c in out[0] if c.suspect in ordered[:count]]
+    *prefixes, every = accumulate(in_steps(ordered), initial=list[Suspect]())
+    out = [_in_order(known.changes, every)]
+    for prefix in reversed(prefixes):
+        fewer = [c for c in out[0] if c.suspect in prefix]
         moved = _moved(found.yardstick, fewer, known) if any(c.free for c in fewer) else None
         known = known if moved is None else moved
-        out.insert(0, _in_order(fewer if moved is None else moved.changes, ordered))
+        out.insert(0, _in_order(fewer if moved is None else moved.changes, prefix))
     return out
 
 

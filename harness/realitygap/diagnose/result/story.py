@@ -12,11 +12,11 @@ from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.locate import Place, phases
+from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
-    MANY,
     better,
     interval,
     lacks,
@@ -36,8 +36,6 @@ SHOWN = 4
 """Joints whose curves are shown: those with the largest gap."""
 FIRST = 8
 """Rows of a table of joints and signals that are seen at once; the others unfold."""
-ALIKE = 4
-"""With an effect at more places than this, its findings stand together under one title, and as one row of the table."""
 NOT_FITTED = "not fitted"
 USES = {"held_out": "held out", "train": "training"}
 
@@ -155,16 +153,18 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
 
 
 def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict[str, Any]]]]]:
-    """The findings with their numbers, those of an effect at many joints together under one title."""
+    """The findings with their numbers; of many, those of an effect together under one title."""
     numbered = list(enumerate(found, 1))
     groups: list[tuple[str, list[tuple[int, dict[str, Any]]]]] = []
     for member in numbered:
         name = member[1]["name"]
         alike = [other for other in numbered if other[1]["name"] == name]
-        if len(alike) <= ALIKE:
+        if len(alike) == 1 or len(found) <= MANY:
             groups.append(("", [member]))
         elif member is alike[0]:
-            groups.append((f"{name} at {len(alike)} {member[1]['sits_at']}s", alike))
+            first = alike[0][1]
+            at = f"{name} at {len(alike)} {first['sits_at']}s"
+            groups.append((f"{at}, in one step: {first['before']} → {first['after']} floors", alike))
     return groups
 
 

@@ -10,12 +10,11 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.locate import Place
+from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.page.style import number
 from realitygap.robot.effects import EFFECTS, Parameter
 
-MANY = 4
-"""With more findings than this, a sentence tells effects and how many places, and a table has the values."""
 WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}

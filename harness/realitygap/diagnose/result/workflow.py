@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
@@ -22,9 +21,9 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
 from realitygap.diagnose.judge.held_out import certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
-from realitygap.diagnose.judge.steps import steps
+from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.judge.worsened import in_units, worsened
-from realitygap.diagnose.patience import minutes_for
+from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
@@ -95,9 +94,9 @@ def diagnosed(
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
-    until = began + 60.0 * (minutes_for(int(problem.judged.sum())) if minutes is None else minutes)
+    patience = Patience.of(int(problem.judged.sum()), minutes, began)
     with Simulations(problem, workers, ahead) as simulations:
-        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), until)
+        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), patience)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     return result
 
@@ -107,7 +106,7 @@ def diagnose(
     names: Sequence[str],
     say: Say = lambda _: None,
     blamed: Collection[str] = (),
-    until: float = math.inf,
+    patience: Patience = FOREVER,
 ) -> Diagnosis:
     """Find, name, add and prove.
 
@@ -116,7 +115,7 @@ def diagnose(
         names: engines in which findings are confirmed; the searching one may be among them.
         say: told what is being done.
         blamed: joints where a mistake of the recordings is likely: no physics is named there.
-        until: when to look for nothing more, on the clock of `time.monotonic` [s].
+        patience: how long to look for more.
     """
     problem = simulations.problem
     engines = [problem.engine, *(e for e in names if e != problem.engine)]
@@ -124,7 +123,7 @@ def diagnose(
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = velocity_filters(problem, everyone)
-    found, why_not = _searched(simulations, everyone, told, say, until)
+    found, why_not = _searched(simulations, everyone, told, say, patience)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     mended = artefacts(proofs)
@@ -132,7 +131,7 @@ def diagnose(
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
         ]
-        found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, until)
+        found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, patience)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     notes += why_not
@@ -176,13 +175,13 @@ def diagnose(
 
 
 def _searched(
-    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, until: float
+    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, patience: Patience
 ) -> tuple[Found, list[str]]:
     """What a search finds, and neither its interval nor held-out runs speak against; why what else it found is not
     named.
     """
     keep = {c.suspect for c in told}
-    found, vague = certain_of(simulations, search(simulations, everyone, told, say, until), keep)
+    found, vague = certain_of(simulations, search(simulations, everyone, told, say, patience), keep)
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     if against:
@@ -209,13 +208,14 @@ def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
 
 
 def _ordered(found: Found, told: Sequence[Change]) -> tuple[Change, ...]:
-    """The findings, what the recordings told first, then what explains most."""
+    """The findings by steps, what the recordings told first, then what explains most."""
     first: list[Suspect] = [c.suspect for c in told]
 
     def place(change: Change) -> tuple[bool, float]:
         return change.suspect not in first, -found.gains.get(change.suspect, np.inf)
 
-    return tuple(sorted(found.best.fit.changes, key=place))
+    by_suspect = {c.suspect: c for c in sorted(found.best.fit.changes, key=place)}
+    return tuple(by_suspect[s] for step in in_steps(list(by_suspect)) for s in step)
 
 
 def _signals(simulations: Simulations, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:

@@ -48,6 +48,9 @@ LOOSER = (1.0, 2.0, 4.0)
 """What the first size of a limit is multiplied by, where another fit is near by."""
 FAR = 2.0
 """A rival that is further behind in a quick fit than this many times what a name needs is not fitted in full."""
+TOGETHER = 4
+"""Findings that are asked at once for what could stand in their place; before the next ones it is asked whether it is
+late."""
 PLAIN = 3.0
 """What is lost without a finding is worked out in full below this many times what a name needs."""
 
@@ -121,7 +124,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
         if not (round_.late and round_.moved(now)):
             return Exchanged(better=now, rivals=before.rivals)
-    return _compared(round_, keep, out, before, 2 * LATE if round_.late else LOOKED)
+    return _compared(round_, keep, out, before)
 
 
 def renamed(round_: Round, keep: Sequence[Suspect], new: Collection[Suspect]) -> Scored | None:
@@ -132,21 +135,27 @@ def renamed(round_: Round, keep: Sequence[Suspect], new: Collection[Suspect]) ->
     asked = [c.suspect for c in round_.now.fit.changes if c.suspect in new]
     fitted = round_.simulations.side_by_side(partial(_without, round_, round_.now), asked)
     out.without = {suspect: alone for suspect, alone in zip(asked, fitted, strict=True) if alone is not None}
-    return _compared(round_, keep, out, Exchanged(), 2 * LATE).better
+    return _compared(round_, keep, out, Exchanged(), few=True).better
 
 
-def _compared(round_: Round, keep: Sequence[Suspect], out: Exchanged, before: Exchanged, looked: int) -> Exchanged:
-    """What could stand in the place of every finding without which the model is known: of so many suspects."""
+def _compared(
+    round_: Round, keep: Sequence[Suspect], out: Exchanged, before: Exchanged, few: bool = False
+) -> Exchanged:
+    """What could stand in the place of every finding without which the model is known: of all suspects or of a few."""
     asked, evidence = [c for c in round_.now.fit.changes if c.suspect in out.without], round_.now.evidence
 
-    def close(change: Change) -> tuple[list[Rival], Scored | None]:
+    def close(change: Change, late: bool) -> tuple[list[Rival], Scored | None]:
         rivals, alone = before.rivals.get(change.suspect, []), out.without[change.suspect]
         if rivals and all(r.behind >= FAR * round_.limit for r in rivals):
             return rivals, None
-        place = _Place.of(round_, change, alone, looked)
-        return _rivals(place, rivals), None if round_.late else _several(place)
+        place = _Place.of(round_, change, alone, late, 2 * LATE if late or few else LOOKED)
+        return _rivals(place, rivals), None if late else _several(place)
 
-    found = dict(zip((c.suspect for c in asked), round_.simulations.side_by_side(close, asked), strict=True))
+    found: dict[Suspect, tuple[list[Rival], Scored | None]] = {}
+    for begin in range(0, len(asked), TOGETHER):
+        some = asked[begin : begin + TOGETHER]
+        answers = round_.simulations.side_by_side(partial(close, late=round_.late), some)
+        found |= zip((c.suspect for c in some), answers, strict=True)
     compared = {suspect: rivals for suspect, (rivals, _) in found.items()}
     ahead = {r.suspect: r for of in compared.values() for r in sorted(of, key=lambda r: -r.behind) if r.behind < -ODDS}
     for rival in ahead.values():  # one that is better in the place of several leads to the same
@@ -203,6 +212,7 @@ class _Place:
         round_: of the search.
         change: the finding.
         alone: the model without it.
+        late: whether to look only for what could be told.
         blocks: the responses of what could, the finding's own among them.
         gain: the evidence that the finding gains, there or by its response, whichever is more.
     """
@@ -210,11 +220,12 @@ class _Place:
     round_: Round
     change: Change
     alone: Scored
+    late: bool
     blocks: Sequence[Block]
     gain: float
 
     @classmethod
-    def of(cls, round_: Round, change: Change, alone: Scored, looked: int) -> _Place:
+    def of(cls, round_: Round, change: Change, alone: Scored, late: bool, looked: int) -> _Place:
         """What promises anything there, so many of it simulated anew."""
         rest, gain = [c.suspect for c in alone.fit.changes], round_.now.evidence - alone.evidence
 
@@ -226,10 +237,10 @@ class _Place:
         rough = list(dict.fromkeys(p.block.suspect for p in likely))[:looked]
         known = {b.suspect for b in here}
         beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
-        far = [] if round_.late else _far(round_, change.suspect)
+        far = [] if late else _far(round_, change.suspect)
         tried = [change.suspect, *rough, *(s for s in [*beside, *far] if fits(s))]
         anew = round_.yardstick.responses(alone.fit, list(dict.fromkeys(tried)))
-        place = cls(round_, change, alone, [*anew, *(b for b in here if b.suspect in rough)], gain)
+        place = cls(round_, change, alone, late, [*anew, *(b for b in here if b.suspect in rough)], gain)
         own = (p.gain for p in place.lines.promises() if p.block.suspect == change.suspect)
         return replace(place, gain=max([gain, *own]))
 
@@ -280,10 +291,10 @@ def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
     chosen: dict[Suspect, list[Change]] = {}
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
-        if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if round_.late else EXCHANGED):
+        if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if place.late else EXCHANGED):
             chosen.setdefault(p.block.suspect, [p.change])
     far = [s for s in place.limits if s not in {place.change.suspect, *chosen}]
-    for suspect in far[: 0 if round_.late else BEYOND]:
+    for suspect in far[: 0 if place.late else BEYOND]:
         chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, begun in chosen.items():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
@@ -15,6 +13,7 @@ from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
+from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored
 from realitygap.diagnose.search.imperfections import SHARE, WORST
@@ -49,7 +48,7 @@ class Round:
         limit: what a finding has to gain.
         nothing: the scenario's own model.
         say: told what is found.
-        until: when to look for nothing better than what was found, on the clock of `time.monotonic` [s].
+        patience: how long to look for something better than what was found.
 
     Attributes:
         explained: the evidence that the accepted model has more than the scenario's own.
@@ -71,10 +70,10 @@ class Round:
         limit: float,
         nothing: Fit,
         say: Say,
-        until: float = math.inf,
+        patience: Patience = FOREVER,
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
-        self._until = until
+        self._patience = patience
         self.yardstick = yardstick = Yardstick(simulations, at.changes)
         first = residual(simulations, at.changes, yardstick.train)
         if first is None:
@@ -150,7 +149,7 @@ class Round:
     @property
     def late(self) -> bool:
         """Whether to look for nothing better than what was found."""
-        return time.monotonic() > self._until
+        return self._patience.over(self.simulations.steps)
 
     def spare(self, scored: Scored) -> float:
         """The evidence of a model beyond what its findings have to gain."""

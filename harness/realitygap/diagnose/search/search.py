@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -14,6 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import at_once, residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
@@ -63,7 +63,11 @@ class Found:
 
 
 def search(
-    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, until: float = math.inf
+    simulations: Simulations,
+    everyone: Sequence[Suspect],
+    told: Sequence[Change],
+    say: Say,
+    patience: Patience = FOREVER,
 ) -> Found:
     """Search until no move gains enough.
 
@@ -72,9 +76,8 @@ def search(
         everyone: the suspects.
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
-        until: when to look for nothing more, on the clock of `time.monotonic` [s]: the first round ends with what gains
-            enough, and what was found by then is still asked whether it is needed, and what could stand in its place,
-            which is told.
+        patience: how long to look for more: the first round ends with what gains enough, and what was found by then is
+            still asked whether it is needed, and what could stand in its place, which is told.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     base = residual(simulations, told, simulations.problem.of("train"))
@@ -84,12 +87,12 @@ def search(
     at, seen, again = nothing, set[Standing](), True
     asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
-    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, until), None, False
+    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, patience), None, False
     many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
-            round_ = Round(simulations, at, looked_at, limit, nothing, say, until)
+            round_ = Round(simulations, at, looked_at, limit, nothing, say, patience)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None

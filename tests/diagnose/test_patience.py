@@ -1,0 +1,36 @@
+"""How long a diagnosis looks for more: so many engine steps of the bundled demo (synthetic), however fast they are."""
+
+import time
+
+import pytest
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.patience import FOREVER, Patience
+
+
+def test_steps_count_as_they_are_asked_for_however_many_take_them(problem: Problem) -> None:
+    counts = []
+    for workers in (1, 2):
+        with Simulations(problem, workers) as simulations:
+            simulations.of([], [0, 1])
+            simulations.of([], [0])  # remembered, and asked for
+            simulations.of([], [0], coarse=[0.5] * len(problem.cases))
+            counts.append(simulations.steps)
+    first, second = (sum(e.duration * e.scenario.physics.step_rate for e in problem.cases[c].pieces) for c in (0, 1))
+    assert counts == pytest.approx([2.5 * first + second] * 2)
+
+
+def test_more_is_looked_for_until_the_steps_or_the_time_are_over() -> None:
+    now = time.monotonic()
+    assert not FOREVER.over(1e30)
+    ordinary = Patience.of(6, None, now)
+    assert not ordinary.over(0.99 * ordinary.steps)
+    assert ordinary.over(1.01 * ordinary.steps)
+    assert Patience.of(6, None, now - 3600.0).over(0.0), "an engine may be slow"
+    assert Patience.of(20, None, now).steps * 20 > ordinary.steps * 6, "a humanoid takes longer"
+
+
+def test_minutes_that_are_asked_for_are_of_the_clock() -> None:
+    now = time.monotonic()
+    assert not Patience.of(6, 1.0, now).over(1e30)
+    assert Patience.of(6, 1.0, now - 61.0).over(0.0)
