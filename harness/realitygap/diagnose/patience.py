@@ -14,8 +14,8 @@ gain."""
 EACH = 1 / 3
 """The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and five for a round of all
 that could be seen beside it."""
-STEPS = 1e6
-"""Engine steps of a joint that make a minute."""
+STEPS = 96e6
+"""Engine steps that make a minute of two cores, times the joints that each moves: on an SO-101 a step takes 7.5 µs."""
 LONGER = 3.0
 """The longest that a diagnosis looks for more, where an engine or a machine is slow, in multiples of that time."""
 
