@@ -19,8 +19,8 @@ def diagnose(
         typer.Option(
             "--minutes",
             min=0.0,
-            help="how long to look for more; what was found by then is proven; inf: to the end",
-            show_default="3, or a third for every joint",
+            help="how long to look for more by the clock; what was found by then is proven; inf: to the end",
+            show_default="as many simulations as take about 3, or a third for every joint",
         ),
     ] = None,
 ) -> None:

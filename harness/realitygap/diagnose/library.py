@@ -147,8 +147,9 @@ def diagnose(
         engines: the first one searches, all confirm; none: MuJoCo searches and all that are installed confirm.
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
-        minutes: after which nothing more is looked for, infinite for to the end; what was found by then is proven.
-            None for three, and of a robot with many joints a third for each.
+        minutes: by the clock, after which nothing more is looked for, infinite for to the end; what was found by then
+            is proven. None for as many simulations as take about three, and of a robot with many joints a third for
+            each: every run finds the same.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.

@@ -42,8 +42,8 @@ SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
 NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
 CUT = (
-    "the search was ended after the time that it had (--minutes): more may be missing than what was found, and another "
-    "run may find a little more or less"
+    "the search was ended after the simulations or the time that it had: more may be missing than what was found; "
+    "--minutes inf looks to the end"
 )
 SHOWN = 3
 """Candidates that were not named and are shown."""
