@@ -196,12 +196,19 @@ def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:
 
 
 def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
-    """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed."""
+    """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed, and
+    where that does so still, with derivatives of where it is: with those of the model that has it, a fit without a
+    profile ended 0.4 ms from the best delay, and 13.7 in evidence behind it.
+    """
     rest = [c for c in now.fit.changes if c.suspect != suspect]
     quick = round_.adjusted(rest, now.fit)
     if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
-    return round_.yardstick.fit(rest, care="compared") if quick is None else round_.yardstick.refined(quick)
+    near = None if quick is None else round_.yardstick.refined(quick)
+    if near is not None and now.evidence - near.evidence > PLAIN * round_.limit:
+        return near
+    anew = round_.yardstick.fit(rest if near is None else near.fit.changes, care="compared")
+    return max((s for s in (near, anew) if s is not None), key=lambda s: s.evidence, default=None)
 
 
 @dataclass(frozen=True)
