@@ -27,6 +27,7 @@ def test_more_is_looked_for_until_the_steps_or_the_time_are_over() -> None:
     assert not ordinary.over(0.99 * ordinary.steps)
     assert ordinary.over(1.01 * ordinary.steps)
     assert Patience.of(6, None, now - 3600.0).over(0.0), "an engine may be slow"
+    assert Patience.of(0, None, now).steps == ordinary.steps, "a body without joints"
     assert Patience.of(20, None, now).steps * 20 > ordinary.steps * 6, "a humanoid takes longer"
 
 

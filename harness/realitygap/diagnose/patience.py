@@ -16,6 +16,8 @@ EACH = 1 / 3
 that could be seen beside it."""
 STEPS = 96e6
 """Engine steps that make a minute of two cores, times the joints that each moves: on an SO-101 a step takes 7.5 µs."""
+FEWEST = 6
+"""With fewer joints, or none, it takes as many steps: what is around a joint's step counts, too."""
 LONGER = 3.0
 """The longest that a diagnosis looks for more, where an engine or a machine is slow, in multiples of that time."""
 
@@ -38,7 +40,7 @@ class Patience:
         if minutes is not None:
             return Patience(until=began + 60.0 * minutes)
         ordinary = max(MINUTES, EACH * joints)
-        return Patience(STEPS * ordinary / joints, began + 60.0 * LONGER * ordinary)
+        return Patience(STEPS * ordinary / max(joints, FEWEST), began + 60.0 * LONGER * ordinary)
 
     def over(self, steps: float) -> bool:
         """Whether so many steps, or the time, are enough."""
