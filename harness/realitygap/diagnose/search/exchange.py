@@ -17,13 +17,13 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.fit.fit import CHEAP
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.without import PLAIN, without
 from realitygap.robot.effects import EFFECTS
 
 ODDS = 3.0
@@ -52,8 +52,6 @@ FAR = 2.0
 TOGETHER = 4
 """Findings that are asked at once for what could stand in their place; before the next ones it is asked whether it is
 late."""
-PLAIN = 3.0
-"""What is lost without a finding is worked out in full below this many times what a name needs."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +109,7 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
     out = Exchanged()
     while True:
         doubtful = [c.suspect for c in now.fit.changes if c.suspect not in keep and _in_doubt(out, c.suspect, round_)]
-        fitted = round_.simulations.side_by_side(partial(_without, round_, now), doubtful)
+        fitted = round_.simulations.side_by_side(partial(without, round_, now), doubtful)
         for suspect, alone in zip(doubtful, fitted, strict=True):
             if alone is not None:
                 out.without[suspect] = alone
@@ -134,7 +132,7 @@ def renamed(round_: Round, keep: Sequence[Suspect], new: Collection[Suspect]) ->
     """
     out = Exchanged()
     asked = [c.suspect for c in round_.now.fit.changes if c.suspect in new]
-    fitted = round_.simulations.side_by_side(partial(_without, round_, round_.now), asked)
+    fitted = round_.simulations.side_by_side(partial(without, round_, round_.now), asked)
     out.without = {suspect: alone for suspect, alone in zip(asked, fitted, strict=True) if alone is not None}
     return _compared(round_, keep, out, Exchanged(), few=True).better
 
@@ -194,24 +192,6 @@ def _shorter(round_: Round, rival: Scored, keep: Sequence[Suspect]) -> Scored | 
 def _in_doubt(out: Exchanged, suspect: Suspect, round_: Round) -> bool:
     """Whether it is open what a finding gains: it is not known yet, or little more than a name needs."""
     return suspect not in out.gains or out.gains[suspect] < PLAIN * round_.limit
-
-
-def _without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
-    """A model without one of its findings, refitted; in full where a quick fit leaves open whether it is missed, and
-    where that does so still, with derivatives of where it is: with those of the model that has it, a fit without a
-    profile ended 0.4 ms from the best delay, and 13.7 in evidence behind it. Not so with many values, of which
-    derivatives cost more than all else.
-    """
-    rest = [c for c in now.fit.changes if c.suspect != suspect]
-    quick = round_.adjusted(rest, now.fit)
-    if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
-        return quick
-    near = None if quick is None else round_.yardstick.refined(quick)
-    many = sum(len(c.free) for c in rest) >= CHEAP
-    if near is not None and (many or now.evidence - near.evidence > PLAIN * round_.limit):
-        return near
-    anew = round_.yardstick.fit(rest if near is None else near.fit.changes, care="compared")
-    return max((s for s in (near, anew) if s is not None), key=lambda s: s.evidence, default=None)
 
 
 @dataclass(frozen=True)
