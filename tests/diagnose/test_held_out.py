@@ -10,7 +10,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import Verdict, _wider, certain_of, predicted, supported
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
@@ -47,6 +47,12 @@ def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
     assert set(left.gains) == {suspect_of(problem, "coulomb_friction", "elbow")}
     assert left.gains[suspect_of(problem, "coulomb_friction", "elbow")] > 10.0
     assert predicted(simulations, left.floors, left.best.fit.changes).gain > 10.0
+
+
+def test_a_name_has_to_help_where_it_was_not_fitted_however_uncertain_that_is() -> None:
+    assert Verdict(-1.0, 50.0).worse
+    assert not Verdict(1.0, 50.0).worse
+    assert not Verdict(0.0, 0.0).worse, "held-out runs that do not show it say nothing"
 
 
 def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulations, found: Found) -> None:

@@ -17,9 +17,8 @@ from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.whitening import channels, facts
-from realitygap.diagnose.search.apart import ERRORS, compare
+from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored, score
-from realitygap.diagnose.search.exchange import ODDS
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.search import Found
@@ -37,9 +36,7 @@ class Verdict:
 
     @property
     def worse(self) -> bool:
-        """Whether the chosen model predicts no better than the scenario's own: a name has to help where it was not
-        fitted.
-        """
+        """Whether held-out runs are less probable with it than without: a name has to help where it was not fitted."""
         return self.gain < -NOTHING
 
 
@@ -65,10 +62,10 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
     """What was found without the findings that held-out runs speak against, one after the other, the least first; and
     what held-out runs gain by each of these. `keep` stays.
 
-    They speak against one that makes them less probable by more than a rival may be behind that cannot be told apart:
-    what mends training runs so is not their cause. And training and held-out runs together have to say as much for a
-    finding as one has to be worth (`Found.least`). What they speak for beside all that was found stays: without another
-    finding it may seem worse than it is.
+    They speak against one that makes them less probable: what mends training runs alone is not their cause. Of 147
+    names that are true of machines with nearly right laws, planted at six seeds, none did, and 3 of 14 others. And
+    training and held-out runs together have to say as much for a finding as one has to be worth (`Found.least`). What
+    they speak for beside all that was found stays: without another finding it may seem worse than it is.
     """
     against: dict[Suspect, float] = {}
     asked = set(found.without).difference(keep)
@@ -80,7 +77,7 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
         doubted = {
             s: v.gain
             for s, v in verdicts.items()
-            if -v.gain > max(ODDS, ERRORS * v.error) or found.gains[s] + v.gain < found.least[s]
+            if v.worse or found.gains[s] + v.gain < found.least[s]
         }
         if not doubted and against:
             found = _completed(found, keep)
