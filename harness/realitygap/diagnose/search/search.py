@@ -18,6 +18,7 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
 from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.merged import merged
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
@@ -102,7 +103,7 @@ def search(
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
-        for ways in (parted, shared):
+        for ways in (parted, shared, merged):
             if following is None and fresh and not _over(round_, first):
                 following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)

@@ -1,0 +1,46 @@
+"""One law in the place of two, on the bundled demo (synthetic)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from demo_problem import suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.search.merged import merged
+from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.search import needed
+
+STIFFNESS, EFFORT = 0.4, 0.1
+
+
+def test_a_spring_takes_the_place_of_one_at_zero_beside_a_constant_effort(
+    problem: Problem, simulations: Simulations
+) -> None:
+    spring = guess(problem, suspect_of(problem, "cable_spring", "elbow")).at({"stiffness": STIFFNESS})
+    effort = guess(problem, suspect_of(problem, "constant_effort", "elbow")).at({"effort": EFFORT})
+    elsewhere = guess(problem, suspect_of(problem, "constant_effort", "shoulder"))
+    both, train = [spring, effort, elsewhere], problem.of("train")
+    left, nothing = residual(simulations, both, train), residual(simulations, [], train)
+    assert left is not None
+    assert nothing is not None
+    everyone = [c.suspect for c in both]
+    round_ = Round(simulations, Fit(tuple(both), left), everyone, needed(3), Fit((), nothing), print)
+    round_.now = replace(round_.now, fit=replace(round_.now.fit, changes=tuple(both)))
+
+    ((way, needs),) = merged(round_)
+    assert needs == -round_.limit
+    assert standing(way) == standing([elsewhere, replace(spring, free=("stiffness", "rest"))])
+
+    alone = [elsewhere, way[-1].at({"rest": EFFORT / STIFFNESS})]
+    other = residual(simulations, alone, train)
+    assert other is not None
+    assert other == pytest.approx(left, abs=1e-9, nan_ok=True), "−k·(q − rest) is −k·q and a constant k·rest"
+    assert np.nanmax(np.abs(other - nothing)) > 1e-3
+
+    round_.now = replace(round_.now, fit=replace(round_.now.fit, changes=tuple(alone)))
+    assert not merged(round_), "its shape is free already"
