@@ -10,7 +10,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import Verdict, _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import CHOSE, _wider, certain_of, predicted, supported
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
@@ -49,10 +49,14 @@ def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
     assert predicted(simulations, left.floors, left.best.fit.changes).gain > 10.0
 
 
-def test_a_name_has_to_help_where_it_was_not_fitted_however_uncertain_that_is() -> None:
-    assert Verdict(-1.0, 50.0).worse
-    assert not Verdict(1.0, 50.0).worse
-    assert not Verdict(0.0, 0.0).worse, "held-out runs that do not show it say nothing"
+def test_what_held_out_runs_say_against_a_finding_counts_many_times(simulations: Simulations, found: Found) -> None:
+    friction, offset = (c.suspect for c in found.best.fit.changes)
+    changes, without = found.best.fit.changes, found.without[offset].fit.changes
+    lost = -predicted(simulations, found.floors, changes, without).gain
+    assert lost > 0.0
+    for gained, dropped in ((CHOSE * lost + 5.0, [offset]), (CHOSE * lost + 7.0, [])):
+        gains = {friction: found.gains[friction], offset: gained}
+        assert list(supported(simulations, replace(found, gains=gains), [])[1]) == dropped, "a name needs 6"
 
 
 def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulations, found: Found) -> None:

@@ -1,6 +1,8 @@
 """One law in the place of two, on the bundled demo (synthetic)."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 
 STIFFNESS, EFFORT = 0.4, 0.1
+LIMIT = 7.0
 
 
 def test_a_spring_takes_the_place_of_one_at_zero_beside_a_constant_effort(
@@ -44,3 +47,15 @@ def test_a_spring_takes_the_place_of_one_at_zero_beside_a_constant_effort(
 
     round_.now = replace(round_.now, fit=replace(round_.now.fit, changes=tuple(alone)))
     assert not merged(round_), "its shape is free already"
+
+
+def test_springs_of_several_joints_take_the_place_of_a_payload_together(
+    problem: Problem, simulations: Simulations
+) -> None:
+    springs = [guess(problem, suspect_of(problem, "cable_spring", j)) for j in ("shoulder", "elbow")]
+    payload = guess(problem, suspect_of(problem, "payload", "forearm"))
+    found = SimpleNamespace(fit=SimpleNamespace(changes=(*springs, payload)))
+    ways = merged(cast("Round", SimpleNamespace(now=found, simulations=simulations, limit=LIMIT)))
+    shaped = [replace(c, free=("stiffness", "rest")) for c in springs]
+    assert [standing(way) for way, _ in ways] == [standing([springs[0], shaped[1]]), standing(shaped)]
+    assert {needs for _, needs in ways} == {-LIMIT}
