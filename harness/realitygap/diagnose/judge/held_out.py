@@ -80,9 +80,7 @@ def supported(simulations: Simulations, found: Found, keep: Collection[Suspect])
             for s in asked & set(found.without)
         }
         doubted = {
-            s: v.gain
-            for s, v in verdicts.items()
-            if found.gains[s] + (CHOSE * v.gain if v.gain < 0.0 else v.gain) < found.least[s]
+            s: v.gain for s, v in verdicts.items() if found.gains[s] + min(v.gain, CHOSE * v.gain) < found.least[s]
         }
         if not doubted and against:
             found = _completed(found, keep)

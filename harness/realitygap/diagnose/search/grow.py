@@ -131,12 +131,11 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, change, beside)
         if each and change.free:
             ways.append(([*beside, *each], limit * (len(each) - 1)))
-    for effect in dict.fromkeys(c.suspect.effect for c in accepted if c.free):
-        alike = [c for c in accepted if c.suspect.effect == effect and c.free]
-        beside = [c for c in accepted if c not in alike]
-        tries = [tuple(with_shape(plant, c, looser) for c in alike) for looser in LOOSER]
+    for of in alike(accepted):
+        beside = [c for c in accepted if c not in of]
+        tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
         for shaped in dict.fromkeys(tries):
-            number = sum(new is not old for new, old in zip(shaped, alike, strict=True))
+            number = sum(new is not old for new, old in zip(shaped, of, strict=True))
             if number:
                 ways.append(([*beside, *shaped], SURE * number))
     return ways
@@ -145,13 +144,21 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
 def shared(round_: Round) -> Ways:
     """Models with one value for all joints of a group in place of one at each, for when nothing gains any more."""
     accepted, ways = round_.now.fit.changes, []
-    for effect in dict.fromkeys(c.suspect.effect for c in accepted if c.free):
-        alike = [c for c in accepted if c.suspect.effect == effect and c.free]
-        together = _together(round_, alike)
+    for of in alike(accepted):
+        together = _together(round_, of)
         if together is not None:
-            rest = [c for c in accepted if c not in alike]
-            ways.append(([*rest, together], round_.limit * (1 - len(alike))))
+            rest = [c for c in accepted if c not in of]
+            ways.append(([*rest, together], round_.limit * (1 - len(of))))
     return ways
+
+
+def alike(changes: Sequence[Change]) -> list[list[Change]]:
+    """What was fitted, by effect."""
+    out: dict[str, list[Change]] = {}
+    for change in changes:
+        if change.free:
+            out.setdefault(change.suspect.effect, []).append(change)
+    return list(out.values())
 
 
 def with_shape(plant: Plant, change: Change, looser: float) -> Change:

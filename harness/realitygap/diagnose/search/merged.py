@@ -5,30 +5,22 @@ payload: with all of them in a model the shapes gain nothing, and without the ot
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.search.grow import with_shape
+from realitygap.diagnose.search.grow import Ways, alike, with_shape
 from realitygap.diagnose.search.round import Round
 
 
-def merged(round_: Round) -> list[tuple[list[Change], float]]:
+def merged(round_: Round) -> Ways:
     """Models with the shape of a finding freed, or those of all findings of an effect, and another one of their joints
     left out; and the evidence that each may lose: what that finding had to gain.
     """
     accepted, ways = round_.now.fit.changes, list[tuple[list[Change], float]]()
-    for alike in _alike(accepted):
-        shaped = [with_shape(round_.simulations.problem.plant, c, 1.0) for c in alike]
-        joints = {i for c in alike for i in c.suspect.joints}
-        rest = [c for c in accepted if c not in alike]
-        for other in rest if any(a is not b for a, b in zip(shaped, alike, strict=True)) else ():
+    together = [of for of in alike(accepted) if len(of) > 1]
+    for some in [*([c] for c in accepted if c.free), *together]:
+        shaped = [with_shape(round_.simulations.problem.plant, c, 1.0) for c in some]
+        joints = {i for c in some for i in c.suspect.joints}
+        rest = [c for c in accepted if c not in some]
+        for other in rest if any(new is not old for new, old in zip(shaped, some, strict=True)) else ():
             if other.free and joints.issuperset(other.suspect.joints):
                 ways.append(([*(c for c in rest if c is not other), *shaped], -round_.limit))
     return ways
-
-
-def _alike(changes: Sequence[Change]) -> list[list[Change]]:
-    """What was fitted, each alone, and together what is of one effect."""
-    free = [c for c in changes if c.free]
-    of = [[c for c in free if c.suspect.effect == effect] for effect in dict.fromkeys(c.suspect.effect for c in free)]
-    return [*([c] for c in free), *(alike for alike in of if len(alike) > 1)]
