@@ -34,6 +34,8 @@ from other_motions import ARMS, others, perform
 from random_proposals import left
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.propose.design import Answer
+from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.told import opened
 from realitygap.diagnose.propose.words import MOST, SURE
@@ -80,7 +82,7 @@ def run(planted: Planted, kept: Path, seconds: float, arms: Sequence[str], whole
         return keep(skipped="no motion within the limits moves the question")
     best = result.proposed[0]
     answers = dict(zip(open_.questions, best.answers, strict=True))
-    stay = [q for q in true if q in result.hopeless or not answers[q].moves(q)]  # as the page says
+    stay = [q for q in true if q in result.hopeless or not answers[q].moves(q) or right in mimicked(q, answers[q])]
     right_ones = {right, *(e for q in stay for e in sides(q) if e)}
     true = [q for q in true if q not in stay]
     if not true:
@@ -104,6 +106,11 @@ def run(planted: Planted, kept: Path, seconds: float, arms: Sequence[str], whole
             here["diagnosed"] = diagnosed(after, right_ones)
             keep()
     return out
+
+
+def mimicked(question: Question, answer: Answer) -> list[str]:
+    """The sides of a question that the other one does the same as, as the page says."""
+    return [side for side, alike in zip(sides(question), answer.alike, strict=True) if alike]
 
 
 def report(results: Sequence[Result]) -> list[str]:

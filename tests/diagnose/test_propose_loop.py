@@ -214,6 +214,7 @@ def test_what_a_slow_motion_cannot_part_is_foreseen_to_stay_as_it_is(
         assert abs(a - now) < 0.5
         assert abs(b - now) < 1.0
     assert not seen.moves(question)
+    assert seen.alike == (True, True)
 
 
 def test_foreseen_odds_are_those_of_the_recording_that_follows(

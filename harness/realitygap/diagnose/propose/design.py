@@ -34,19 +34,33 @@ Goal = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class Answer:
-    """What motions do to a question: the expected logarithm of the odds for each side, if it is the true one."""
+    """What motions do to a question.
+
+    Attributes:
+        one, other: the expected logarithm of the odds for each side, if it is the true one.
+        alike: whether what is expected if a side is true is what the other one does too, refitted. Its odds are then
+            those of being simpler, and no motion shows more.
+    """
 
     one: float
     other: float
+    alike: tuple[bool, bool] = (False, False)
 
     @property
     def least(self) -> float:
-        """The smaller of both."""
-        return min(self.one, self.other)
+        """The smaller of both; of the side alone that could be shown, where the other one could not."""
+        sides = zip((self.one, self.other), self.alike, strict=True)
+        return min((odds for odds, alike in sides if not alike), default=min(self.one, self.other))
 
     def moves(self, question: Question) -> bool:
-        """Whether the odds become others, whichever side is true."""
-        return max(self.one - question.now, self.other + question.now) > APART
+        """Whether the odds become others by what is seen, whichever side is true."""
+        more = zip((self.one - question.now, self.other + question.now), self.alike, strict=True)
+        return any(gain > APART and not alike for gain, alike in more)
+
+    def shows(self, question: Question) -> str:
+        """The side that alone could be shown, since it does all that the other one does; empty where both could."""
+        one, other = question.names
+        return {(True, False): other, (False, True): one}.get(self.alike, "")
 
 
 def answer(question: Question, gram: Array, beliefs: Sequence[Belief]) -> Answer:

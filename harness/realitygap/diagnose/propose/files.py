@@ -38,6 +38,8 @@ class Settled(BaseModel):
     """What a motion does to a question.
 
     Odds are natural logarithms; `now` is for the first side, `if_one` and `if_other` for the side that is the true one.
+    `same_if` names the sides that the other one does the same as, refitted: if one of these is true, its odds are those
+    of being simpler, and nothing that is seen.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -46,6 +48,7 @@ class Settled(BaseModel):
     now: float
     if_one: float
     if_other: float
+    same_if: list[str]
 
 
 class Sharpened(BaseModel):
@@ -154,7 +157,12 @@ def _motion(result: Proposal, proposed: Proposed) -> MotionFile:
 def _settled(question: Question, answer: Answer) -> Settled:
     one, other = question.names
     return Settled(
-        one=one, other=other, now=_round(question.now), if_one=_round(answer.one), if_other=_round(answer.other)
+        one=one,
+        other=other,
+        now=_round(question.now),
+        if_one=_round(answer.one),
+        if_other=_round(answer.other),
+        same_if=[name for name, alike in zip((one, other), answer.alike, strict=True) if alike],
     )
 
 

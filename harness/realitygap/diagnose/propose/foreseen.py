@@ -29,9 +29,13 @@ from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.refit import refitted
 from realitygap.diagnose.propose.wrong import Wrong
 from realitygap.diagnose.search.evidence import STRETCH, Scored
+from realitygap.diagnose.search.exchange import ODDS
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
+SAME = ODDS
+"""Half the squared distance, in the metric of a diagnosis, below which two explanations that are both fitted to the
+same recordings predict the same: by what is seen alone the odds for one of them stay below 20 : 1."""
 DRAWS = 3
 """Recordings with other noise that are foreseen for each explanation; the median of their odds is told."""
 
@@ -62,15 +66,17 @@ class Foreseen:
         """
         sides = [(q.one, q.other) for q in questions]
         sides += [(b, a) for a, b in sides]
-        told: dict[tuple[int, int], float] = {}
+        told: dict[tuple[int, int], tuple[float, bool]] = {}
         for true in dict.fromkeys(a for a, _ in sides):
             others = [b for a, b in sides if a == true]
-            told |= {(true, b): odds for b, odds in self._odds(true, others).items()}
+            told |= {(true, b): side for b, side in self._odds(true, others).items()}
         pairs = [(told.get((q.one, q.other)), told.get((q.other, q.one))) for q in questions]
-        return [None if a is None or b is None else Answer(a, b) for a, b in pairs]
+        return [None if a is None or b is None else Answer(a[0], b[0], (a[1], b[1])) for a, b in pairs]
 
-    def _odds(self, true: int, others: Sequence[int]) -> dict[int, float]:
-        """The odds of an explanation, if it is true, over others that can be fitted to it."""
+    def _odds(self, true: int, others: Sequence[int]) -> dict[int, tuple[float, bool]]:
+        """The odds of an explanation, if it is true, over others that can be fitted to it, and whether those do the
+        same then.
+        """
         random = np.random.default_rng([self.case, true])
         drawn = [self._noise(self.open.explanations[true], random) for _ in range(DRAWS)]
         still, columns = self.predictions.of(self.case)
@@ -84,12 +90,21 @@ class Foreseen:
         for other in fits:
             if other != true:
                 asked.setdefault(_simpler(fits, true, other), []).append(other)
-        told = dict[int, float]()
+        told = dict[int, tuple[float, bool]]()
         for at, beside in asked.items():
             here = self._standing(first, fits[at], at)
             one, *two = (self._evidences(here, fits[k].fit, more) for k in (true, *beside))
-            told |= {k: float(np.median(one - e)) for k, e in zip(beside, two, strict=True)}
+            alike = [self._alike(here, fits[true].fit, fits[k].fit) for k in beside]
+            odds = [float(np.median(one - e)) for e in two]
+            told |= dict(zip(beside, zip(odds, alike, strict=True), strict=True))
         return told
+
+    def _alike(self, here: Yardstick, true: Fit, other: Fit) -> bool:
+        """Whether an explanation with as many findings does what the true one does, both fitted to the same."""
+        if len(true.changes) != len(other.changes):
+            return False
+        apart = here.score(true).metric(other.residual - true.residual)
+        return 0.5 * float(apart @ apart) < SAME
 
     def _standing(self, first: Yardstick, fitted: Scored, at: int) -> Yardstick:
         """The yardstick where laws may be off, and facts count, as at an explanation that was fitted."""

@@ -12,7 +12,7 @@ from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.figure import figure
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
-from realitygap.diagnose.propose.words import SURE, expected, half, now
+from realitygap.diagnose.propose.words import SURE, expected, half, now, one_sided
 from realitygap.diagnose.rehearse.page import label, words
 from realitygap.diagnose.result.story_text import listed, suspect_label
 from realitygap.files.whole import write_whole
@@ -55,7 +55,7 @@ def _card(result: Proposal, proposed: Proposed, told: dict[str, Any]) -> dict[st
         "shown": str(worst[0]) if worst else "",
         "weak": [_weak(w) for w in proposed.weak],
         "rows": [_row(q, a) for q, a in reached],
-        "enough": worst is None or worst[1].least >= SURE,
+        "enough": all(a.least >= SURE and not any(a.alike) for _, a in reached),
     }
 
 
@@ -63,7 +63,7 @@ def _row(question: Question, answer: Answer) -> dict[str, str]:
     return {
         "question": str(question),
         "now": now(question),
-        "then": expected(answer),
+        "then": f"{expected(answer)} {one_sided(question, answer)}".rstrip(),
         "mood": "better" if answer.least >= SURE else "worse",
     }
 

@@ -34,6 +34,12 @@ def expected(answer: Answer) -> str:
     return odds(answer.least)
 
 
+def one_sided(question: Question, answer: Answer) -> str:
+    """What a motion cannot show of a question, since one side does all that the other one does; empty where it can."""
+    side = answer.shows(question)
+    return f"if it is {side}, which does all that the other one does" if side else ""
+
+
 def now(question: Question) -> str:
     """The odds on the present recordings, for the side that is ahead."""
     return odds(abs(question.now))
@@ -46,7 +52,8 @@ def settles(result: Proposal, proposed: Proposed) -> str:
         return ", ".join(s.label for s in proposed.motion.segments)
     if not reached:
         return "; ".join(narrower(w) for w in proposed.weak[:WEAKEST])
-    return "; ".join(f"{q}: expected odds {expected(a)} (now {now(q)})" for q, a in reached)
+    told = [f"{q}: expected odds {expected(a)} (now {now(q)}) {one_sided(q, a)}".rstrip() for q, a in reached]
+    return "; ".join(told)
 
 
 def narrower(weak: Weak) -> str:
