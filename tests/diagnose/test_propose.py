@@ -19,7 +19,8 @@ from realitygap.diagnose.propose.odds import Belief, expected
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.diagnose.propose.told import origin_of
 from realitygap.diagnose.propose.weak import _half
-from realitygap.diagnose.propose.words import one_sided
+from realitygap.diagnose.propose.words import OPEN, one_sided
+from realitygap.diagnose.propose.words import expected as odds_told
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
@@ -78,13 +79,14 @@ def test_explanations_that_predict_the_same_stay_open_and_are_known_as_such() ->
 def test_what_does_all_that_the_other_one_does_can_only_be_shown_itself() -> None:
     """Odds of being simpler are no odds of what is seen: they move nothing, and settle nothing."""
     question = Question(0, 1, ("offset", "center of mass"), (), 1.0)
-    both, one, none = (Answer(4.0, 30.0, alike) for alike in ((False, False), (True, False), (True, True)))
+    both, one, none = Answer(4.0, 30.0), Answer(4.0, 30.0, (True, False)), Answer(4.0, 30.0, (True, True))
     assert (both.least, one.least) == (4.0, 30.0)
     assert [a.shows(question) for a in (both, one, none)] == ["", "center of mass", ""]
     assert [a.moves(question) for a in (both, one, none)] == [True, True, False]
     assert not Answer(4.0, -1.0, (True, False)).moves(question)
     assert "center of mass" in one_sided(question, one)
     assert one_sided(question, both) == ""
+    assert odds_told(question, none) == odds_told(question, Answer(0.5, -2.0)) == OPEN
 
 
 def test_what_tells_most_in_its_time_is_chosen_and_the_worst_question_counts() -> None:

@@ -65,7 +65,8 @@ class Answer:
 
 def answer(question: Question, gram: Array, beliefs: Sequence[Belief]) -> Answer:
     """What motions would do to a question."""
-    return Answer(*(float(x) for x in _sides(question, gram, beliefs)))
+    one, other = _sides(question, gram, beliefs)
+    return Answer(float(one), float(other))
 
 
 def _sides(question: Question, gram: Array, beliefs: Sequence[Belief]) -> tuple[Array, Array]:

@@ -63,7 +63,8 @@ def _row(question: Question, answer: Answer) -> dict[str, str]:
     return {
         "question": str(question),
         "now": now(question),
-        "then": f"{expected(answer)} {one_sided(question, answer)}".rstrip(),
+        "then": expected(question, answer),
+        "if": one_sided(question, answer),
         "mood": "better" if answer.least >= SURE else "worse",
     }
 

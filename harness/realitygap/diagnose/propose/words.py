@@ -29,15 +29,19 @@ def odds(logarithm: float) -> str:
     return f"{number} : 1" if logarithm >= 0.0 else f"1 : {number}"
 
 
-def expected(answer: Answer) -> str:
-    """The odds that are expected for whichever side is true: the smaller ones."""
-    return odds(answer.least)
+OPEN = "stays open"
+
+
+def expected(question: Question, answer: Answer) -> str:
+    """The odds that are expected for whichever side is true: the smaller ones, where the motion turns them its way."""
+    return odds(answer.least) if answer.moves(question) and answer.least > 0.0 else OPEN
 
 
 def one_sided(question: Question, answer: Answer) -> str:
     """What a motion cannot show of a question, since one side does all that the other one does; empty where it can."""
     side = answer.shows(question)
-    return f"if it is {side}, which does all that the other one does" if side else ""
+    told = side and expected(question, answer) != OPEN
+    return f"if it is {side}, which does all that the other one does" if told else ""
 
 
 def now(question: Question) -> str:
@@ -52,8 +56,14 @@ def settles(result: Proposal, proposed: Proposed) -> str:
         return ", ".join(s.label for s in proposed.motion.segments)
     if not reached:
         return "; ".join(narrower(w) for w in proposed.weak[:WEAKEST])
-    told = [f"{q}: expected odds {expected(a)} (now {now(q)}) {one_sided(q, a)}".rstrip() for q, a in reached]
-    return "; ".join(told)
+    return "; ".join(_settles(q, a) for q, a in reached)
+
+
+def _settles(question: Question, answer: Answer) -> str:
+    then = expected(question, answer)
+    if then == OPEN:
+        return f"{question} {then}"
+    return f"{question}: expected odds {then} (now {now(question)}) {one_sided(question, answer)}".rstrip()
 
 
 def narrower(weak: Weak) -> str:
