@@ -13,9 +13,9 @@ from realitygap_engines import Physics, Simulation
 from realitygap_engines.model.robot import Model
 
 KEPT = 4
-"""Simulations of an engine that are kept open: one at the step rate, one at that of the numerical floors, and two at the
-coarser rates that motions are faithful at. With a third rate and one less, three of four simulations opened one anew. In
-PyBullet each holds 34 MB."""
+"""Simulations of an engine that are kept open: one at the step rate, one at that of the numerical floors, and two at
+the coarser rates that motions are faithful at. With a third rate and one less, three of four simulations opened one
+anew. In PyBullet each holds 34 MB."""
 
 
 class _Kept:
