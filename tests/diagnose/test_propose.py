@@ -140,7 +140,7 @@ def test_segments_start_and_end_at_rest_in_the_pose_and_ask_for_nothing_out_of_r
     home: float, down: float, up: float, fast: float, period: float
 ) -> None:
     limits = Limits(*(np.array([x]) for x in (home - down, home + up, fast, np.inf)))
-    for segment in Builder(0, np.array([home]), limits, period).every(KINDS):
+    for segment in Builder(np.ones(1), np.array([home]), limits, period).every(KINDS):
         way = segment.value[:, 0]
         assert way[-1] == pytest.approx(home)
         assert np.ptp(way[-int(0.35 / period) :]) < 1e-9
@@ -170,7 +170,7 @@ def test_keyframes_play_the_motion_and_a_trajectory_is_written_whole(kind: Segme
 
     plant = pendulum()
     limits = Limits(*(np.array([x]) for x in (-1.2, 1.0, 5.0, np.inf)))
-    segments = Builder(0, np.array([0.1]), limits, 0.005).every([kind])
+    segments = Builder(np.ones(1), np.array([0.1]), limits, 0.005).every([kind])
     scenario: Condition = Condition("", {}, None, plant)
     motion = Excitation("move", tuple(segments[:2]), scenario, 0.005)
     path = tmp_path / "move.json"

@@ -26,7 +26,7 @@ def heard(motion: Excitation) -> Array:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_varied_multisines_show_more_and_stay_within_the_limits(seed: int) -> None:
-    builder = Builder(0, np.array([0.1]), LIMITS, 0.01)
+    builder = Builder(np.ones(1), np.array([0.1]), LIMITS, 0.01)
     scenario = Scenario.model_construct(name="", robot=None)
     condition = Condition("", {}, scenario, pendulum())
     drawn = [Excitation(f"{k}", (s,), condition, 0.01) for k, s in enumerate(builder.every(["multisine", "step"]))]
@@ -37,7 +37,7 @@ def test_varied_multisines_show_more_and_stay_within_the_limits(seed: int) -> No
         return [(m, heard(m)) for m in motions[1:]]
 
     first = [(m, heard(m)) for m in drawn]
-    better = evolved(first, lambda gram: np.asarray(gram[..., 0, 0]), told, {0: builder}, np.random.default_rng(seed))
+    better = evolved(first, lambda gram: np.asarray(gram[..., 0, 0]), told, np.random.default_rng(seed))
     waves = [float(g[0, 0]) for m, g in first if m.segments[0].wave is not None]
     assert better
     assert max(float(g[0, 0]) for _, g in better) > max(waves)
@@ -50,4 +50,4 @@ def test_varied_multisines_show_more_and_stay_within_the_limits(seed: int) -> No
         assert way.max() <= 1.2
         assert np.abs(np.diff(way)).max() / 0.01 <= 4.0
     none = [(replace(m), g) for m, g in first if m.segments[0].kind == "step"]
-    assert evolved(none, lambda gram: np.asarray(gram[..., 0, 0]), told, {0: builder}, np.random.default_rng(0)) == []
+    assert evolved(none, lambda gram: np.asarray(gram[..., 0, 0]), told, np.random.default_rng(0)) == []

@@ -142,8 +142,8 @@ def test_pieces_are_slower_where_faster_ones_take_more_effort_than_there_is(
     home, spec = pose_of(problem, {}), ProposeSpec(forbid=["chirp", "multisine"])
     strong, weak = (Limits(*(np.array([x]) for x in (-1.2, 1.2, 7.0, effort))) for effort in (np.inf, 1.0))
     fast, slow = (pool_of(Proposal(problem, open_, limits, home), spec) for limits in (strong, weak))
-    assert {m.segments[0].pace for m in fast} == {1.0}
-    assert min(m.segments[0].pace for m in slow) < 1.0
+    assert {m.segments[0].maker.pace for m in fast} == {1.0}
+    assert min(m.segments[0].maker.pace for m in slow) < 1.0
     assert len({m.segments[0].label for m in slow}) == len(slow)
     for motion in slow:
         assert left_in_engines(problem, motion, open_.explanations[:1], [problem.engine], weak)[0] == set()
@@ -273,7 +273,7 @@ def test_a_robot_without_recordings_gets_a_first_set_and_what_it_would_show(prob
     ("change", "sentence"),
     [
         ({"propose.limits": {}}, "nothing says how far and how fast elbow may go"),
-        ({"robot.base": "floating"}, "motions are proposed for robots with servos and a fixed base"),
+        ({"robot.base": "floating", "ground": "none"}, "robots with servos, on a fixed base or on their feet"),
     ],
 )
 def test_what_cannot_be_proposed_for_is_one_sentence(

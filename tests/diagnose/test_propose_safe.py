@@ -69,9 +69,9 @@ def designed(tmp_path: Path) -> tuple[Excitation, Experiment]:
     }
     (tmp_path / "any.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
     (any_,) = experiments(load_scenario(tmp_path / "any.yaml"))
-    segments = Builder(0, np.array([0.1]), Limits(*(np.array([x]) for x in (-1.0, 1.2, 5.0, 12.0))), 0.01).every(
-        ["chirp"]
-    )
+    segments = Builder(
+        np.ones(1), np.array([0.1]), Limits(*(np.array([x]) for x in (-1.0, 1.2, 5.0, 12.0))), 0.01
+    ).every(["chirp"])
     motion = Excitation("chirp", tuple(segments[:1]), Condition("", {}, any_.scenario, any_.plant), 0.01)
     return motion, experiment_of(motion)
 

@@ -169,11 +169,12 @@ def quaternion_from_rotation(rotation: Array) -> Array:
     return -q if q[0] < 0 else q
 
 
-def axis_rotation(axis: Array, angle: float) -> Array:
-    """The rotation matrix about a unit axis by an angle [rad] (Rodrigues). Shape (3, 3)."""
+def axis_rotation(axis: Array, angle: float | Array) -> Array:
+    """The rotation matrix about a unit axis by an angle [rad], or by many (...) (Rodrigues). Shape (..., 3, 3)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Array = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross)
+    turn = np.asarray(angle)[..., None, None]
+    rotation: Array = np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * (cross @ cross)
     return rotation
 
 
@@ -193,15 +194,20 @@ def frame_along(axis: Array) -> Array:
 
 
 def link_poses(model: Model, position: Array, base: Array | None = None) -> Array:
-    """The pose of every link at joint positions (n,) for a base pose (4, 4), default identity. Shape (n + 1, 4, 4)."""
-    poses = np.empty((len(model.links), 4, 4))
+    """The pose of every link at joint positions (..., n) for base poses (..., 4, 4), default identity.
+
+    Shape (n + 1, ..., 4, 4).
+    """
+    many = position.shape[:-1]
+    poses = np.empty((len(model.links), *many, 4, 4))
     poses[0] = np.eye(4) if base is None else base
     for i, joint in enumerate(model.joints):
-        motion = np.eye(4)
+        motion = np.zeros((*many, 4, 4))
+        motion[..., range(4), range(4)] = 1.0
         if joint.prismatic:
-            motion[:3, 3] = joint.axis * position[i]
+            motion[..., :3, 3] = joint.axis * position[..., i, None]
         else:
-            motion[:3, :3] = axis_rotation(joint.axis, position[i])
+            motion[..., :3, :3] = axis_rotation(joint.axis, position[..., i])
         poses[i + 1] = poses[joint.parent] @ joint.origin @ motion
     return poses
 

@@ -6,14 +6,13 @@ derivative where friction sticks.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from realitygap.diagnose.propose.design import Goal
 from realitygap.diagnose.propose.excitation import Excitation
-from realitygap.diagnose.propose.segments import Builder
 from realitygap.robot.drive import Array
 
 GENERATIONS, KEPT, CHILDREN = 2, 2, 4
@@ -27,7 +26,6 @@ def evolved(
     parts: Sequence[Part],
     goal: Goal,
     told: Callable[[list[Excitation]], list[Part]],
-    builders: Mapping[int, Builder],
     random: np.random.Generator,
 ) -> list[Part]:
     """Variations of the best multisines that are better than those.
@@ -36,7 +34,6 @@ def evolved(
         parts: what was tried.
         goal: what motions are worth.
         told: the parts of further motions, without those that leave a limit.
-        builders: of segments, by joint.
         random: draws variations.
     """
     best: dict[int, list[Part]] = {}
@@ -47,7 +44,7 @@ def evolved(
     for _ in range(GENERATIONS if best else 0):
         best = {c: sorted(here, key=lambda p: -goal(p[1]))[:KEPT] for c, here in best.items()}
         parents = [motion for here in best.values() for motion, _ in here for _ in range(CHILDREN)]
-        children = [_varied(m, builders, count + k + 1, random) for k, m in enumerate(parents)]
+        children = [_varied(m, count + k + 1, random) for k, m in enumerate(parents)]
         count += len(children)
         for part in told(children):
             best[id(part[0].condition)].append(part)
@@ -55,13 +52,8 @@ def evolved(
     return [p for p in kept if id(p[0]) not in old]
 
 
-def _varied(
-    motion: Excitation, builders: Mapping[int, Builder], number: int, random: np.random.Generator
-) -> Excitation:
+def _varied(motion: Excitation, number: int, random: np.random.Generator) -> Excitation:
     (segment,) = motion.segments
     assert segment.wave is not None
-    (joint,) = segment.joints
-    made = replace(builders[joint], pace=segment.pace).multisine(
-        segment.wave.varied(random), f"fitted multisine {number}"
-    )
+    made = segment.maker.multisine(segment.wave.varied(random), f"fitted multisine {number}")
     return replace(motion, name=f"multisine_fitted_{number}", segments=(made,))

@@ -114,7 +114,7 @@ def with_motions(problem: Problem, motions: Sequence[Excitation]) -> Problem:
     """The problem with motions as further cases, behind its own; what would be measured is not known."""
     like = problem.cases[0]
     rate = (len(like.measured.time) - 1) / (like.measured.time[-1] - like.measured.time[0])
-    noise = {s: single(problem, s) for s in like.noise}
+    noise = {s: single(problem, s) for s in problem.joint_signals(0)}
     cases = [case_of(m, experiment_of(m, like.experiment), noise, rate) for m in motions]
     return replace(problem, cases=(*problem.cases, *cases))
 

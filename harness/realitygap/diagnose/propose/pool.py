@@ -30,11 +30,37 @@ PACES = (1.0, 0.5, 0.25)
 costs effort, of which no limit of speed says how much there is."""
 
 
-def builders(result: Proposal) -> dict[int, Builder]:
-    """Of the joints that are in question."""
-    problem = result.problem
+ALIKE = 0.95
+"""Directions of recorded motions with this cosine are one."""
+SMALL = 0.02
+"""A joint that goes this share of what another one goes is not moved with it."""
+
+
+def builders(result: Proposal) -> list[Builder]:
+    """Of the joints that are in question; of a robot on its feet, also of joints in step as in its recordings."""
+    problem, n = result.problem, len(result.home)
     period, names = period_of(problem), labels(problem)
-    return {j: Builder(j, result.home, result.limits, period, names[j]) for j in _joints(problem, result.open)}
+    ways = [(np.eye(n)[j], names[j]) for j in _joints(problem, result.open)]
+    ways += [*in_step(problem, result.home)] if problem.plant.model.floating else []
+    return [Builder(along, result.home, result.limits, period, name) for along, name in ways]
+
+
+def in_step(problem: Problem, home: Array) -> Iterator[tuple[Array, str]]:
+    """The direction that most of every recorded motion goes along, from a pose (n,), as far as they differ: what a
+    robot has done on its feet it can do, where a joint alone would lift a foot. A unit of the way is that of the joint
+    that goes farthest. Shape (n,) each, and what to call it.
+    """
+    known = list[Array]()
+    for case in problem.cases:
+        told = case.experiment.commands.value
+        away = told[np.isfinite(told).all(axis=1)] - home
+        if not np.any(away):
+            continue
+        along = np.linalg.svd(away, full_matrices=False)[2][0]
+        if all(abs(along @ other) < ALIKE for other in known):
+            known.append(along)
+            far = np.where(np.abs(along) > SMALL * np.abs(along).max(), along, 0.0)
+            yield far / far[np.argmax(np.abs(far))], f"all joints as in {case.experiment.name}"
 
 
 def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
@@ -46,7 +72,7 @@ def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
     out = list[Excitation]()
-    for builder, condition in product(builders(result).values(), conditions(problem, spec)):
+    for builder, condition in product(builders(result), conditions(problem, spec)):
         todo = kinds
         for pace in PACES:
             segments = replace(builder, pace=pace).every(todo)
@@ -56,6 +82,13 @@ def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
             kept = {id(m) for m in good}
             todo = list(dict.fromkeys(m.segments[0].kind for m in tried if id(m) not in kept))
     return out
+
+
+def stands(result: Proposal) -> bool:
+    """Whether a robot is within the limits, and on its feet, in the pose where motions start and end."""
+    builder = Builder(np.ones(len(result.home)), result.home, result.limits, period_of(result.problem))
+    (condition, *_) = conditions(result.problem, ProposeSpec())
+    return bool(within(result, [Excitation("stay", (builder.stay(),), condition, builder.period)]))
 
 
 def within(result: Proposal, motions: Sequence[Excitation]) -> list[Excitation]:

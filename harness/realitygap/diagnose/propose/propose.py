@@ -21,7 +21,7 @@ from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.pool import builders, by_condition, motions_of, pool_of, within
+from realitygap.diagnose.propose.pool import by_condition, motions_of, pool_of, stands, within
 from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
@@ -36,7 +36,7 @@ from realitygap.files.interrupted import Interrupted
 from realitygap.files.progress import Progress
 from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
-from realitygap.scenario.file import load_scenario
+from realitygap.scenario.file import ScenarioFile, load_scenario
 from realitygap.scenario.propose import ProposeSpec
 
 TRIED = 4
@@ -71,9 +71,7 @@ def run_proposal(
     file = load_scenario(origin.scenario)
     engines = engine_names(names)
     first = engines[0] if names else origin.engine or (SEARCH if SEARCH in engines else engines[0])
-    if file.scenario.robot.base != "fixed" or file.scenario.follows:
-        what = "motion: {followed: true}" if file.scenario.follows else f"robot.base: {file.scenario.robot.base}"
-        raise InputError(f"{file.path}: found {what}; motions are proposed for robots with servos and a fixed base")
+    _refuse_undriven(file)
     if not (file.scenario.recordings and file.scenario.recordings.runs):
         return screen(file, engines, first, seconds, motions, progress.say, workers)
     warnings = certain(file)
@@ -135,6 +133,23 @@ def propose(
     return result
 
 
+def _refuse_undriven(file: ScenarioFile) -> None:
+    """Raises:
+    InputError: for what no servos move, or what does not stand.
+    """
+    scenario, what = file.scenario, ""
+    if scenario.follows:
+        what = "motion: {followed: true}"
+    elif scenario.robot.base == "free":
+        what = "robot.base: free"
+    elif scenario.robot.base == "floating" and scenario.ground_spec is None:
+        what = "robot.base: floating with ground: none"
+    if what:
+        raise InputError(
+            f"{file.path}: found {what}; motions are proposed for robots with servos, on a fixed base or on their feet"
+        )
+
+
 def _tells(result: Proposal, proposed: Proposed) -> bool:
     """Whether a motion moves any odds, or makes any interval narrower that is worth a recording."""
     return bool(result.reached(proposed)) or any(w.then < NARROWER * w.now for w in proposed.weak)
@@ -151,6 +166,11 @@ def design(
     workers: int | None,
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
+    if result.problem.plant.model.floating and not stands(result):
+        result.notes.append(
+            "the robot does not keep its feet in the pose where motions start and end; say one in propose.pose"
+        )
+        return
     open_, pool = result.open, pool_of(result, spec)
     say(f"{len(pool)} pieces of motion within the limits, each under {len(open_.explanations)} explanations")
     parts, beliefs = _parts(result, pool, floors, workers)
@@ -171,7 +191,7 @@ def design(
 
     most, better = max(motions, min(len({id(m.condition) for m in pool}), TRIED)), list[Part]()
     try:
-        better = evolved(parts, goal, told, builders(result), np.random.default_rng(0))
+        better = evolved(parts, goal, told, np.random.default_rng(0))
         say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
     except Interrupted as end:
         most, result.ended = 1, end

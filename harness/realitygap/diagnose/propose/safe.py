@@ -14,6 +14,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.excitation import Excitation, experiment_of
+from realitygap.diagnose.propose.footing import lost_footing
 from realitygap.diagnose.propose.keyframes import played
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.search.evidence import Scored
@@ -98,7 +99,7 @@ def left_limits(
             except Diverged as error:
                 left.append(error.time + way.begin)
                 continue
-            left += limits.left(trace.between(-TICK, np.inf)).tolist()  # from where keyframes begin
+            left += _left(plant, trace.between(-TICK, np.inf), limits)  # from where keyframes begin
             if left and len(ends) == 1:
                 break
         if left:
@@ -106,6 +107,12 @@ def left_limits(
         if can:
             held.append(engine)
     return set(), tuple(held)
+
+
+def _left(plant: Plant, trace: Trace, limits: Limits) -> list[float]:
+    """When a motion is beyond a limit, or a robot on its feet does not keep them [s]."""
+    lost = lost_footing(plant.loaded(), trace).tolist() if plant.model.floating else []
+    return sorted([*limits.left(trace).tolist(), *lost])
 
 
 def phases(plant: Plant) -> list[float]:

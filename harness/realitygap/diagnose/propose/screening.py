@@ -71,7 +71,10 @@ def screen(
     chosen = []
     for name, kinds in list(SETS.items())[:motions]:
         allowed = [k for k in kinds if k not in spec.forbid and (k != "release" or spec.release)]
-        here = [Builder(j, result.home, limits, 1.0 / RATE, n).every(allowed) for j, n in enumerate(labels(empty))]
+        here = [
+            Builder(along, result.home, limits, 1.0 / RATE, n).every(allowed)
+            for along, n in zip(np.eye(len(names)), labels(empty), strict=True)
+        ]
         kept = Excitation(name, tuple(_turns(here, seconds, 1.0 / RATE)), condition, 1.0 / RATE)
         held: tuple[str, ...] = ()
         while kept.segments:
@@ -82,7 +85,8 @@ def screen(
         if kept.segments:
             chosen.append((kept, held))
     if not chosen:
-        result.notes.append("no motion stays within these limits")
+        feet = ", on its feet" if plant.model.floating else ""
+        result.notes.append(f"no motion stays within these limits{feet}")
         return result
     noise = {"position": np.array([QUANTUM[j.prismatic] / np.sqrt(12) for j in plant.model.joints])}
     cases = [case_of(m, replace(experiment_of(m), use="train"), noise, RATE) for m, _ in chosen]

@@ -37,8 +37,8 @@ class Segment:
         joints: those that move.
         value: commands [rad or m]. Shape (m, n).
         enabled: whether the servos of the joints that move are on. Shape (m,).
+        maker: what made it.
         wave: of a multisine.
-        pace: the share of the largest speed that stands for all of it.
     """
 
     kind: SegmentKind
@@ -46,8 +46,8 @@ class Segment:
     joints: tuple[int, ...]
     value: Array
     enabled: NDArray[np.bool_]
+    maker: Builder
     wave: Multisine | None = None
-    pace: float = 1.0
 
     def commands(self) -> Array:
         """The commands, NaN where a servo is off. Shape (m, n)."""
@@ -59,18 +59,18 @@ class Segment:
 
 @dataclass(frozen=True)
 class Builder:
-    """Makes the segments of one joint.
+    """Makes the segments along one direction: a joint, or several in step.
 
     Attributes:
-        joint: which.
+        along: how far each joint goes [rad or m] by every unit of the way. Shape (n,).
         home: the pose in which segments start and end. Shape (n,).
         limits: what must not be left.
         period: of the commands [s].
-        name: of the joint, where a robot has several.
+        name: of the direction, where a robot has several.
         pace: the share of the largest speed that is used as if it was all of it: speed costs effort.
     """
 
-    joint: int
+    along: Array
     home: Array
     limits: Limits
     period: float
@@ -90,30 +90,41 @@ class Builder:
         }
         return [segment for kind in kinds for segment in makers[kind]()]
 
-    @property
-    def _ends(self) -> tuple[float, float]:
-        """How far the joint may go from home, down and up, with room for what a servo overshoots."""
-        j = self.joint
-        return 0.9 * (float(self.limits.lower[j]) - self._rest), 0.9 * (float(self.limits.upper[j]) - self._rest)
+    def stay(self) -> Segment:
+        """At rest in the pose."""
+        return self._segment("hold", "stays", [self._stay(0.0, REST)])
 
     @property
-    def _rest(self) -> float:
-        return float(self.home[self.joint])
+    def _ends(self) -> tuple[float, float]:
+        """How far the way may go from home, down and up, with room for what a servo overshoots."""
+        ends = np.sort(
+            [(end - self.home)[self._moved] for end in (self.limits.lower, self.limits.upper)] / self._each, 0
+        )
+        return 0.9 * float(ends[0].max()), 0.9 * float(ends[1].min())
+
+    @property
+    def _moved(self) -> NDArray[np.bool_]:
+        """Which joints move. Shape (n,)."""
+        return np.asarray(self.along != 0.0)
+
+    @property
+    def _each(self) -> Array:
+        """How far each joint that moves goes by every unit of the way."""
+        return self.along[self._moved]
 
     @property
     def _fast(self) -> float:
-        return self.pace * float(self.limits.speed[self.joint])
+        return self.pace * float(np.min(self.limits.speed[self._moved] / np.abs(self._each)))
 
     def _segment(self, kind: SegmentKind, label: str, parts: Sequence[Array], off: tuple[int, int] = (0, 0)) -> Segment:
         """Parts one behind the other, the last one back home and at rest. `off` is where the servo is off."""
         way = np.concatenate([*parts, self._to(parts[-1][-1], 0.0), np.zeros(self._ticks(REST))])
-        value = np.tile(self.home, (len(way), 1))
-        value[:, self.joint] += way
+        value = self.home + way[:, None] * self.along
         enabled = np.ones(len(way), dtype=bool)
         enabled[slice(*off)] = False
         label = f"{label} of {self.name}" if self.name else label
         label = f"{label} at {self.pace:.0%} of the speed" if self.pace < 1.0 else label
-        return Segment(kind, label, (self.joint,), value, enabled, pace=self.pace)
+        return Segment(kind, label, tuple(np.flatnonzero(self._moved).tolist()), value, enabled, self)
 
     def _ticks(self, seconds: float) -> int:
         return max(int(np.ceil(seconds / self.period - 1e-6)), 1)
