@@ -1,6 +1,6 @@
 """The closed loop: recordings that leave several explanations, one more motion, and the diagnosis again.
 
-    python tests/bench_propose.py --safe 1000
+    python tests/bench_propose.py --safe 1000 [--standing]
     python tests/bench_propose.py [--work DIR] [--shift N] [--begin 0] [--end 16] [--seconds 20]
         [--arm proposed --arm repeated] [--diagnosed proposed]
 
@@ -10,7 +10,8 @@ from the foreign plant of `tests/planted`; diagnoses search in MuJoCo. Every arm
 were open: refitted to all recordings, does the truth leave all others behind by what a diagnosis asks? Arms that are to
 be `--diagnosed` are also given to a diagnosis that starts from nothing. `--shift` adds to the seeds of all cases: into
 what is drawn then, robots too, nobody has looked. What is done is kept in DIR after every arm and not done again.
-`--safe` draws random scenarios instead, and tries whether any motion leaves a limit under any rival in any engine.
+`--safe` draws random scenarios instead, and tries whether any motion leaves a limit under any rival in any engine; with
+`--standing`, of robots on a foot, whether any loses it.
 """
 
 import argparse
@@ -147,13 +148,13 @@ def report(results: Sequence[Result]) -> list[str]:
     return lines
 
 
-def safe(first: int, number: int) -> str:
+def safe(first: int, number: int, standing: bool) -> str:
     """Motions for random scenarios, each in MuJoCo and two engines that are drawn."""
     every, motions, bad = sorted({*engines.available()} - {"mujoco"}), 0, 0
     for seed in range(first, first + number):
         drawn = np.random.default_rng(seed).choice(every, min(2, len(every)), replace=False).tolist()
         with TemporaryDirectory() as folder:
-            count, outside = left(seed, Path(folder), ["mujoco", *drawn])
+            count, outside = left(seed, Path(folder), ["mujoco", *drawn], standing)
         motions, bad = motions + count, bad + bool(outside)
         for one in outside:
             print(one, flush=True)
@@ -170,9 +171,10 @@ def main() -> None:
     parser.add_argument("--arm", choices=ARMS, action="append")
     parser.add_argument("--diagnosed", choices=ARMS, action="append", default=[], help="also diagnosed from nothing")
     parser.add_argument("--safe", type=int, default=0, help="so many random scenarios: does a motion leave a limit?")
+    parser.add_argument("--standing", action="store_true", help="on a foot each: does it keep that, too?")
     args = parser.parse_args()
     if args.safe:
-        print(safe(args.begin, args.safe))
+        print(safe(args.begin, args.safe, args.standing))
         return
     args.work.mkdir(parents=True, exist_ok=True)
     results = []

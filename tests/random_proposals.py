@@ -18,6 +18,7 @@ from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.propose.excitation import pose_of
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.files import write_motion
+from realitygap.diagnose.propose.footing import lost_footing
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import design
@@ -27,11 +28,12 @@ from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 from realitygap.simulate.experiment import experiments, simulate
 from realitygap_engines import Diverged, Failed, Unsupported
-from robots import BUILDERS
+from robots import BUILDERS, Robot
 
 ROBOTS = ("pendulum", "geared", "planar", "skew", "slide")
 SECONDS = 4.0
 """Of a proposed motion: enough for two or three pieces."""
+BASE = '<link name="base"/>'
 RIVALS = 2
 """Effects that are drawn, beside none."""
 LENGTH, RATE = 2.0, 100.0
@@ -49,12 +51,27 @@ class Left:
     how: str
 
 
-def scenario(random: np.random.Generator, folder: Path) -> Path:
-    """A robot with drawn limits, poses and conditions, and a recording of its own model."""
+def on_a_foot(robot: Robot, random: np.random.Generator) -> str:
+    """What the robot stands with: a box as its base, larger and heavier than it or smaller and lighter."""
+    carried = sum(link.mass for link in robot.links)
+    long = sum(link.length for link in robot.links)
+    size = [long * random.uniform(0.3, 1.5), long * random.uniform(0.3, 1.5), 0.04]
+    mass = carried * random.uniform(0.3, 4.0)
+    x, y, z = (mass / 12 * (sum(s**2 for s in size) - own**2) for own in size)
+    return (
+        f'<link name="base"><inertial><mass value="{mass:.6g}"/><inertia ixx="{x:.6g}" ixy="0" ixz="0" '
+        f'iyy="{y:.6g}" iyz="0" izz="{z:.6g}"/></inertial>'
+        f'<collision><geometry><box size="{" ".join(f"{s:.6g}" for s in size)}"/></geometry></collision></link>'
+    )
+
+
+def scenario(random: np.random.Generator, folder: Path, standing: bool = False) -> Path:
+    """A robot with drawn limits, poses and conditions, and a recording of its own model; on a foot, if `standing`."""
     kind = str(random.choice(ROBOTS))
     robot = BUILDERS[kind](random)
-    (folder / "robot.urdf").write_text(robot.urdf(), encoding="utf-8")
-    (folder / "load.urdf").write_text(robot.urdf(1.8), encoding="utf-8")
+    base = on_a_foot(robot, random) if standing else BASE
+    for name, load in (("robot", 1.0), ("load", 1.8)):
+        (folder / f"{name}.urdf").write_text(robot.urdf(load).replace(BASE, base), encoding="utf-8")
     names, reach = robot.joints, robot.reach
     limits: dict[str, Any] = {}
     for name in names:
@@ -77,10 +94,10 @@ def scenario(random: np.random.Generator, folder: Path) -> Path:
     command = swing * np.sin(2 * np.pi * random.uniform(0.3, 1.2, len(names)) * time[:, None])
     content: dict[str, Any] = {
         "name": kind,
-        "robot": {"urdf": "robot.urdf", "base": "fixed", "start": "recording"},
+        "robot": {"urdf": "robot.urdf", "base": "floating" if standing else "fixed", "start": "recording"},
         "servos": [{"name": "drive", "joints": "*", **robot.servo}],
         "motion": {"recorded": "command"},
-        "ground": "none",
+        "ground": "flat" if standing else "none",
         "physics": {"step_rate": 500},
         "recordings": {
             "columns": {what: {n: f"{what}_{n}" for n in names} for what in ("command", "position")},
@@ -117,16 +134,17 @@ def rivals(problem: Problem, random: np.random.Generator) -> list[tuple[Change, 
     return out
 
 
-def left(seed: int, folder: Path, engines: Sequence[str]) -> tuple[int, list[Left]]:
+def left(seed: int, folder: Path, engines: Sequence[str], standing: bool = False) -> tuple[int, list[Left]]:
     """How many motions are proposed for a random scenario, and which of them leave a limit as they are written.
 
     Args:
         seed: of the scenario.
         folder: for its files.
         engines: in which motions have to stay within the limits.
+        standing: whether the robot stands on a foot, which it has to keep, too.
     """
     random = np.random.default_rng(seed)
-    problem = build_problem(load_scenario(scenario(random, folder)), "mujoco")
+    problem = build_problem(load_scenario(scenario(random, folder, standing)), "mujoco")
     spec = problem.file.scenario.propose or ProposeSpec()
     with Simulations(problem, 1) as simulations:
         yardstick = Yardstick(simulations, ())
@@ -161,7 +179,8 @@ def left(seed: int, folder: Path, engines: Sequence[str]) -> tuple[int, list[Lef
                     out.append(Left(seed, engine, label, float("nan"), str(error)))
                     continue
                 over = {what: float(far.max()) for what, far in limits.over(trace).items()}
-                if max(over.values()) > 0.0:
+                lost = lost_footing(plant.loaded(), trace) if standing else trace.time[:0]
+                if max(over.values()) > 0.0 or len(lost):
                     first = limits.first(trace)
-                    out.append(Left(seed, engine, label, first or 0.0, str(over)))
+                    out.append(Left(seed, engine, label, first or 0.0, f"{over}, off its foot {lost[:1]} s"))
     return len(result.proposed), out

@@ -44,14 +44,15 @@ def planted() -> Iterator[None]:
     sys.path.remove(folder)
 
 
+@pytest.mark.parametrize("standing", [False, True], ids=["fixed", "standing"])
 @settings(max_examples=3, deadline=None, derandomize=True)
 @given(seed=st.integers(0, 2**31), other=st.integers(0, len(EVERY) - 1))
 @pytest.mark.usefixtures("planted")
-def test_no_motion_leaves_a_limit_under_any_rival(seed: int, other: int) -> None:
+def test_no_motion_leaves_a_limit_under_any_rival(standing: bool, seed: int, other: int) -> None:
     from random_proposals import left
 
     with TemporaryDirectory() as folder:
-        _, outside = left(seed, Path(folder), list(dict.fromkeys(["mujoco", EVERY[other]])))
+        _, outside = left(seed, Path(folder), list(dict.fromkeys(["mujoco", EVERY[other]])), standing)
     assert outside == []
 
 
