@@ -15,7 +15,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.propose.excitation import pose_of
+from realitygap.diagnose.propose.excitation import BEFORE, pose_of
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.files import write_motion
 from realitygap.diagnose.propose.footing import lost_footing
@@ -179,6 +179,7 @@ def left(seed: int, folder: Path, engines: Sequence[str], standing: bool = False
                     out.append(Left(seed, engine, label, float("nan"), str(error)))
                     continue
                 over = {what: float(far.max()) for what, far in limits.over(trace).items()}
+                trace = trace.between(BEFORE if standing else 0.0, np.inf)  # it settles on its foot first
                 lost = lost_footing(plant.loaded(), trace) if standing else trace.time[:0]
                 if max(over.values()) > 0.0 or len(lost):
                     first = limits.first(trace)

@@ -174,7 +174,7 @@ def test_keyframes_play_the_motion_and_a_trajectory_is_written_whole(kind: Segme
     scenario: Condition = Condition("", {}, None, plant)
     motion = Excitation("move", tuple(segments[:2]), scenario, 0.005)
     path = tmp_path / "move.json"
-    path.write_text(json.dumps(animation(motion, ["joint0"])), encoding="utf-8")
+    path.write_text(json.dumps(animation(motion, plant.model)), encoding="utf-8")
     moves = read_animation(path)
     commands, length = play(path, moves, plant.model, first_goals(path, moves, plant.model))
     lead = commands.time[1] - commands.time[0]  # the first keyframe takes a moment

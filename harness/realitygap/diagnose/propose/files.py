@@ -197,7 +197,7 @@ def seen(shown: Rehearsal) -> list[str]:
 def write_motion(result: Proposal, motion: Excitation, out: Path) -> None:
     """The files of a motion."""
     model = result.problem.plant.model
-    text = json.dumps(animation(motion, model.joint_names), indent=1, ensure_ascii=False)
+    text = json.dumps(animation(motion, model), indent=1, ensure_ascii=False)
     write_whole(out / f"{motion.name}.json", text + "\n")
     write_whole(out / f"{motion.name}.csv", _commands(motion, model.joint_names))
     time, value, _ = waypoints(motion)

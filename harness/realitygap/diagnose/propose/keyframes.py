@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from realitygap_engines.model.robot import Model
 
-from realitygap.diagnose.propose.excitation import Excitation
+from realitygap.diagnose.propose.excitation import BEFORE, Excitation
 from realitygap.robot.drive import Array
 from realitygap.scenario.schema import Motion
 from realitygap.simulate.experiment import AFTER, Experiment
@@ -55,11 +55,17 @@ def waypoints(motion: Excitation, apart: float = 0.0) -> tuple[Array, Array, Arr
     return time[chosen], value[chosen], on[chosen]
 
 
-def animation(motion: Excitation, joints: Sequence[str]) -> dict[str, Any]:
+def standing(model: Model) -> float:
+    """How long a robot stands in the pose before its keyframes move [s]: one on its feet settles on them first."""
+    return BEFORE if model.floating else 0.0
+
+
+def animation(motion: Excitation, model: Model) -> dict[str, Any]:
     """The content of an animation file: goals in degrees, durations, servos that are off.
 
     A player takes at least a tick from one keyframe to the next, so that a step takes one, too.
     """
+    joints = model.joint_names
     time, value, on = waypoints(motion, TICK)
     goals = np.rad2deg(value)  # also of prismatic joints: a player takes degrees
     frames = []
@@ -67,7 +73,7 @@ def animation(motion: Excitation, joints: Sequence[str]) -> dict[str, Any]:
         frame: dict[str, Any] = {
             "name": f"{k}",
             "duration": round(float(time[k] - time[k - 1]), 6) if k else 0.0,
-            "pause": 0.0,
+            "pause": 0.0 if k else standing(model),
             "goals": {name: round(float(v), 5) for name, v in zip(joints, goals[k], strict=True)},
         }
         if not on[k].all():
@@ -77,13 +83,14 @@ def animation(motion: Excitation, joints: Sequence[str]) -> dict[str, Any]:
 
 
 def played(motion: Excitation, designed: Experiment) -> Experiment:
-    """The simulation of a motion as its animation is played, on the motion's clock: it begins a tick before.
+    """The simulation of a motion as its animation is played, on the motion's clock: it begins a tick before, and before
+    that a robot on its feet stands.
 
     The commands are not those that were designed: a step takes a tick, goals are rounded, and a servo that samples them
     slowly samples others, a tick apart.
     """
     path, model = Path(f"{motion.name}.json"), designed.plant.model
-    content = Animation.model_validate(animation(motion, model.joint_names))
+    content = Animation.model_validate(animation(motion, model))
     commands, length = play(path, content, model, first_goals(path, content, model))
     scenario = designed.scenario
     robot = scenario.robot.model_copy(update={"start": "keyframe"})
@@ -92,6 +99,6 @@ def played(motion: Excitation, designed: Experiment) -> Experiment:
         scenario=scenario.model_copy(update={"robot": robot, "motion": Motion(keyframes=path.name)}),
         recording=None,
         commands=commands,
-        begin=-TICK,
+        begin=-TICK - standing(model),
         duration=length + AFTER,
     )

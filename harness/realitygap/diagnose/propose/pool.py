@@ -121,13 +121,14 @@ def _may_release(problem: Problem, spec: ProposeSpec) -> bool:
 
 def _joints(problem: Problem, open_: Open) -> list[int]:
     """The joints that questions are about, or else the findings: where effects sit, or what moves their links; all, of
-    a shared one.
+    a shared one, but for a robot on its feet, which moves as a whole with all of them in step.
     """
-    out = set[int]()
+    out, floating, every = set[int](), problem.plant.model.floating, range(len(problem.plant.model.joints))
     asked = [s for q in open_.questions for s in q.targets]
     for suspect in asked or [c.suspect for c in open_.explanations[0].fit.changes]:
         at = suspect.indices if suspect.kind.sits_at == "joint" else [i - 1 for i in suspect.indices]
-        out |= set(range(len(problem.plant.model.joints))) if suspect.kind.sits_at in ("base", "ground") else set(at)
+        shared = suspect.kind.sits_at in ("base", "ground")
+        out |= set(() if floating else every) if shared else set(at)
     return sorted(j for j in out if j >= 0)
 
 

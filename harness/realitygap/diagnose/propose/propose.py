@@ -115,6 +115,11 @@ def propose(
         result.notes.append("nothing is left open: no other explanation comes near the findings")
     if not open_.questions and not values:
         return result
+    if problem.plant.model.floating and not stands(result):
+        result.notes.append(
+            "the robot does not keep its feet in the pose where motions start and end; say one in propose.pose"
+        )
+        return result
     try:
         design(result, spec, floors, engines, seconds, motions, say, workers)
         if result.proposed and result.ended is None:
@@ -166,11 +171,6 @@ def design(
     workers: int | None,
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
-    if result.problem.plant.model.floating and not stands(result):
-        result.notes.append(
-            "the robot does not keep its feet in the pose where motions start and end; say one in propose.pose"
-        )
-        return
     open_, pool = result.open, pool_of(result, spec)
     say(f"{len(pool)} pieces of motion within the limits, each under {len(open_.explanations)} explanations")
     parts, beliefs = _parts(result, pool, floors, workers)

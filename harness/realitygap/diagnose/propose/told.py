@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -107,6 +107,8 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
         say("what the recordings leave open: a diagnosis first")
         at = search(simulations, everyone, told, say).best.fit
     else:
+        seen = {c.suspect for c in told}  # by the recordings themselves, not fitted
+        changes = [replace(c, free=()) if c.suspect in seen else c for c in changes]
         first = residual(simulations, changes, problem.of("train"))
         if first is None:
             raise InputError(f"{problem.file.path}: what the diagnosis found cannot be simulated in {problem.engine}")
