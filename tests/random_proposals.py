@@ -18,7 +18,6 @@ from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.propose.excitation import BEFORE, pose_of
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.files import write_motion
-from realitygap.diagnose.propose.footing import lost_footing
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import design
@@ -27,6 +26,7 @@ from realitygap.files.errors import InputError
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
 from realitygap.simulate.experiment import experiments, simulate
+from realitygap.simulate.footing import lost_footing
 from realitygap_engines import Diverged, Failed, Unsupported
 from robots import BUILDERS, Robot
 

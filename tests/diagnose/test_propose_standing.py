@@ -12,7 +12,6 @@ from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.excitation import BEFORE, pose_of
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.files import write_motion
-from realitygap.diagnose.propose.footing import lost_footing
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.pool import builders, in_step
 from realitygap.diagnose.propose.proposal import Proposal
@@ -20,6 +19,7 @@ from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.told import opened
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.experiment import experiments, simulate
+from realitygap.simulate.footing import lost_footing
 
 FOOT = 0.24
 """How long the foot is [m]; it is half as wide."""

@@ -22,6 +22,7 @@ from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
+from realitygap.simulate.footing import TICK, beyond, footing_of
 from realitygap.simulate.opened import kept_open
 from realitygap.trace.trace import Trace
 
@@ -30,8 +31,9 @@ from realitygap.trace.trace import Trace
 class Query:
     """One simulation: of a case with changes, in an engine, at a multiple of the step rate.
 
-    `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well; `nudge`
-    seeds other states at which windows begin, as far from the measured ones as those are uncertain.
+    `push` is a disturbing torque on a joint; `jumps` asks for how far the effort jumps within a step as well, `footing`
+    for how far a robot is from keeping its feet; `nudge` seeds other states at which windows begin, as far from the
+    measured ones as those are uncertain.
     """
 
     changes: tuple[Change, ...]
@@ -41,6 +43,7 @@ class Query:
     push: Push | None = None
     jumps: bool = False
     nudge: int | None = None
+    footing: bool = False
 
 
 def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
@@ -61,6 +64,9 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
         effort = trace.only(["effort"])
         before, after = (np.asarray(effort.at(case.measured.time + d).effort) for d in (-h, h))
         out["jump"] = np.abs(after - before)
+    if query.footing:
+        footing = footing_of(plant.loaded(), trace.between(case.measured.time[0] - TICK, np.inf))
+        out["footing"] = np.interp(case.measured.time, footing.time, beyond(footing))
     return out
 
 

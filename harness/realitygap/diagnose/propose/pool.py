@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import get_args
@@ -63,25 +63,36 @@ def in_step(problem: Problem, home: Array) -> Iterator[tuple[Array, str]]:
             yield far / far[np.argmax(np.abs(far))], f"all joints as in {case.experiment.name}"
 
 
-def pool_of(result: Proposal, spec: ProposeSpec) -> list[Excitation]:
+Within = Callable[[list[Excitation]], list[Excitation]]
+"""The motions that stay within the limits."""
+
+
+def pool_of(result: Proposal, spec: ProposeSpec, inside: Within | None = None) -> list[Excitation]:
     """Single segments of the joints that are in question, under every condition, that stay within the limits as they
     are simulated in the engine of the search; of a kind of which some do not, slower ones, too.
+
+    Args:
+        result: the proposal.
+        spec: what the owner says.
+        inside: tells which motions stay within the limits; None for `within`.
     """
     problem = result.problem
     period = period_of(problem)
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
-    out = list[Excitation]()
-    for builder, condition in product(builders(result), conditions(problem, spec)):
-        todo = kinds
-        for pace in PACES:
-            segments = replace(builder, pace=pace).every(todo)
-            tried = [Excitation(f"{s.kind}_{len(out) + i}", (s,), condition, period) for i, s in enumerate(segments)]
-            good = within(result, tried)
-            out += good
-            kept = {id(m) for m in good}
-            todo = list(dict.fromkeys(m.segments[0].kind for m in tried if id(m) not in kept))
-    return out
+    ways = list(product(builders(result), conditions(problem, spec)))
+    out, todo = [list[Excitation]() for _ in ways], [kinds for _ in ways]
+    for pace in PACES:
+        tried = [
+            [Excitation(s.kind, (s,), condition, period) for s in replace(builder, pace=pace).every(asked)]
+            for (builder, condition), asked in zip(ways, todo, strict=True)
+        ]
+        every = [m for of in tried for m in of]
+        good = {id(m) for m in (within(result, every) if inside is None else inside(every))}
+        for k, of in enumerate(tried):
+            out[k] += [m for m in of if id(m) in good]
+            todo[k] = list(dict.fromkeys(m.segments[0].kind for m in of if id(m) not in good))
+    return [replace(m, name=f"{m.name}_{k}") for k, m in enumerate(m for of in out for m in of)]
 
 
 def stands(result: Proposal) -> bool:

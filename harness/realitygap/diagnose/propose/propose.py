@@ -26,6 +26,7 @@ from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.screening import screen
+from realitygap.diagnose.propose.telling import telling
 from realitygap.diagnose.propose.told import found_changes, opened, origin_of
 from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import Wrong, wrong
@@ -171,7 +172,12 @@ def design(
     workers: int | None,
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
-    open_, pool = result.open, pool_of(result, spec)
+
+    def inside(motions: list[Excitation]) -> list[Excitation]:
+        on_feet = result.problem.plant.model.floating  # many joints: side by side, as coarsely as is faithful
+        return _steady(result, motions, floors, workers) if on_feet else within(result, motions)
+
+    open_, pool = result.open, pool_of(result, spec, inside)
     say(f"{len(pool)} pieces of motion within the limits, each under {len(open_.explanations)} explanations")
     parts, beliefs = _parts(result, pool, floors, workers)
     if not parts:
@@ -187,7 +193,7 @@ def design(
         goal = settling(apart, beliefs, by_condition(parts), seconds)
 
     def told(motions: list[Excitation]) -> list[Part]:
-        return _parts(result, within(result, motions), floors, workers)[0]
+        return _parts(result, inside(motions), floors, workers)[0]
 
     most, better = max(motions, min(len({id(m.condition) for m in pool}), TRIED)), list[Part]()
     try:
@@ -198,6 +204,17 @@ def design(
     for motion, held, gram in motions_of(result, [*parts, *better], goal, engines, seconds, most):
         result.proposed.append(_proposed(result, motion, held, gram, beliefs))
         say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")
+
+
+def _steady(result: Proposal, motions: Sequence[Excitation], floors: Floors, workers: int | None) -> list[Excitation]:
+    """The motions in which a robot stays within the limits and on its feet in the named model."""
+    own, wide = len(result.problem.cases), with_motions(result.problem, motions)
+    with Simulations(wide, workers) as simulations:
+        rough = expected_floors(wide, floors, own)
+        cases = range(own, len(wide.cases))
+        return [
+            motions[c - own] for c in safe_cases(simulations, result.open.explanations[:1], cases, rough, result.limits)
+        ]
 
 
 def _parts(
@@ -211,6 +228,7 @@ def _parts(
     with Simulations(wide, workers) as simulations:
         rough = expected_floors(wide, floors, own)
         good = safe_cases(simulations, explanations, range(own, len(wide.cases)), rough, result.limits)
+        good = telling(simulations, result.open, good, rough)
         predictions = predict(simulations, explanations, good, rough) if good else None
     if predictions is None:
         return [], ()

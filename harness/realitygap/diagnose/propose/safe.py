@@ -14,13 +14,13 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.excitation import Excitation, experiment_of
-from realitygap.diagnose.propose.footing import lost_footing
 from realitygap.diagnose.propose.keyframes import played
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
+from realitygap.simulate.footing import lost_footing
 from realitygap.simulate.motion import TICK
 from realitygap.trace.trace import Trace
 
@@ -36,15 +36,20 @@ def safe_cases(
     floors: Floors,
     limits: Limits,
 ) -> list[int]:
-    """The cases that can be simulated under every explanation and stay within the limits at the judged stamps."""
+    """The cases that can be simulated under every explanation and stay within the limits, and on their feet, at the
+    judged stamps.
+    """
     problem = simulations.problem
+    on_feet = problem.plant.model.floating
     asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
-    answers = simulations.ask(asked)
+    answers = simulations.ask([replace(q, footing=on_feet) for q in asked])
     number, out = len(explanations), []
     for k, case in enumerate(cases):
         here = answers[k * number : (k + 1) * number]
         told = problem.cases[case].experiment.commands.value
         if asks_beyond(told, limits) or any(a is None for a in here):
+            continue
+        if on_feet and any(a["footing"].max() > 0.0 for a in here if a is not None):
             continue
         time = problem.cases[case].measured.time
         names = problem.plant.model.joint_names

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import realitygap_engines as engines
-from realitygap.diagnose.propose.footing import EDGE, MOVED, beyond, footing_of, lost_footing
 from realitygap.robot.drive import Array
+from realitygap.simulate.footing import EDGE, MOVED, beyond, footing_of, lost_footing
 from realitygap.trace.trace import Trace
 from realitygap_engines import GRAVITY, Ground, Physics, State
 from realitygap_engines.model.read import read_model
