@@ -9,15 +9,17 @@ import yaml
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.propose.excitation import BEFORE, pose_of
+from realitygap.diagnose.propose.excitation import BEFORE, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.files import write_motion
 from realitygap.diagnose.propose.limits import Limits
-from realitygap.diagnose.propose.pool import builders, in_step
+from realitygap.diagnose.propose.pool import builders, in_step, pool_of
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import propose
+from realitygap.diagnose.propose.telling import telling
 from realitygap.diagnose.propose.told import opened
 from realitygap.scenario.file import load_scenario
+from realitygap.scenario.propose import ProposeSpec
 from realitygap.simulate.experiment import experiments, simulate
 from realitygap.simulate.footing import lost_footing
 
@@ -127,6 +129,26 @@ def test_of_a_small_foot_no_motion_is_proposed_that_tips_it(
         trace = simulate(result.problem.cases[proposed.case].experiment, "mujoco").trace
         assert len(lost_footing(small.plant.model, trace.between(0.0, np.inf))) == 0
     assert result.proposed or any("no motion within these limits" in note for note in result.notes)
+
+
+def test_few_pieces_are_looked_at_closely_and_they_part_explanations_most(
+    standing: Problem, left: tuple[Open, Floors]
+) -> None:
+    open_, floors = left
+    limits = Limits(*(np.full(2, x) for x in (-1.0, 1.0, 25.0, np.inf)))
+    pool = pool_of(Proposal(standing, open_, limits, pose_of(standing, {})), ProposeSpec(forbid=["multisine"]))
+    own, wide = len(standing.cases), with_motions(standing, pool)
+    with Simulations(wide, 1) as simulations:
+        rough, cases = expected_floors(wide, floors, own), range(own, own + len(pool))
+        assert telling(simulations, open_, cases, rough) == list(cases)
+        kept = telling(simulations, open_, cases, rough, 8)  # of two joints: four
+        answers = [simulations.of(e.fit.changes, cases, coarse=rough.coarse) for e in open_.explanations]
+    assert len(kept) == 4
+    for question in open_.questions:
+        pairs = zip(answers[question.one], answers[question.other], strict=True)
+        far = [float(np.abs(a["position"] - b["position"]).max()) for a, b in pairs if a and b]
+        assert max(far[c - own] for c in kept) > 0.9 * max(far)
+        assert min(far[c - own] for c in kept) > np.median(far)
 
 
 def test_a_robot_that_does_not_stand_where_motions_start_is_told_so(left: tuple[Open, Floors], tmp_path: Path) -> None:

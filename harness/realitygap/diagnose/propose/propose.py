@@ -227,8 +227,8 @@ def _parts(
     explanations = result.open.explanations
     with Simulations(wide, workers) as simulations:
         rough = expected_floors(wide, floors, own)
-        good = safe_cases(simulations, explanations, range(own, len(wide.cases)), rough, result.limits)
-        good = telling(simulations, result.open, good, rough)
+        likely = telling(simulations, result.open, range(own, len(wide.cases)), rough)
+        good = safe_cases(simulations, explanations, likely, rough, result.limits)
         predictions = predict(simulations, explanations, good, rough) if good else None
     if predictions is None:
         return [], ()

@@ -10,46 +10,51 @@ from collections.abc import Sequence
 import numpy as np
 
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.likelihood.whitening import channels, spans
+from realitygap.diagnose.likelihood.whitening import channels, stacked
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.robot.drive import Array
 
-MOST = 300
-"""So many pieces are looked at with all derivatives at most: 20 s of motion have four or five. One joint or two have
-fewer; a humanoid under the gains that it was recorded with has a thousand."""
+MOST = 2000
+"""So many pieces of one joint are looked at with all derivatives at most, and of more joints as many fewer, as a step
+takes longer: 100 of a humanoid, which under all gains that it was recorded with has 1500, and of which 20 s of motion
+take four or five."""
 
 
-def telling(simulations: Simulations, open_: Open, cases: Sequence[int], floors: Floors) -> list[int]:
+def telling(simulations: Simulations, open_: Open, cases: Sequence[int], floors: Floors, most: int = MOST) -> list[int]:
     """The cases that part explanations most, before any of them is refitted, of every question as many; all, where
     there are few, or where nothing is in question.
 
     Args:
         simulations: of the problem with the motions.
         open_: explanations and questions.
-        cases: motions that can be simulated under all of them.
+        cases: motions.
         floors: of all cases.
+        most: how many at most, of a robot with one joint.
     """
-    if len(cases) <= MOST or not open_.questions:
+    number = most // len(simulations.problem.judged)
+    if len(cases) <= number or not open_.questions:
         return list(cases)
     apart = _apart(simulations, open_, cases, floors)
     best = np.argsort(np.argsort(-apart, axis=1), axis=1).min(axis=0)  # its rank in the question that it tells best
-    return [cases[k] for k in np.sort(np.argsort(best, kind="stable")[:MOST])]
+    return [cases[k] for k in np.sort(np.argsort(best, kind="stable")[:number])]
 
 
 def _apart(simulations: Simulations, open_: Open, cases: Sequence[int], floors: Floors) -> Array:
-    """How far apart the sides of each question are in each motion, in floors for every second. Shape (q, cases)."""
-    found = channels(simulations.problem, floors, cases)
-    means = residuals(simulations, [e.fit.changes for e in open_.explanations], cases, floors.coarse)
+    """How far apart the sides of each question are in each motion, in floors for every second; 0 where one of them
+    cannot be simulated. Shape (q, cases).
+    """
+    problem, every = simulations.problem, open_.explanations
+    asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in every]
+    answers = simulations.ask(asked)
     out = np.zeros((len(open_.questions), len(cases)))
-    number = {case: k for k, case in enumerate(cases)}
-    for channel, span in spans(found):
-        floor = np.hypot(channel.noise, channel.slow)
-        seconds = float(channel.time[-1] - channel.time[0])
+    for k, case in enumerate(cases):
+        own = channels(problem, floors, [case])
+        floor = np.concatenate([np.hypot(c.noise, c.slow) for c in own])
+        told = answers[k * len(every) : (k + 1) * len(every)]
+        here = [None if a is None else stacked(problem, [case], [a]) / floor for a in told]
         for q, question in enumerate(open_.questions):
-            one, other = means[question.one], means[question.other]
+            one, other = here[question.one], here[question.other]
             if one is not None and other is not None:
-                far = np.nan_to_num(one[span] - other[span]) / floor
-                out[q, number[channel.case]] += float(far @ far) / seconds
+                out[q, k] = float(np.nansum((one - other) ** 2)) / float(np.ptp(own[0].time))
     return out
