@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.propose.condition import conditions
+from realitygap.diagnose.propose.condition import Condition, conditions
 from realitygap.diagnose.propose.design import Goal, chosen
 from realitygap.diagnose.propose.evolve import Part
 from realitygap.diagnose.propose.excitation import Excitation, period_of
@@ -30,6 +30,9 @@ PACES = (1.0, 0.5, 0.25)
 costs effort, of which no limit of speed says how much there is."""
 
 
+TRIED = 4
+"""Conditions under which motions are looked for, and one is looked at as a whole, at most: another gain, load and
+supply beside the scenario's own. What tells most as if laws were exact need not be what tells most."""
 ALIKE = 0.95
 """Directions of recorded motions with this cosine are one."""
 SMALL = 0.02
@@ -80,7 +83,7 @@ def pool_of(result: Proposal, spec: ProposeSpec, inside: Within | None = None) -
     period = period_of(problem)
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
-    ways = list(product(builders(result), conditions(problem, spec)))
+    ways = list(product(builders(result), _few(conditions(problem, spec))))
     out, todo = [list[Excitation]() for _ in ways], [kinds for _ in ways]
     for pace in PACES:
         tried = [
@@ -93,6 +96,11 @@ def pool_of(result: Proposal, spec: ProposeSpec, inside: Within | None = None) -
             out[k] += [m for m in of if id(m) in good]
             todo[k] = list(dict.fromkeys(m.segments[0].kind for m in of if id(m) not in good))
     return [replace(m, name=f"{m.name}_{k}") for k, m in enumerate(m for of in out for m in of)]
+
+
+def _few(every: Sequence[Condition]) -> list[Condition]:
+    """So many of the conditions, from the scenario's own on as far apart as they are listed."""
+    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, min(len(every), TRIED)).round().astype(int))]
 
 
 def stands(result: Proposal) -> bool:

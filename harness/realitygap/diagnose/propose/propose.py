@@ -21,7 +21,7 @@ from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.pool import by_condition, motions_of, pool_of, stands, within
+from realitygap.diagnose.propose.pool import TRIED, by_condition, motions_of, pool_of, stands, within
 from realitygap.diagnose.propose.predict import Predictions, predict
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
@@ -40,9 +40,6 @@ from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, load_scenario
 from realitygap.scenario.propose import ProposeSpec
 
-TRIED = 4
-"""Conditions under which a motion is looked at as a whole, at most: what tells most as if laws were exact need not be
-what tells most."""
 NARROWER = 0.9
 """An interval that keeps this share of its width is not what one records for."""
 SHORTEST = 4.0
@@ -172,9 +169,9 @@ def design(
     workers: int | None,
 ) -> None:
     """The best motions of segments that stay within the limits, as if laws were exact."""
+    on_feet = result.problem.plant.model.floating
 
-    def inside(motions: list[Excitation]) -> list[Excitation]:
-        on_feet = result.problem.plant.model.floating  # many joints: side by side, as coarsely as is faithful
+    def inside(motions: list[Excitation]) -> list[Excitation]:  # with many joints side by side, and coarsely
         return _steady(result, motions, floors, workers) if on_feet else within(result, motions)
 
     open_, pool = result.open, pool_of(result, spec, inside)
@@ -195,7 +192,8 @@ def design(
     def told(motions: list[Excitation]) -> list[Part]:
         return _parts(result, inside(motions), floors, workers)[0]
 
-    most, better = max(motions, min(len({id(m.condition) for m in pool}), TRIED)), list[Part]()
+    more = 0 if on_feet else min(len({id(m.condition) for m in pool}), TRIED)  # a look takes a humanoid minutes
+    most, better = max(motions, more), list[Part]()
     try:
         better = evolved(parts, goal, told, np.random.default_rng(0))
         say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
