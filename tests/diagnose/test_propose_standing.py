@@ -1,5 +1,6 @@
 """Motions for a robot on its feet: it keeps them under every explanation, or the motion is not proposed."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.excitation import BEFORE, expected_floors, pose_of, with_motions
-from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.explanations import ELSE, Open, Question, shown
 from realitygap.diagnose.propose.files import write_motion
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.pool import builders, in_step, pool_of
@@ -149,6 +150,12 @@ def test_few_pieces_are_looked_at_closely_and_they_part_explanations_most(
         far = [float(np.abs(a["position"] - b["position"]).max()) for a, b in pairs if a and b]
         assert max(far[c - own] for c in kept) > 0.9 * max(far)
         assert min(far[c - own] for c in kept) > np.median(far)
+
+
+def test_what_the_recordings_show_already_is_said(left: tuple[Open, Floors]) -> None:
+    question = Question(1, 0, ("supply voltage at knee", ELSE), (), 9.0)
+    open_ = Open(left[0].explanations, (question, replace(question, names=("backlash at knee", ELSE), now=2.0)))
+    assert shown(open_, 5.0) == ["supply voltage at knee"]
 
 
 def test_a_robot_that_does_not_stand_where_motions_start_is_told_so(left: tuple[Open, Floors], tmp_path: Path) -> None:

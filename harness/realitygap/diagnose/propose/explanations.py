@@ -46,6 +46,11 @@ class Open:
     questions: tuple[Question, ...]
 
 
+def shown(open_: Open, limit: float) -> list[str]:
+    """What the recordings show already, though no diagnosis has named it: it gains more than a name needs."""
+    return [q.names[0] for q in open_.questions if q.names[1] == ELSE and q.now > limit]
+
+
 def left_open(best: Scored, rivals: Mapping[Suspect, Sequence[Rival]], unnamed: Mapping[Suspect, Scored]) -> Open:
     """The named model and what the recordings cannot tell from it, in pairs.
 

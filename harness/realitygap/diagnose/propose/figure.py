@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.case import JOINT_SIGNALS
+from realitygap.diagnose.likelihood.whitening import spans
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
@@ -91,16 +92,15 @@ def _segments(axes: Axes, proposed: Proposed) -> None:
 
 def _telling(result: Proposal, predictions: Predictions, case: int, numbers: Sequence[int]) -> tuple[int, str]:
     """The joint and the signal in which explanations part most, or in which the one is least certain, in floors."""
-    apart = predictions.uncertain(0)
-    if len(numbers) > 1:
-        apart = predictions.expected(numbers[0]) - predictions.expected(numbers[1])
     judged = np.flatnonzero(result.problem.judged)
-    best, at, where = -1.0, 0, (int(judged[0]), "position")
-    for channel in predictions.channels:
-        part = apart[at : at + len(channel.time)]
-        at += len(channel.time)
+    best, where = -1.0, (int(judged[0]), "position")
+    for channel, part in spans(predictions.channels):
         if channel.case == case and channel.signal in JOINT_SIGNALS:
-            far = float(np.mean((part / np.hypot(channel.noise, channel.slow)) ** 2))
+            if len(numbers) > 1:
+                apart = predictions.expected(numbers[0], part) - predictions.expected(numbers[1], part)
+            else:
+                apart = predictions.uncertain(0, part)
+            far = float(np.mean((apart / np.hypot(channel.noise, channel.slow)) ** 2))
             if far > best:
                 best, where = far, (int(judged[channel.column]), channel.signal)
     return where
@@ -111,12 +111,9 @@ def _sides(
 ) -> tuple[Array, list[tuple[Array, Array]], Array]:
     """Times (t,), of every side what is expected with half a 95 % band, and the floor. Shapes (t,)."""
     column = int(np.sum(result.problem.judged[:joint]))
-    at = 0
-    for channel in predictions.channels:
-        part = slice(at, at + len(channel.time))
-        at += len(channel.time)
+    for channel, part in spans(predictions.channels):
         if (channel.case, channel.signal, channel.column) == (case, signal, column):
             sigma = np.hypot(channel.noise, channel.slow)
-            sides = [(predictions.expected(k)[part], Z95 * predictions.uncertain(k)[part]) for k in numbers]
+            sides = [(predictions.expected(k, part), Z95 * predictions.uncertain(k, part)) for k in numbers]
             return channel.time, [(mean, np.hypot(band, Z95 * sigma)) for mean, band in sides], sigma
     raise LookupError(signal)

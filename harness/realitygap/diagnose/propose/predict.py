@@ -42,15 +42,15 @@ class Predictions:
     grams: tuple[Array, ...]
     beliefs: tuple[Belief, ...]
 
-    def expected(self, number: int) -> Array:
-        """What an explanation expects of all channels, stacked, less what was measured. Shape (m,)."""
-        return np.asarray(self.still + self.plain @ self.beliefs[number].mean)
+    def expected(self, number: int, part: slice) -> Array:
+        """What an explanation expects of a part of what is stacked, less what was measured. Shape (k,)."""
+        return np.asarray(self.still[part] + self.plain[part] @ self.beliefs[number].mean)
 
-    def uncertain(self, number: int) -> Array:
-        """The standard deviation of that by what is not known of the explanation's values. Shape (m,)."""
+    def uncertain(self, number: int, part: slice) -> Array:
+        """The standard deviation of that by what is not known of the explanation's values. Shape (k,)."""
         belief = self.beliefs[number]
-        ways = self.plain @ belief.ways
-        return np.asarray(np.sqrt(np.einsum("ij,jk,ik->i", ways, belief.covariance, ways)))
+        ways = self.plain[part] @ belief.ways
+        return np.asarray(np.sqrt(np.sum((ways @ belief.covariance) * ways, axis=1)))
 
     def of(self, case: int) -> tuple[Array, Array]:
         """What the named model says of one motion (m,), and the columns (m, c)."""

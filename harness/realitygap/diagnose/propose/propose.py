@@ -17,7 +17,7 @@ from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.design import Answer, Goal, answer, separable, settling, sharper
 from realitygap.diagnose.propose.evolve import Part, evolved
 from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
-from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.explanations import Open, shown
 from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
@@ -32,6 +32,7 @@ from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import Wrong, wrong
 from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.round import Say
+from realitygap.diagnose.search.search import needed
 from realitygap.files.errors import InputError
 from realitygap.files.interrupted import Interrupted
 from realitygap.files.progress import Progress
@@ -109,6 +110,12 @@ def propose(
     limits = limits_of(problem.plant.model, spec, recorded, problem.plant.reached)
     result = Proposal(problem, open_, limits, pose_of(problem, spec.pose))
     values = len(open_.explanations[0].fit.names)
+    already = shown(open_, needed(len(suspects(problem))))
+    if already:
+        told = ", ".join(already)
+        result.notes.append(
+            f"the recordings show {told} already: a diagnosis with more --minutes would ask whether to name it"
+        )
     if not open_.questions:
         result.notes.append("nothing is left open: no other explanation comes near the findings")
     if not open_.questions and not values:
