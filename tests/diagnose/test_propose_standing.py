@@ -10,13 +10,15 @@ import yaml
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.propose.excitation import BEFORE, expected_floors, pose_of, with_motions
+from realitygap.diagnose.propose.condition import conditions
+from realitygap.diagnose.propose.excitation import BEFORE, Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import ELSE, Open, Question, shown
 from realitygap.diagnose.propose.files import write_motion
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.pool import builders, in_step, pool_of
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import propose
+from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.telling import telling
 from realitygap.diagnose.propose.told import opened
 from realitygap.scenario.file import load_scenario
@@ -130,6 +132,19 @@ def test_of_a_small_foot_no_motion_is_proposed_that_tips_it(
         trace = simulate(result.problem.cases[proposed.case].experiment, "mujoco").trace
         assert len(lost_footing(small.plant.model, trace.between(0.0, np.inf))) == 0
     assert result.proposed or any("no motion within these limits" in note for note in result.notes)
+
+
+def test_what_comes_behind_a_fall_is_not_blamed(left: tuple[Open, Floors], tmp_path: Path) -> None:
+    """On a small foot a large step tips the robot, after which a small one finds it lying."""
+    small = stander(tmp_path, 0.05)
+    limits = Limits(*(np.full(2, x) for x in (-1.5, 1.5, 60.0, np.inf)))
+    result = Proposal(small, left[0], limits, pose_of(small, {}))
+    condition = conditions(small, ProposeSpec())[0]
+    knee, both = builders(result)
+    large, tiny = both.every(["step"])[0], knee.every(["step"])[2]
+    for segments, bad in (((tiny, large, tiny), {1}), ((large, tiny), {0})):
+        motion = Excitation("steps", segments, condition, both.period)
+        assert left_in_engines(small, motion, left[0].explanations[:1], ["mujoco"], limits)[0] == bad
 
 
 def test_few_pieces_are_looked_at_closely_and_they_part_explanations_most(

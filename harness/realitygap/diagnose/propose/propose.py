@@ -144,8 +144,10 @@ def propose(
 
 
 def _refuse_undriven(file: ScenarioFile) -> None:
-    """Raises:
-    InputError: for what no servos move, or what does not stand.
+    """Nothing is proposed for what no servos move, or what does not stand.
+
+    Raises:
+        InputError: for a scenario of such a robot.
     """
     scenario, what = file.scenario, ""
     if scenario.follows:

@@ -115,9 +115,10 @@ def left_limits(
 
 
 def _left(plant: Plant, trace: Trace, limits: Limits) -> list[float]:
-    """When a motion is beyond a limit, or a robot on its feet does not keep them [s]."""
-    lost = lost_footing(plant.loaded(), trace).tolist() if plant.model.floating else []
-    return sorted([*limits.left(trace).tolist(), *lost])
+    """When a motion is beyond a limit, or a robot on its feet does not keep them, behind which nothing counts [s]."""
+    lost = lost_footing(plant.loaded(), trace)[:1] if plant.model.floating else np.zeros(0)
+    left = limits.left(trace)
+    return [*left[left < lost.min(initial=np.inf)].tolist(), *lost.tolist()]
 
 
 def phases(plant: Plant) -> list[float]:
