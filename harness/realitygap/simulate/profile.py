@@ -6,8 +6,6 @@ result does not depend on the step and is a continuous function of the bounds an
 """
 
 from collections.abc import Iterator
-from functools import cached_property
-from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +14,6 @@ from realitygap_engines.law.compiled import compiled
 from realitygap.robot.drive import Array
 from realitygap.simulate.commands import Commands, edges_of, on_steps
 
-KEPT, MOST = 32, 64e6
-"""How much of what was told stays known, and its bytes: all motions of a diagnosis at two or three step rates."""
 PERIOD = 1e-3
 """A trajectory that is linear between its samples is a new goal each period of a servo's own loop [s]."""
 
@@ -34,41 +30,15 @@ class Told:
     """
 
     def __init__(self, commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> None:
-        self._commands, self._drive, self._steps, self._h, self._delay = commands, drive, steps, h, delay
-        self._bounds = np.stack([delay, drive["profile_speed"], drive["profile_acceleration"]]).tobytes()
-
-    @cached_property
-    def _profiled(self) -> dict[int, Array]:
-        edges = edges_of(self._steps, self._h)
-        return dict(_profiled(self._commands, self._drive, edges, self._h, self._delay))
+        self._commands, self._h, self._delay = commands, h, delay
+        self._profiled = dict(_profiled(commands, drive, edges_of(steps, h), h, delay))
 
     def over(self, first: int, steps: int) -> Array:
-        """The mean command of each servo over each of some steps from a first one on, not to be changed.
-
-        What was told last stays known: of the models that a search compares few tell servos anything else. Shape
-        (steps, n).
-        """
-        key = id(self._commands), self._steps, self._h, self._bounds, first, steps
-        with _Known.lock:
-            known = _Known.told.get(key)
-        if known is not None:
-            return known[1]
+        """The mean command of each servo over each of some steps from a first one on. Shape (steps, n)."""
         out = on_steps(self._commands, steps, self._h, self._delay, first)
         for j, mean in self._profiled.items():
             out[:, j] = np.where(np.isnan(out[:, j]), np.nan, mean[first : first + steps])
-        out.flags.writeable = False
-        with _Known.lock:
-            _Known.told[key] = self._commands, out  # which keeps the commands, and with them their id
-            while len(_Known.told) > KEPT or sum(a.nbytes for _, a in _Known.told.values()) > MOST:
-                _Known.told.pop(next(iter(_Known.told)))
         return out
-
-
-class _Known:
-    """What was told last, by commands, steps and bounds."""
-
-    lock = Lock()
-    told: dict[tuple[object, ...], tuple[Commands, Array]] = {}  # noqa: RUF012 (there is one of it)
 
 
 def told(commands: Commands, drive: NDArray[np.void], steps: int, h: float, delay: Array) -> Array:
