@@ -50,7 +50,7 @@ def launch(model: Model, trace: Trace) -> Launch | None:
     count = flying(model, p, q)
     if count < FEWEST or not np.isfinite(trace.base_angular[0]).all():
         return None
-    time, turned = trace.time[:count] - trace.time[0], _rotation(q[:count])
+    time, turned = trace.time[:count] - trace.time[0], rotation_of(q[:count])
     line = np.column_stack([np.ones(count), time])
     centre = p[:count] + turned.apply(body.com) - 0.5 * np.outer(time**2, FALL)
     place, speed = found = np.linalg.lstsq(line, centre, rcond=None)[0]
@@ -75,7 +75,7 @@ def _spun(time: Array, turned: Rotation, spin: Array, inertia: Array) -> tuple[R
         # what is left of the turn [rad] after small changes of orientation and angular velocity. Shape (7, 3 k)
         firsts = _quaternion(Rotation.from_rotvec(tries[:, :3]) * start)
         ways = [tumble(time, first, spin + t[3:], inertia) for first, t in zip(firsts, tries, strict=True)]
-        left = (measured * _rotation(np.concatenate(ways)).inv()).as_rotvec().reshape(len(tries), -1)
+        left = (measured * rotation_of(np.concatenate(ways)).inv()).as_rotvec().reshape(len(tries), -1)
         here, slope = left[0], ((left[1:] - left[0]) / SMALL).T
         change = np.linalg.lstsq(slope, -here, rcond=None)[0]
         start, spin = Rotation.from_rotvec(change[:3]) * start, spin + change[3:]
@@ -92,14 +92,15 @@ def flying(model: Model, position: Array, quaternion: Array) -> int:
     there = np.isfinite(np.column_stack([position, quaternion])).all(axis=1)
     known = np.where(there.reshape(-1, 1), quaternion, [1.0, 0.0, 0.0, 0.0])
     clear = position[:, 2].copy()
-    upward = _rotation(known).as_matrix()[:, 2]
+    upward = rotation_of(known).as_matrix()[:, 2]
     for sphere in model.links[0].spheres:
         clear = np.minimum(clear, position[:, 2] + upward @ sphere.center - sphere.radius)
     flies = there & (clear >= CLEAR)
     return len(flies) if flies.all() else int(np.argmin(flies))
 
 
-def _rotation(quaternion: Array) -> Rotation:
+def rotation_of(quaternion: Array) -> Rotation:
+    """SciPy's rotations of quaternions w x y z. Shape (..., 4)."""
     return Rotation.from_quat(quaternion[..., [1, 2, 3, 0]])
 
 

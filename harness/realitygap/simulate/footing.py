@@ -14,6 +14,7 @@ from realitygap_engines import GRAVITY
 from realitygap_engines.model.robot import Model, link_poses
 
 from realitygap.robot.drive import Array
+from realitygap.simulate.flight import rotation_of
 from realitygap.trace.trace import Trace
 
 EDGE = 0.1
@@ -23,8 +24,8 @@ MOVED = 0.005
 of a recorded one, as they are simulated, soles creep by 0.3 mm."""
 TOUCHING = 0.002
 """Points that are no higher above the ground are those that a robot stands on [m]."""
-TICK = 0.01
-"""Accelerations are means over a tick on either side [s]: shorter than a robot takes to tip, longer than contacts
+SPAN = 0.01
+"""Accelerations are means over so much on either side [s]: shorter than a robot takes to tip, longer than contacts
 chatter."""
 
 
@@ -88,7 +89,7 @@ def footing_of(model: Model, trace: Trace) -> Footing:
         trace: of a simulation on every step, with joints and a floating base.
     """
     assert trace.position is not None
-    every = max(round(TICK / float(np.median(np.diff(trace.time)))), 1)
+    every = max(round(SPAN / float(np.median(np.diff(trace.time)))), 1)
     rows = slice(None, None, every)
     time, base = trace.time[rows], _base(trace, rows)
     poses = link_poses(model, trace.position[rows], base)
@@ -97,13 +98,11 @@ def footing_of(model: Model, trace: Trace) -> Footing:
 
 def _base(trace: Trace, rows: slice) -> Array:
     """The pose of the base. Shape (t, 4, 4)."""
-    from scipy.spatial.transform import Rotation
-
     assert trace.base_position is not None
     assert trace.base_quaternion is not None
-    quaternion = trace.base_quaternion[rows][:, [1, 2, 3, 0]]  # SciPy has w last
+    quaternion = trace.base_quaternion[rows]
     out = np.tile(np.eye(4), (len(quaternion), 1, 1))
-    out[:, :3, :3] = Rotation.from_quat(quaternion).as_matrix()
+    out[:, :3, :3] = rotation_of(quaternion).as_matrix()
     out[:, :3, 3] = trace.base_position[rows]
     return out
 

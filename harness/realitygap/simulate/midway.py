@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
+from realitygap.simulate.flight import rotation_of
 from realitygap.simulate.start import start_state
 
 
@@ -77,7 +78,7 @@ class Midway:
         if self.place is None or self.turn is None or self.quaternion is None:
             state = start_state(plant, position)
         else:
-            turned = Rotation.from_rotvec(self.turn.position) * Rotation.from_quat(np.roll(self.quaternion, -1))
+            turned = Rotation.from_rotvec(self.turn.position) * rotation_of(self.quaternion)
             state = start_state(
                 plant,
                 position,

@@ -22,7 +22,7 @@ from realitygap.files.lifeline import end_with
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment, simulate
-from realitygap.simulate.footing import TICK, beyond, footing_of
+from realitygap.simulate.footing import SPAN, beyond, footing_of
 from realitygap.simulate.opened import kept_open
 from realitygap.trace.trace import Trace
 
@@ -65,7 +65,7 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
         before, after = (np.asarray(effort.at(case.measured.time + d).effort) for d in (-h, h))
         out["jump"] = np.abs(after - before)
     if query.footing:
-        footing = footing_of(plant.loaded(), trace.between(case.measured.time[0] - TICK, np.inf))
+        footing = footing_of(plant.loaded(), trace.between(case.measured.time[0] - SPAN, np.inf))
         out["footing"] = np.interp(case.measured.time, footing.time, beyond(footing))
     return out
 

@@ -142,12 +142,12 @@ def _joints(problem: Problem, open_: Open) -> list[int]:
     """The joints that questions are about, or else the findings: where effects sit, or what moves their links; all, of
     a shared one, but for a robot on its feet, which moves as a whole with all of them in step.
     """
-    out, floating, every = set[int](), problem.plant.model.floating, range(len(problem.plant.model.joints))
+    out = set[int]()
+    everywhere = set() if problem.plant.model.floating else set(range(len(problem.plant.model.joints)))
     asked = [s for q in open_.questions for s in q.targets]
     for suspect in asked or [c.suspect for c in open_.explanations[0].fit.changes]:
         at = suspect.indices if suspect.kind.sits_at == "joint" else [i - 1 for i in suspect.indices]
-        shared = suspect.kind.sits_at in ("base", "ground")
-        out |= set(() if floating else every) if shared else set(at)
+        out |= everywhere if suspect.kind.sits_at in ("base", "ground") else set(at)
     return sorted(j for j in out if j >= 0)
 
 

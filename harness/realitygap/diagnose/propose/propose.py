@@ -180,10 +180,10 @@ def design(
     """The best motions of segments that stay within the limits, as if laws were exact."""
     on_feet = result.problem.plant.model.floating
 
-    def inside(motions: list[Excitation]) -> list[Excitation]:  # with many joints side by side, and coarsely
-        return _steady(result, motions, floors, workers) if on_feet else within(result, motions)
+    def steady(motions: list[Excitation]) -> list[Excitation]:  # with many joints side by side, and coarsely
+        return _steady(result, motions, floors, workers)
 
-    open_, pool = result.open, pool_of(result, spec, inside)
+    open_, pool = result.open, pool_of(result, spec, steady if on_feet else None)
     say(f"{len(pool)} pieces of motion within the limits, each under {len(open_.explanations)} explanations")
     parts, beliefs = _parts(result, pool, floors, workers)
     if not parts:
@@ -199,7 +199,8 @@ def design(
         goal = settling(apart, beliefs, by_condition(parts), seconds)
 
     def told(motions: list[Excitation]) -> list[Part]:
-        return _parts(result, inside(motions), floors, workers)[0]
+        good = motions if on_feet else within(result, motions)  # `_parts` asks as `steady` does
+        return _parts(result, good, floors, workers)[0]
 
     more = 0 if on_feet else min(len({id(m.condition) for m in pool}), TRIED)  # a look takes a humanoid minutes
     most, better = max(motions, more), list[Part]()

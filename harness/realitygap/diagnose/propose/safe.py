@@ -29,6 +29,18 @@ PHASES = 4
 differs by an eighth of a period at most from what was tried."""
 
 
+def simulated(
+    simulations: Simulations, explanations: Sequence[Scored], cases: Sequence[int], floors: Floors
+) -> list[list[dict[str, Array] | None]]:
+    """What every explanation says of each case, and how far a robot on its feet is from keeping them; None for what
+    cannot be simulated.
+    """
+    on_feet, number = simulations.problem.plant.model.floating, len(explanations)
+    asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
+    answers = simulations.ask([replace(q, footing=on_feet) for q in asked])
+    return [answers[k * number : (k + 1) * number] for k in range(len(cases))]
+
+
 def safe_cases(
     simulations: Simulations,
     explanations: Sequence[Scored],
@@ -39,17 +51,12 @@ def safe_cases(
     """The cases that can be simulated under every explanation and stay within the limits, and on their feet, at the
     judged stamps.
     """
-    problem = simulations.problem
-    on_feet = problem.plant.model.floating
-    asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in explanations]
-    answers = simulations.ask([replace(q, footing=on_feet) for q in asked])
-    number, out = len(explanations), []
-    for k, case in enumerate(cases):
-        here = answers[k * number : (k + 1) * number]
+    problem, out = simulations.problem, []
+    for case, here in zip(cases, simulated(simulations, explanations, cases, floors), strict=True):
         told = problem.cases[case].experiment.commands.value
         if asks_beyond(told, limits) or any(a is None for a in here):
             continue
-        if on_feet and any(a["footing"].max() > 0.0 for a in here if a is not None):
+        if any(a["footing"].max() > 0.0 for a in here if a is not None and "footing" in a):
             continue
         time = problem.cases[case].measured.time
         names = problem.plant.model.joint_names

@@ -13,6 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import channels, stacked
 from realitygap.diagnose.propose.explanations import Open
+from realitygap.diagnose.propose.safe import simulated
 from realitygap.robot.drive import Array
 
 MOST = 2000
@@ -44,15 +45,12 @@ def _apart(simulations: Simulations, open_: Open, cases: Sequence[int], floors: 
     """How far apart the sides of each question are in each motion, in floors for every second; 0 where one of them
     cannot be simulated. Shape (q, cases).
     """
-    problem, every = simulations.problem, open_.explanations
-    asked = [simulations.query(e.fit.changes, c, coarse=floors.coarse) for c in cases for e in every]
-    answers = simulations.ask(asked)
-    out = np.zeros((len(open_.questions), len(cases)))
+    problem, out = simulations.problem, np.zeros((len(open_.questions), len(cases)))
+    told = simulated(simulations, open_.explanations, cases, floors)
     for k, case in enumerate(cases):
         own = channels(problem, floors, [case])
         floor = np.concatenate([np.hypot(c.noise, c.slow) for c in own])
-        told = answers[k * len(every) : (k + 1) * len(every)]
-        here = [None if a is None else stacked(problem, [case], [a]) / floor for a in told]
+        here = [None if a is None else stacked(problem, [case], [a]) / floor for a in told[k]]
         for q, question in enumerate(open_.questions):
             one, other = here[question.one], here[question.other]
             if one is not None and other is not None:
