@@ -20,8 +20,8 @@ from realitygap.diagnose.judge.gaps import costs, rms
 from realitygap.diagnose.likelihood.disturbance import LIKELY, disturbances, sensitivities, spread
 from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.result.workflow import run_diagnosis, summary
-from realitygap.diagnose.search.exchange import simpler
 from realitygap.diagnose.search.search import search
+from realitygap.diagnose.search.simpler import simpler
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.scenario.file import load_scenario

@@ -2,18 +2,23 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
 from demo_problem import FRICTION, demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change, Standing, standing
+from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.rehearse.planting import plant_recordings
+from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
+from realitygap.scenario.file import load_scenario
 
 PULL = 0.9
 """A constant effort at the elbow besides its friction [N·m], larger than that."""
@@ -32,9 +37,9 @@ class Stood:
     right: Standing
 
 
-def stood(missing: Effects, wrong: Effects, others: Sequence[str]) -> Stood:
-    """A round of a search that found something wrong, of recordings where something is missing."""
-    bare = demo_problem()
+def stood(missing: Effects, wrong: Effects, others: Sequence[tuple[str, str]], bare: Problem | None = None) -> Stood:
+    """A round of a search that found something wrong, of recordings (the demo's) where something is missing."""
+    bare = demo_problem() if bare is None else bare
 
     def of(effects: Effects) -> list[Change]:
         return [guess(bare, suspect_of(bare, name, at)).at(values) for (name, at), values in effects.items()]
@@ -45,7 +50,7 @@ def stood(missing: Effects, wrong: Effects, others: Sequence[str]) -> Stood:
     simulations = Simulations(problem, 2)
     left = residual(simulations, [], problem.of("train"))
     assert left is not None
-    everyone = [c.suspect for c in (*of(wrong), *of(missing))] + [suspect_of(problem, o, "elbow") for o in others]
+    everyone = [c.suspect for c in (*of(wrong), *of(missing))] + [suspect_of(problem, *o) for o in others]
     at = Fit(tuple(of(wrong)), left)
     round_ = Round(simulations, at, everyone, needed(len(everyone)), Fit((), left), print)
     assert standing(round_.now.fit.changes) == standing(of(wrong))
@@ -56,7 +61,7 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
     """Friction by direction is dry friction beside a constant effort that is no larger, while a joint moves."""
     missing = {("coulomb_friction", "elbow"): {"torque": FRICTION}, ("constant_effort", "elbow"): {"effort": PULL}}
     wrong = {("direction_friction", "elbow"): {"forward": 0.01, "backward": FRICTION + PULL}}
-    at = stood(missing, wrong, ["viscous_friction"])
+    at = stood(missing, wrong, [("viscous_friction", "elbow")])
     with at.simulations:
         better = exchanged(at.round_, [], Exchanged()).better
     assert better is not None
@@ -66,9 +71,8 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
 
 def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
     missing = {("torque_speed_limit", "elbow"): {"stall_torque": 6.0, "no_load_speed": 9.1}}
-    at = stood(
-        missing, {("supply_voltage", "elbow"): {"supply": 13.0}}, ["viscous_friction", "torque_constant", "voltage_sag"]
-    )
+    others = [(o, "elbow") for o in ("viscous_friction", "torque_constant", "voltage_sag")]
+    at = stood(missing, {("supply_voltage", "elbow"): {"supply": 13.0}}, others)
     with at.simulations:
         better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
         assert renamed(at.round_, [], []) is None
@@ -82,9 +86,43 @@ def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> Non
         ("supply_voltage", "shoulder"): {"supply": 13.0},
         ("controller_gain", "elbow"): {"gain": 13.0 / 15.0 * 5.048},
     }
-    at = stood({("supply_voltage", "*"): {"supply": 13.0}}, wrong, ["viscous_friction"])
+    at = stood({("supply_voltage", "*"): {"supply": 13.0}}, wrong, [("viscous_friction", "elbow")])
     with at.simulations:
         shoulder = [c.suspect for c in at.round_.now.fit.changes if c.suspect.target == "shoulder"]
         better = renamed(at.round_, [], shoulder)
     assert better is not None
     assert standing(better.fit.changes) == at.right
+
+
+URDF = """<robot name="arm"><link name="base"/><link name="arm">
+<inertial><origin xyz="0 0 -0.5"/><mass value="0.6"/>
+<inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>"""
+SCENARIO = """
+name: told
+robot: {urdf: arm.urdf, base: fixed}
+servos: [{joints: hinge, kind: effort}]
+motion: {recorded: torque, as: effort}
+recordings:
+  runs: [{path: run.csv, window: [0.0, 2.0], use: train}, {path: run.csv, window: [2.0, 4.0], use: held_out}]
+"""
+
+
+def test_a_gain_does_what_a_mass_does(tmp_path: Path) -> None:
+    """Of a point that hangs from a hinge, where nothing rubs: all that counts is the torque per mass."""
+    time = np.arange(0.0, 4.0, 0.01)
+    torque = 1.2 * np.sin(4.0 * time) + 0.5 * np.sin(9.0 * time)
+    position = np.round(0.3 * np.sin(4.0 * time) / 1.5e-3) * 1.5e-3
+    rows = "\n".join(f"{t:.2f},{q:.4f},{u:.4f}" for t, q, u in zip(time, position, torque, strict=True))
+    (tmp_path / "run.csv").write_text("time,position,torque\n" + rows)
+    (tmp_path / "arm.urdf").write_text(URDF)
+    (tmp_path / "scenario.yaml").write_text(SCENARIO)
+    heavy = {("link_mass", "arm"): {"mass": 0.8}}
+    others = [("controller_gain", "hinge"), ("coulomb_friction", "hinge"), ("constant_effort", "hinge")]
+    at = stood(heavy, heavy, others, build_problem(load_scenario(tmp_path / "scenario.yaml"), "mujoco"))
+    with at.simulations:
+        (finding,) = at.round_.now.fit.changes
+        promise, *_ = alike(at.round_, finding)
+        rivals = exchanged(at.round_, [], Exchanged()).rivals[finding.suspect]
+    assert promise.block.suspect.effect == rivals[0].suspect.effect == "controller_gain"
+    assert rivals[0].open

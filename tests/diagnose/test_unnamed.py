@@ -18,9 +18,9 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.library import Diagnosed, diagnose
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import summary
-from realitygap.diagnose.search.exchange import simpler
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
+from realitygap.diagnose.search.simpler import simpler
 from realitygap.diagnose.search.unnamed import with_unnamed
 from realitygap.robot.effects.place import place
 from realitygap.robot.effort_map import Table

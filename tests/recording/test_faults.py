@@ -97,6 +97,14 @@ def test_a_single_command_that_jumps_and_comes_back(size: float) -> None:
     assert fault.numbers["size"] == pytest.approx(abs(size), abs=0.05)
 
 
+@pytest.mark.parametrize("kind", ["effort", "velocity", "duty"])
+def test_what_a_controller_asks_for_jumps_as_it_is_meant_to(kind: str) -> None:
+    sound = recording()
+    command = sound.command.copy()
+    command[812] += 0.3
+    assert command_glitches(replace(sound, command=command, command_kind=kind)) == []
+
+
 def test_a_step_is_not_a_glitch() -> None:
     sound = recording()
     command = sound.command.copy()

@@ -22,6 +22,7 @@ from realitygap.simulate.follow import Followed, follow
 from realitygap.simulate.start import start_state
 from realitygap.trace.trace import Array, Trace
 from realitygap_engines import GRAVITY
+from scipy.integrate import cumulative_trapezoid
 
 ENGINES = engines.available()
 CURRENT = ("torque_constant", "motor_heating")
@@ -39,9 +40,9 @@ MEANT = [
 FOLLOWED = Path(__file__).parents[2] / "scenarios" / "effort_driven" / "followed.yaml"
 
 
-def followed(plant: Plant, time: Array, position: Array, engine: str = "mujoco", *, wider: float = 1.0) -> Trace:
+def followed(plant: Plant, time: Array, position: Array, engine: str = "mujoco", *, off: bool = False) -> Trace:
     start = start_state(plant, position[0])
-    return follow(engine, plant, Followed(time, position), start, of_joint=False, wider=wider).trace
+    return follow(engine, plant, Followed(time, position), start, of_joint=False, off=off).trace
 
 
 def swing(time: Array) -> Array:
@@ -159,13 +160,41 @@ def test_load_dependent_friction_solves_for_the_effort_that_it_is_part_of() -> N
     np.testing.assert_allclose((effort - base)[inner, 0][moving], extra[moving], rtol=0, atol=1e-6)
 
 
-def test_a_wider_band_moves_the_effort_by_less_than_noise_would() -> None:
-    plant, time = arm(), np.arange(0.0, 3.0, 0.005)
-    noisy = swing(time)[0][:, None] + 1e-4 * np.random.default_rng(0).normal(size=(len(time), 1))
-    narrow, wide = (followed(plant, time, noisy, wider=w).effort for w in (1.0, 2.0))
-    assert narrow is not None
-    assert wide is not None
-    assert 1e-4 < np.abs(wide - narrow).mean() < 0.1
+@pytest.mark.parametrize(("rate", "quantum"), [(100, 3e-3), (500, 1.5e-3), (100, 1e-4)])
+def test_an_effort_is_off_by_its_standard_error(rate: int, quantum: float) -> None:
+    """A sine of a pendulum, read by a coarse encoder: how far the effort is from the exact one, away from the ends."""
+    plant, time = arm(), np.arange(0.0, 6.0, 1.0 / rate)
+    plant.drive["coulomb"] = 0.0
+    exact = swing(time)[0][:, None]
+    read = np.round(exact / quantum) * quantum
+    found, above = (followed(plant, time, read, off=off).effort for off in (False, True))
+    plain = followed(plant, np.arange(0.0, 6.0, 1e-3), swing(np.arange(0.0, 6.0, 1e-3))[0][:, None]).effort
+    assert found is not None
+    assert above is not None
+    assert plain is not None
+    inner = slice(rate // 2, -rate // 2)
+    made = np.sqrt(np.mean((found - plain[:: 1000 // rate])[inner] ** 2))
+    told = np.sqrt(np.mean((above - found)[inner] ** 2))
+    assert 0.5 * made < told < 4 * made
+
+
+@pytest.mark.parametrize(("rate", "quantum"), [(100, 1e-3), (500, 1e-4)])
+def test_where_a_motion_stops_its_effort_is_off_by_more(rate: int, quantum: float) -> None:
+    """Moves of constant acceleration between rests, where dry friction holds as it did last: jerk is not white."""
+    plant, time = arm(), np.arange(0.0, 12.0, 1.0 / rate)
+    plant.drive["coulomb"] = plant.drive["static"] = 0.5
+    phase, way = time % 2.0, np.where(time % 4.0 < 2.0, 1.0, -1.0)
+    a = 6.0 * way * np.select([phase < 0.5, phase < 1.0], [1.0, -1.0], 0.0)
+    v = 6.0 * way * np.maximum(np.minimum(phase, 1.0 - phase), 0.0)
+    q = cumulative_trapezoid(v, time, initial=0)
+    exact = (0.5 * 0.15**2 + 1e-3 + 0.0266) * a + 0.5 * GRAVITY * 0.15 * np.sin(q) + 0.02 * v + 0.5 * way
+    read = np.round(q[:, None] / quantum) * quantum
+    found, above = (followed(plant, time, read, off=off).effort for off in (False, True))
+    assert found is not None
+    assert above is not None
+    off = (found[:, 0] - exact)[rate // 2 : -rate // 2] / (above - found)[rate // 2 : -rate // 2, 0]
+    assert 0.3 < np.sqrt(np.mean(off**2)) < 1.5
+    assert np.mean(np.abs(off) < 3.0) > 0.97
 
 
 INERTIA = '<inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/>'

@@ -56,14 +56,6 @@ def test_more_noise_narrows_the_band() -> None:
     assert (np.diff(bands, axis=0) < 0).all()
 
 
-def test_a_wider_band_follows_the_readings_closer() -> None:
-    time = clock()
-    reading = swing(time)[0] + 1e-3 * np.random.default_rng(3).normal(size=(len(time), 2))
-    narrow, wide = (smooth(time, reading, wider=w) for w in (1.0, 2.0))
-    np.testing.assert_allclose(wide.bandwidth, 2 * narrow.bandwidth)
-    assert (np.std(wide.value[0] - reading, axis=0) < np.std(narrow.value[0] - reading, axis=0)).all()
-
-
 def test_missing_readings_are_bridged() -> None:
     time = clock()
     exact = swing(time)

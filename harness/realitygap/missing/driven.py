@@ -13,10 +13,11 @@ import realitygap_engines as engines
 from realitygap_engines import Physics, State
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
-from realitygap.missing.lacking import Lacking, inertias, times
+from realitygap.missing.lacking import Lacking
 from realitygap.recording.quantum import quantum
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands, edges_of
+from realitygap.simulate.inertia import inertias, times
 from realitygap.simulate.led import Led, lead
 from realitygap.simulate.profile import told
 from realitygap.simulate.smooth import smooth

@@ -60,25 +60,24 @@ def _fewer(samples: EffortSamples, term: Term) -> Term:
     target = full @ np.array(term.values)
     spread = float(np.average((target - np.average(target, weights=weight)) ** 2, weights=weight))
     grid = _Grid(list(one.knots), np.reshape(term.values, size), (weight @ full).reshape(size))
-    best = one, np.array(term.values)
-    while True:
-        costs = {
-            (axis, k): grid.cost(axis, k)
-            for axis, row in enumerate(grid.knots)
-            for k in range(len(row))
-            if len(row) > FEWEST
-        }
-        if not costs:
-            break
-        grid = grid.without(*min(costs, key=lambda at: costs[at]))
-        fewer = Spline(term.variables, tuple(grid.knots))
-        design = fewer.design(columns)
-        values = _values(design, weight, target, grid.value.ravel())
-        if np.average((design @ values - target) ** 2, weights=weight) > LOST * spread:
-            break
-        grid.value = values.reshape(grid.value.shape)
-        best = fewer, values
-    spline, values = best
+    spline, values = one, np.array(term.values)
+
+    def lighter() -> tuple[_Grid, Spline] | None:
+        """The grid without the first knot, of those that seem to matter least, that loses little; None without one."""
+        here = [(axis, k) for axis, row in enumerate(grid.knots) for k in range(len(row)) if len(row) > FEWEST]
+        for at in sorted(here, key=lambda at: grid.cost(*at)):
+            rest = grid.without(*at)
+            fewer = Spline(term.variables, tuple(rest.knots))
+            design = fewer.design(columns)
+            values = _values(design, weight, target, rest.value.ravel())
+            if np.average((design @ values - target) ** 2, weights=weight) <= LOST * spread:
+                rest.value = values.reshape(rest.value.shape)
+                return rest, fewer
+        return None
+
+    while (less := lighter()) is not None:
+        grid, spline = less
+        values = grid.value.ravel()
     knots = tuple(tuple(float(f"{x:.4g}") for x in row) for row in spline.knots)
     return Term(term.variables, knots, tuple(float(f"{x:.5g}") for x in values), term.share, term.periods)
 

@@ -7,9 +7,9 @@ says, it is negative.
 import numpy as np
 from realitygap_engines import State
 
-from realitygap.missing.lacking import Lacking, inertias, times
+from realitygap.missing.lacking import Lacking
 from realitygap.robot.plant import Plant
-from realitygap.simulate.follow import Followed, reported, taken
+from realitygap.simulate.follow import Followed, reported, taken, unsure
 from realitygap.trace.trace import Array
 
 
@@ -24,15 +24,13 @@ def lacking_followed(
     found = taken(engine, plant, followed, start)
     motion = found.motion
     if of_joint:
-        effort, left = found.joint - measured, np.zeros_like(found.left)
+        effort = found.joint - measured
     else:
         effort = found.motor - measured / reported(plant, motion.time - motion.time[0])
-        left = found.left
-        effort = effort - np.clip(effort, -left, left)
+        effort = effort - np.clip(effort, -found.left, found.left)
     position, velocity, _ = motion.value
-    inertia = inertias(plant, start, position) + np.diag(plant.drive["armature"])
-    spread = times(inertia**2, motion.error[2] ** 2) + (plant.drive["viscous"] * motion.error[1]) ** 2 + left**2 / 3
-    return Lacking(position, velocity, effort, np.sqrt(spread + _noise(measured) ** 2), found.load)
+    spread = unsure(plant, found, start, of_joint=of_joint)
+    return Lacking(position, velocity, effort, np.hypot(spread, _noise(measured)), found.load)
 
 
 def _noise(measured: Array) -> Array:

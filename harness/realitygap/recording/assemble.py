@@ -15,6 +15,7 @@ from realitygap.trace.trace import Array, Trace
 
 JUMP = 60.0
 """s: a pause that is longer, and longer than all the rest, is no pause."""
+ITSELF = "the measured effort drives the motion: it is not compared with itself, and what it is off by is a gain"
 CLOSEST = 1e-7
 """s: samples of one stream are further apart on any bus; times of another unit are told by `check`."""
 
@@ -45,6 +46,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         command_time, command, found = _command(streams.command, kind, clock.time)
         if request.command_factor is not None:
             command = command * request.command_factor
+            if signals.pop("effort", None) is not None:
+                notes.append(ITSELF)
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
     supply_time, supply = np.empty(0), np.empty(0)

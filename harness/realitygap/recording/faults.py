@@ -146,9 +146,12 @@ def repeated_readings(recording: Recording) -> Fault | None:
 
 
 def command_glitches(recording: Recording) -> list[Fault]:
-    """Single commands that jump away and back: more than 2° and five times what the commands around them differ."""
+    """Single commands that jump away and back: more than 2° and five times what the commands around them differ.
+
+    Of positions: a controller that asks for efforts or speeds answers noise, and jumps as it is meant to.
+    """
     command = recording.command
-    if len(command) < 5:
+    if recording.command_kind != "position" or len(command) < 5:
         return []
     before, at, after = command[:-2], command[1:-1], command[2:]
     usual = np.abs(after - before)

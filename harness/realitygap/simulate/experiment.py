@@ -302,7 +302,8 @@ def simulate(
     each, and of these times: what it says then, but for the commands.
 
     A motion that is followed is not integrated over time: its trace holds the smoothed readings and the effort that
-    they take, at the measured stamps. In place of smaller steps, a higher `step_rate` widens the smoother's band.
+    they take, at the measured stamps. In place of smaller steps, a higher `step_rate` adds its standard error to the
+    effort.
 
     Raises:
         Unsupported, Diverged, Failed: as they say.
@@ -310,9 +311,9 @@ def simulate(
     scenario, plant, recording = experiment.scenario, experiment.plant, experiment.recording
     of_joint = scenario.effort_measures == "joint"
     if experiment.followed is not None:
-        finer = max((step_rate or 0.0) / scenario.physics.step_rate, 1.0)
+        finer = (step_rate or 0.0) > scenario.physics.step_rate
         with as_its_outcome(engine):
-            done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, wider=finer)
+            done = follow(engine, plant, experiment.followed, experiment.start(), of_joint=of_joint, off=finer)
         return done if at is None else replace(done, trace=gather([done.trace], at))
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)

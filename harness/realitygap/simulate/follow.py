@@ -7,18 +7,20 @@ import numpy as np
 import realitygap_engines as engines
 from realitygap_engines import Physics, State
 from realitygap_engines.law.dynamics import Dynamics
+from scipy.special import erf
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive_inverse import motor_efforts
 from realitygap.robot.effort_map import packed
 from realitygap.robot.law.effort_map import map_along
 from realitygap.robot.plant import Plant
+from realitygap.simulate.inertia import inertias, times
 from realitygap.simulate.rollout import Rollout, sensed
 from realitygap.simulate.smooth import Smoothed, smooth
 from realitygap.trace.trace import Array, Trace
 
 LEAST = 1e-3
-"""The share of its torque constant that a hot motor keeps at least."""
+"""The share of its torque constant that a hot motor keeps at least; and of dry friction, what is open of its sign."""
 
 
 @dataclass(frozen=True)
@@ -31,13 +33,13 @@ class Followed:
     time: Array
     position: Array
     supply: tuple[Array, Array] | None = None
-    _kept: dict[float, Smoothed] = field(default_factory=dict, repr=False, compare=False)
+    _kept: list[Smoothed] = field(default_factory=list, repr=False, compare=False)
 
-    def smoothed(self, wider: float = 1.0) -> Smoothed:
-        """The motion with its derivatives, by `simulate.smooth`, with so many times the chosen bandwidths."""
-        if wider not in self._kept:
-            self._kept[wider] = smooth(self.time, self.position, wider=wider)
-        return self._kept[wider]
+    def smoothed(self) -> Smoothed:
+        """The motion with its derivatives, by `simulate.smooth`."""
+        if not self._kept:
+            self._kept.append(smooth(self.time, self.position))
+        return self._kept[0]
 
     def told(self, joints: list[str]) -> str:
         """A sentence on how the derivatives were got, and how well they are known."""
@@ -110,13 +112,13 @@ class Taken:
     settings: dict[str, object]
 
 
-def taken(engine: str, plant: Plant, followed: Followed, start: State, *, wider: float = 1.0) -> Taken:
+def taken(engine: str, plant: Plant, followed: Followed, start: State) -> Taken:
     """What a measured motion takes in one engine; arguments as of `follow`.
 
     Raises:
         Unsupported: where the engine cannot express the plant.
     """
-    motion, n = followed.smoothed(wider), len(plant.model.joints)
+    motion, n = followed.smoothed(), len(plant.model.joints)
     reading, velocity, acceleration = motion.value
     position = reading + plant.drive["offset"]
     model = plant.machine().with_armature(np.zeros(n))
@@ -131,7 +133,27 @@ def taken(engine: str, plant: Plant, followed: Followed, start: State, *, wider:
     return Taken(motion, load, motor, joint, left, settings)
 
 
-def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_joint: bool, wider: float) -> Rollout:
+def unsure(plant: Plant, found: Taken, start: State, *, of_joint: bool) -> Array:
+    """The standard error of the effort that a motion takes, as its derivatives are known no better. Shape (t, n).
+
+    Of a motor's effort dry friction is part, whose sign is known as well as that of the velocity: at rest not at all.
+    """
+    motion, drive = found.motion, plant.drive
+    inertia = inertias(plant, start, motion.value[0]) + np.diag(drive["armature"])
+    moving = times(inertia**2, motion.error[2] ** 2) + (drive["viscous"] * motion.error[1]) ** 2
+    if of_joint:
+        return np.asarray(np.sqrt(moving))
+    error = motion.error[1]
+    side = np.abs(erf(motion.value[1] / (np.sqrt(2.0) * np.where(error > 0.0, error, np.inf))))
+    sure = np.minimum(
+        side, 1.0 - LEAST
+    )  # the bound of dry friction is left/(1 - side), its variance bound²·(1 - side²)
+    return np.asarray(np.sqrt(moving + found.left**2 * (1.0 + sure) / (1.0 - sure)))
+
+
+def follow(
+    engine: str, plant: Plant, followed: Followed, start: State, *, of_joint: bool, off: bool = False
+) -> Rollout:
     """What a measured motion takes in one engine: positions and velocities as smoothed, efforts at the same stamps.
 
     Args:
@@ -140,15 +162,18 @@ def follow(engine: str, plant: Plant, followed: Followed, start: State, *, of_jo
         followed: the measured motion.
         start: tells where the base stands.
         of_joint: whether the trace's effort is the torque on the joint (after friction) or of the motor.
-        wider: the share of the chosen bandwidths to smooth with: 2 in place of half the step, for a numerical floor.
+        off: whether the effort is higher by its standard error: what in place of half the step makes the numerical
+            floor.
 
     Raises:
         Unsupported: where the engine cannot express the plant.
     """
     began = clock.perf_counter()
-    found = taken(engine, plant, followed, start, wider=wider)
+    found = taken(engine, plant, followed, start)
     motion, (reading, velocity, _) = found.motion, found.motion.value
-    effort = found.joint if of_joint else found.motor * reported(plant, motion.time - motion.time[0])
+    error = unsure(plant, found, start, of_joint=of_joint) if off else 0.0
+    told = 1.0 if of_joint else reported(plant, motion.time - motion.time[0])
+    effort = ((found.joint if of_joint else found.motor) + error) * told
     seen = sensed(velocity, plant.velocity_lag, np.diff(motion.time, prepend=motion.time[0])) * plant.velocity_scale
     trace = Trace(motion.time, tuple(plant.model.joint_names), position=reading, velocity=seen, effort=effort)
     settings = found.settings | {

@@ -6,7 +6,8 @@ Kalman's filter and the backward pass of Rauch, Tung and Striebel (AIAA J. 3(8),
 
 Its one free number per joint, the bandwidth, is the one that makes the readings most likely (Wecker, Ansley 1983, J.
 Am. Stat. Assoc. 78), with a noise that is not below the rounding of the sensor, quantum/√12. The standard error of
-all three, given the readings, comes out beside them.
+all three, given the readings, comes out beside them. It is that of a jerk that is as white everywhere; where a motion
+begins and ends it is not, and the acceleration is off by more: by how much, twice the bandwidth tells.
 """
 # mypy: allow-untyped-defs
 # (the compiled functions take arrays and numbers only; their callers are typed)
@@ -24,6 +25,16 @@ TOLERANCE = 0.02
 """Of the logarithm of the bandwidth: the acceleration's error changes by a twentieth."""
 FEWEST = 4
 """Readings below which a joint's derivatives are not told."""
+EXPECTED = {1: 3.0625, 2: 4.75}
+"""Mean square by which twice the bandwidth moves the velocity and the acceleration, in squares of its standard error,
+where the jerk is white: ∫u²ᵏ·(K(u/2) − K(u))²·(1 + u⁻⁶)du over ∫u²ᵏ·K(u)du for the k-th derivative, with the spline's
+kernel K(u) = 1/(1 + u⁶)."""
+MISSED = {1: 1.469, 2: 3.134}
+"""Mean square of what the smoother takes away of either, over that of what twice the bandwidth gives back:
+∫u²ᵏ⁻⁶·(1 − K(u))²du over ∫u²ᵏ⁻⁶·(K(u/2) − K(u))²du."""
+SURELY = 2.6
+"""Over one period at the bandwidth that is known as well as three normal numbers tell: what is expected is exceeded by
+so much in one of twenty (chi-square)."""
 FINEST = 1e-7
 """What of their range readings are not told better than, whatever their quantum: the filter starts vague, and forgets
 its start by differences of squares in double precision."""
@@ -48,13 +59,12 @@ class Smoothed:
     noise: Array
 
 
-def smooth(time: Array, position: Array, *, wider: float = 1.0, around: Array | None = None) -> Smoothed:
+def smooth(time: Array, position: Array, *, around: Array | None = None) -> Smoothed:
     """The motion that readings (t, n) at increasing times (t,) tell; NaN is a reading that is missing.
 
     Args:
         time: of the readings [s].
         position: the readings [rad or m].
-        wider: what the chosen bandwidths are multiplied by, to see what depends on them.
         around: a motion (t, n) that is expected; what is smoothed and told is how the readings differ from it,
             where it is finite.
     """
@@ -74,10 +84,13 @@ def smooth(time: Array, position: Array, *, wider: float = 1.0, around: Array | 
         unit = max(float(rounding[j]), float(np.ptp(reading[known])) * FINEST)
         counts = (reading - middle) / unit
         rate, noise = _likeliest(time, counts, step)
-        value, spread = _smooth(time, counts, _jerk(rate * wider, step) * noise**2, noise**2)
+        value, spread = _smooth(time, counts, _jerk(rate, step) * noise**2, noise**2)
+        wide, _ = _smooth(time, counts, _jerk(2.0 * rate, step) * noise**2, noise**2)
+        for k in EXPECTED:
+            spread[k] += _missed(k, wide[k] - value[k], spread[k], 2 * np.pi / (rate * step))
         out.value[:, :, j], out.error[:, :, j] = value * unit, np.sqrt(spread) * unit
         out.value[0, :, j] += middle
-        out.bandwidth[j], out.noise[j] = rate * wider / (2 * np.pi), noise * unit
+        out.bandwidth[j], out.noise[j] = rate / (2 * np.pi), noise * unit
     return out
 
 
@@ -107,6 +120,21 @@ def _likeliest(time: Array, reading: Array, step: float) -> tuple[float, float]:
         best = minimize_scalar(bounded, bounds=bounds, method="bounded", options={"xatol": TOLERANCE}).x
         noise = 1.0
     return float(np.exp(best)), noise
+
+
+def _missed(order: int, moved: Array, spread: Array, samples: float) -> Array:
+    """The mean square by which a derivative is off beyond its variance `spread`, around every sample. Shape (t,).
+
+    Args:
+        order: 1 for the velocity, 2 for the acceleration.
+        moved: by how much twice the bandwidth moves it.
+        spread: its variance.
+        samples: of one period at the bandwidth, over which the mean is taken.
+    """
+    near = np.ones(min(max(int(samples), 1), len(moved)))
+    mean = np.convolve(moved**2, near, "same") / np.convolve(np.ones(len(moved)), near, "same")
+    expected = EXPECTED[order] * spread
+    return np.where(mean > SURELY * expected, MISSED[order] * (mean - expected), 0.0)
 
 
 @compiled

@@ -70,6 +70,8 @@ def measure(simulations: Simulations, changes: Sequence[Change], cases: Sequence
 def _numerical(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]) -> list[dict[str, Array]]:
     """How far half the step moves each sample: the largest among neighbours, doubled. Shape (t, n).
 
+    Of a motion that is followed it is the standard error of the effort, as far as accelerations are known.
+
     A held command moves the effort at once, and which side of the jump a sample saw is not known: it is part of it.
     """
     problem = simulations.problem
@@ -80,7 +82,9 @@ def _numerical(simulations: Simulations, changes: Sequence[Change], cases: Seque
         case, (coarse, fine) = problem.cases[i], answers[2 * k : 2 * k + 2]
         floor: dict[str, Array] = {}
         if coarse is not None and fine is not None:
-            floor = {s: 2.0 * local_maximum(np.abs(coarse[s] - fine[s]), NEIGHBOURS) for s in case.noise}
+            moved = {s: np.abs(coarse[s] - fine[s]) for s in case.noise}
+            followed = case.experiment.followed is not None
+            floor = moved if followed else {s: 2.0 * local_maximum(m, NEIGHBOURS) for s, m in moved.items()}
             if "effort" in floor and case.experiment.commands.held:
                 floor["effort"] = np.hypot(floor["effort"], coarse["jump"])
         out[i] = floor

@@ -14,17 +14,16 @@ from functools import cached_property, partial
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
-from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.simpler import simpler
 from realitygap.diagnose.search.without import PLAIN, without
-from realitygap.robot.effects import EFFECTS
 
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
@@ -42,6 +41,8 @@ CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
 promised 0.89 to 1.3 of it."""
+ALIKE = 2
+"""Besides, so many that do what the finding does beside it, whatever they promise where it is missing."""
 BEYOND = 2
 """Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
 were simulated at few sizes, and promise too little."""
@@ -246,9 +247,11 @@ class _Place:
         gains = sorted(((self.lines.toward(i), i) for i in numbers), reverse=True)
         return list(dict.fromkeys(self.blocks[i].suspect for gain, i in gains if gain > 0.0))
 
-    def quick(self, changes: Sequence[Change]) -> Scored | None:
-        """A model with other changes there, fitted quickly."""
+    def quick(self, changes: Sequence[Change], beside: bool = False) -> Scored | None:
+        """A model with other changes there, fitted quickly; or beside the others as they are with the finding."""
         rest = self.alone.fit.changes
+        if beside:
+            rest = tuple(c for c in self.round_.now.fit.changes if c.suspect != self.change.suspect)
         return self.round_.adjusted(as_read([*rest, *changes], rest, self.round_.simulations.problem.plant))
 
 
@@ -279,9 +282,15 @@ def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
     chosen: dict[Suspect, list[Change]] = {}
+    same: set[Suspect] = set()
+    for p in [] if place.late else alike(round_, place.change):
+        if len(chosen) < ALIKE:
+            chosen.setdefault(p.block.suspect, [p.change])
+            same.add(p.block.suspect)
+    most = len(chosen) + (LATE if place.late else EXCHANGED)
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
-        if worth and p.block.suspect != place.change.suspect and len(chosen) < (LATE if place.late else EXCHANGED):
+        if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
             chosen.setdefault(p.block.suspect, [p.change])
     far = [s for s in place.limits if s not in {place.change.suspect, *chosen}]
     for suspect in far[: 0 if place.late else BEYOND]:
@@ -290,7 +299,7 @@ def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
     for suspect, begun in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
-        tried = [scored for change in begun if (scored := place.quick([change])) is not None]
+        tried = [scored for change in begun if (scored := place.quick([change], suspect in same)) is not None]
         quick = max(tried, key=lambda scored: scored.evidence, default=None)
         if quick is None or quick.evidence <= alone.evidence:
             continue
@@ -326,24 +335,3 @@ def _several(place: _Place) -> Scored | None:
     if own.table is not None:
         return scored if gain > -EQUAL else None
     return scored if gain > max(needs, round_.little(scored)) else None
-
-
-def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
-    """Whether one suspect has fewer parameters than another, or as many and stands before it in the table of effects.
-
-    An effort that no law explains stands behind every law. On a linear axis without a stated armature, inertia is the
-    link's mass.
-    """
-    order = list(EFFECTS)
-
-    def place(suspect: Suspect) -> tuple[bool, int, float]:
-        if suspect.table is not None:
-            return True, len(suspect.kind.parameters), 0.0
-        joints, drive = problem.plant.model.joints, problem.plant.drive
-        linear = suspect.effect == "rotor_inertia" and all(
-            joints[i].prismatic and not drive["armature"][i] for i in suspect.indices
-        )
-        at = order.index("link_mass") + 0.5 if linear else order.index(suspect.effect)
-        return False, len(fitted(suspect.kind)), at
-
-    return place(a) < place(b)

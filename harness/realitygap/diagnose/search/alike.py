@@ -1,0 +1,42 @@
+"""What does the same as a finding, told by responses beside the finding rather than where it is missing.
+
+Where a finding that explains most is missing, a motion goes another way, and straight lines from there tell little of
+where a rival leads: of a pendulum that was swung up, all of friction, limits and springs promised more than the mass
+that was missing, and a gain, which does what a mass does, only half of it. Beside the finding responses are short and
+straight: what the finding does there, a rival that cannot be told from it does too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.search.round import Round
+
+MOST = 0.8
+"""Those are told that do more than this share of what the finding does, in squares, as if laws were exact: what laws
+may be off by hides that two do the same. Of a pendulum that was swung up a gain did 0.88 of what its mass does, as far
+as straight lines tell, and of one that swings 0.995.
+"""
+
+
+def alike(round_: Round, finding: Change) -> list[Promise]:
+    """Suspects that stand beside a finding and do most of what it does, beside all others, those that do most first.
+
+    Args:
+        round_: of the search, at the model with the finding.
+        finding: one of its changes.
+    """
+    fit, zero = round_.now.fit, neutral(round_.simulations.problem.plant, finding.suspect)
+    own = np.array([fit.changes[i].suspect == finding.suspect for i, _ in fit.names], dtype=bool)
+    away = np.array([finding.parameters[n] - zero[n] for (i, n), o in zip(fit.names, own, strict=True) if o])
+    blocks = [b for b in round_.blocks if b.start.kind != "whole"]
+    if not np.isfinite(away).all() or not away.any() or not blocks:
+        return []  # a limit or a stiffness, which is not undone by a straight line
+    does = fit.slope[:, own] @ (away / fit.size[own])
+    lines = Linear(round_.yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
+    share = [lines.gain([i]) / (0.5 * float(lines.gram[0, 0])) for i in range(len(blocks))]
+    best = sorted(range(len(blocks)), key=lambda i: -share[i])
+    return [lines.promise(i) for i in best if share[i] > MOST]
