@@ -7,7 +7,7 @@ import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import neutral, suspects
-from realitygap.diagnose.data.changes import Change, clash
+from realitygap.diagnose.data.changes import Change, as_read, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
@@ -204,6 +204,29 @@ def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
 
     far = imperfections(problem, at, blocks, yardstick.plain(at).metric)
     assert unlike(yardstick.wrong) < 0.1 < unlike(far)
+
+
+def test_play_answers_either_side_in_its_own_way(problem: Problem, simulations: Simulations) -> None:
+    """An offset up and one down, each as small as it may be without being missed: imperfections do both."""
+    yardstick = Yardstick(simulations, [])
+    play, offset = (guess(problem, suspect_of(problem, e, "elbow")) for e in ("backlash", "joint_offset"))
+    play = play.at({"angle": 0.05})
+    still, coarse = (residual(simulations, [play], yardstick.train, c) for c in (None, yardstick.floors.coarse))
+    assert still is not None
+    assert coarse is not None
+    at = Fit((play,), still)
+    blocks = yardstick.responses(at, [offset.suspect])
+    assert {b.start.tries[0].parameters["angle"] > 0 for b in blocks} == {True, False}
+    yardstick.stand_at(at, blocks)
+    done = np.nan_to_num(yardstick.wrong.responses[:, [law == "" for law in yardstick.wrong.laws]])
+    for block in blocks:
+        least = OTHER * block.start.tries[0].parameters["angle"]
+        changes = as_read([play, offset.at({"angle": least})], [play], problem.plant)
+        moved = residual(simulations, changes, yardstick.train, yardstick.floors.coarse)
+        assert moved is not None
+        off = np.nan_to_num(moved - coarse)
+        left = off - done @ np.linalg.lstsq(done, off)[0]
+        assert np.linalg.norm(left) < 0.01 * np.linalg.norm(off)
 
 
 def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yardstick, problem: Problem) -> None:

@@ -45,6 +45,8 @@ first), and where in them friction sits makes play seem narrower: planted spring
 to 26 % too narrow."""
 UNSEEN = 1.0
 """What does less than this in a signal of a motion, in standard deviations of all samples together, does not show."""
+EVEN = 0.9
+"""Cosine of what a joint answers to both sides, below which a straight line does not say what lies between."""
 SHORTEST = 0.3
 """Standard deviations of all samples together. An imperfection that does less could hide nothing."""
 OTHER = 0.1
@@ -125,6 +127,7 @@ class _Known:
         times: what the model has of it, in multiples of the response.
         share: to which it is known.
         block: the number of the block that it is of; -1 for an accepted value.
+        uneven: whether a joint answers it unevenly to both sides.
     """
 
     law: str
@@ -133,6 +136,7 @@ class _Known:
     times: float
     share: float
     block: int = -1
+    uneven: bool = False
 
 
 def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> Imperfections:
@@ -145,7 +149,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         metric: in which effects are compared.
     """
     own = _accepted(problem, at)
-    known = [k for k, _ in own] + _of(blocks)
+    known = [k for k, _ in own] + _of(blocks, metric)
     white = [metric(k.response) for k in known]
     does, scale = _scales(known, white, metric.whitening.parts)
     off = [s * k.response for k, s in zip(known, scale, strict=True)]
@@ -170,13 +174,14 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
 def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> dict[int, Start]:
     """The starts whose responses count as imperfections and were simulated further away than laws may be off, each as
     near as that, by the number of its block. What a law does that is a little off is not what one does that is far off,
-    only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9.
+    only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9. Where a joint
+    has play, 0.2° of tilt decide when it falls to the other side.
     """
-    known = [k for k, _ in _accepted(problem, at)] + _of(blocks)
+    known = [k for k, _ in _accepted(problem, at)] + _of(blocks, metric)
     _, scale = _scales(known, [metric(k.response) for k in known], metric.whitening.parts)
     most: dict[int, float] = {}
     for k, amount in zip(known, scale, strict=True):
-        if k.block >= 0 and k.law and amount > 0.0:
+        if k.block >= 0 and (k.law or k.uneven) and amount > 0.0:
             most[k.block] = max(most.get(k.block, 0.0), amount)
     return {i: replace(blocks[i].start, share=m) for i, m in most.items() if m < blocks[i].start.share}
 
@@ -281,23 +286,44 @@ def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> lis
     return [("clock", column) for column in (fast, *late.values())]
 
 
-def _of(blocks: Sequence[Block]) -> list[_Known]:
-    """What could be added at single targets, and follows a straight line, or turns with the angle as friction does."""
-    out, seen = [], set[Suspect]()
+def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
+    """What could be added at single targets, and follows a straight line, or turns with the angle as friction does.
+
+    To both sides where a joint answers them unevenly, as one with play does a pull to one side and to the other.
+    """
+    chosen: dict[Suspect, dict[tuple[bool, ...], int]] = {}
     for number, block in enumerate(blocks):
-        suspect, zero = block.suspect, dict(block.start.zero)
+        suspect = block.suspect
         alone = suspect.kind.sits_at != "joint" or single(suspect)
         uneven = block.start.kind == "wave" and suspect.kind.law == "friction"
-        if not (block.start.kind == "linear" or uneven) or suspect in seen or not alone:
-            continue
-        seen.add(suspect)
-        for k, change in enumerate(block.start.tries):
-            law = suspect.kind.law
-            times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
-            most = max(times, default=0.0)
-            known = _Known(law, suspect.joints, block.columns[:, k], most, _share(suspect), number)
-            out.append(known)
+        if (block.start.kind == "linear" or uneven) and alone:
+            chosen.setdefault(suspect, {}).setdefault(_side(block.start), number)
+    out = []
+    for suspect, sides in chosen.items():
+        uneven = _unevenly([blocks[number] for number in sides.values()], metric)
+        for number in list(sides.values())[: None if uneven else 1]:
+            block, law = blocks[number], suspect.kind.law
+            zero = dict(block.start.zero)
+            for k, change in enumerate(block.start.tries):
+                times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
+                most = max(times, default=0.0)
+                response = block.columns[:, k]
+                out.append(_Known(law, suspect.joints, response, most, _share(suspect), number, uneven))
     return out
+
+
+def _unevenly(sides: Sequence[Block], metric: Metric) -> bool:
+    """Whether what a joint answers to one side is not what it answers to the other, turned round."""
+    if len(sides) < 2:
+        return False
+    up, down = (metric(side.columns[:, 0]) for side in sides[:2])
+    return abs(float(up @ down)) < EVEN * float(np.linalg.norm(up) * np.linalg.norm(down))
+
+
+def _side(start: Start) -> tuple[bool, ...]:
+    """Whether each try of a start moves its parameters up."""
+    zero = dict(start.zero)
+    return tuple(c.parameters[n] > zero[n] for k, c in enumerate(start.tries) for n in start.moved(k))
 
 
 def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
