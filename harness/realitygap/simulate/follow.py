@@ -145,10 +145,9 @@ def unsure(plant: Plant, found: Taken, start: State, *, of_joint: bool) -> Array
         return np.asarray(np.sqrt(moving))
     error = motion.error[1]
     side = np.abs(erf(motion.value[1] / (np.sqrt(2.0) * np.where(error > 0.0, error, np.inf))))
-    sure = np.minimum(
-        side, 1.0 - LEAST
-    )  # the bound of dry friction is left/(1 - side), its variance bound²·(1 - side²)
-    return np.asarray(np.sqrt(moving + found.left**2 * (1.0 + sure) / (1.0 - sure)))
+    sure = np.minimum(side, 1.0 - LEAST)
+    dry = found.left**2 * (1.0 + sure) / (1.0 - sure)  # bound²·(1 - side²), as left = bound·(1 - side)
+    return np.asarray(np.sqrt(moving + dry))
 
 
 def follow(

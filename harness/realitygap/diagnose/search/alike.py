@@ -37,6 +37,6 @@ def alike(round_: Round, finding: Change) -> list[Promise]:
         return []  # a limit or a stiffness, which is not undone by a straight line
     does = fit.slope[:, own] @ (away / fit.size[own])
     lines = Linear(round_.yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
-    share = [lines.gain([i]) / (0.5 * float(lines.gram[0, 0])) for i in range(len(blocks))]
-    best = sorted(range(len(blocks)), key=lambda i: -share[i])
-    return [lines.promise(i) for i in best if share[i] > MOST]
+    whole = 0.5 * float(lines.gram[0, 0])
+    done = [lines.gain([i]) for i in range(len(blocks))]
+    return [lines.promise(i) for i in sorted(range(len(blocks)), key=lambda i: -done[i]) if done[i] > MOST * whole]
