@@ -37,7 +37,7 @@ def apart(experiment: Experiment) -> float:
 def seconds(experiment: Experiment, engine: str) -> tuple[float, float]:
     """Processor time of following and of integrating a motion in one engine [s]."""
     assert experiment.followed is not None
-    experiment.followed.smoothed()  # of the recording, once for all engines and candidates
+    _ = experiment.followed.smoothed  # of the recording, once for all engines and candidates
     followed = min(_timed(lambda: simulate(experiment, engine)) for _ in range(BEST_OF))
     return followed, _timed(lambda: integrated(experiment, engine))
 

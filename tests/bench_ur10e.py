@@ -64,7 +64,7 @@ def _spread(com: Array) -> Array:
 def friction(e: Experiment) -> Array:
     """What opposes the motion, an offset and a rotor, each at one joint. Shape (4 n, t, n)."""
     assert e.followed is not None
-    motion = e.followed.smoothed()
+    motion = e.followed.smoothed
     _, v, a = motion.value
     columns = [np.vectorize(erf)(v / (np.sqrt(2) * motion.error[1])), v, np.ones_like(v), a]
     return np.array([np.where(np.arange(v.shape[1]) == j, c, 0.0) for c in columns for j in range(v.shape[1])])

@@ -122,7 +122,7 @@ def test_a_gain_does_what_a_mass_does(tmp_path: Path) -> None:
     at = stood(heavy, heavy, others, build_problem(load_scenario(tmp_path / "scenario.yaml"), "mujoco"))
     with at.simulations:
         (finding,) = at.round_.now.fit.changes
-        promise, *_ = alike(at.round_, finding)
+        same, *_ = alike(at.round_, finding)
         rivals = exchanged(at.round_, [], Exchanged()).rivals[finding.suspect]
-    assert promise.block.suspect.effect == rivals[0].suspect.effect == "controller_gain"
+    assert same.effect == rivals[0].suspect.effect == "controller_gain"
     assert rivals[0].open

@@ -92,7 +92,7 @@ def _gain(matrix: Array, target: Array) -> tuple[float, float]:
 
 def _columns(run: Weighed, by_load: bool) -> Array:
     """What explains the recorded unit of a run, the scale first. Shape (c, t, n)."""
-    motion, model = run.followed.smoothed(), run.plant.model
+    motion, model = run.followed.smoothed, run.plant.model
     _, v, a = motion.value
     turns = np.where(motion.error[1] > 0, v / np.maximum(motion.error[1], 1e-300) / np.sqrt(2.0), np.sign(v) * np.inf)
     opposing = [np.vectorize(erf)(turns), v, np.ones_like(v), a]
@@ -106,7 +106,7 @@ def _columns(run: Weighed, by_load: bool) -> Array:
 
 def _efforts(run: Weighed, model: Model) -> Array:
     """What the motion takes. Shape (t, n)."""
-    reading, v, a = run.followed.smoothed().value
+    reading, v, a = run.followed.smoothed.value
     base = np.concatenate([run.start.base_position, run.start.base_quaternion, np.zeros(6)])
     position = reading + run.plant.drive["offset"]
     return Dynamics(model).inverse(position, v, a, base, np.array([0.0, 0.0, -GRAVITY]))

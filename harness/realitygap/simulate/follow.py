@@ -1,7 +1,8 @@
 """Motions that are followed: the effort that a measured motion takes, without integrating anything over time."""
 
 import time as clock
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import realitygap_engines as engines
@@ -20,7 +21,9 @@ from realitygap.simulate.smooth import Smoothed, smooth
 from realitygap.trace.trace import Array, Trace
 
 LEAST = 1e-3
-"""The share of its torque constant that a hot motor keeps at least; and of dry friction, what is open of its sign."""
+"""The share of its torque constant that a hot motor keeps at least."""
+OPEN = 1e-3
+"""The share of dry friction that is open at least, however sure the sign of the velocity is."""
 
 
 @dataclass(frozen=True)
@@ -33,17 +36,15 @@ class Followed:
     time: Array
     position: Array
     supply: tuple[Array, Array] | None = None
-    _kept: list[Smoothed] = field(default_factory=list, repr=False, compare=False)
 
+    @cached_property
     def smoothed(self) -> Smoothed:
         """The motion with its derivatives, by `simulate.smooth`."""
-        if not self._kept:
-            self._kept.append(smooth(self.time, self.position))
-        return self._kept[0]
+        return smooth(self.time, self.position)
 
     def told(self, joints: list[str]) -> str:
         """A sentence on how the derivatives were got, and how well they are known."""
-        found = self.smoothed()
+        found = self.smoothed
         moved = np.flatnonzero(found.bandwidth > 0)
         if not moved.size:
             return "followed: no joint moves"
@@ -68,7 +69,7 @@ def check_clear(plant: Plant, followed: Followed, start: State) -> None:
     moving = dynamics.point_end >= 0
     base = np.concatenate([start.base_position, start.base_quaternion, np.zeros(6)])
     still = np.zeros(len(plant.model.joints))
-    for time, position in zip(followed.time, followed.smoothed().value[0], strict=True):
+    for time, position in zip(followed.time, followed.smoothed.value[0], strict=True):
         dynamics.update(position + plant.drive["offset"], still, base, np.zeros(3))
         if (dynamics.height[moving] < 0.0).any():
             raise InputError(
@@ -118,7 +119,7 @@ def taken(engine: str, plant: Plant, followed: Followed, start: State) -> Taken:
     Raises:
         Unsupported: where the engine cannot express the plant.
     """
-    motion, n = followed.smoothed(), len(plant.model.joints)
+    motion, n = followed.smoothed, len(plant.model.joints)
     reading, velocity, acceleration = motion.value
     position = reading + plant.drive["offset"]
     model = plant.machine().with_armature(np.zeros(n))
@@ -145,7 +146,7 @@ def unsure(plant: Plant, found: Taken, start: State, *, of_joint: bool) -> Array
         return np.asarray(np.sqrt(moving))
     error = motion.error[1]
     side = np.abs(erf(motion.value[1] / (np.sqrt(2.0) * np.where(error > 0.0, error, np.inf))))
-    sure = np.minimum(side, 1.0 - LEAST)
+    sure = np.minimum(side, 1.0 - OPEN)
     dry = found.left**2 * (1.0 + sure) / (1.0 - sure)  # bound²·(1 - side²), as left = bound·(1 - side)
     return np.asarray(np.sqrt(moving + dry))
 

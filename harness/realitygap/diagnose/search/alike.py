@@ -8,11 +8,13 @@ straight: what the finding does there, a rival that cannot be told from it does 
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 
 from realitygap.diagnose.candidates.suspects import neutral
-from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
 
 MOST = 0.8
@@ -20,10 +22,12 @@ MOST = 0.8
 may be off by hides that two do the same. Of a pendulum that was swung up a gain did 0.88 of what its mass does, as far
 as straight lines tell, and of one that swings 0.995.
 """
+FEW = 2
+"""So many of them, those that do most."""
 
 
-def alike(round_: Round, finding: Change) -> list[Promise]:
-    """Suspects that stand beside a finding and do most of what it does, beside all others, those that do most first.
+def alike(round_: Round, finding: Change) -> dict[Suspect, Change]:
+    """Suspects that stand beside a finding and do most of what it does, and how much of each does: the best few.
 
     Args:
         round_: of the search, at the model with the finding.
@@ -34,9 +38,13 @@ def alike(round_: Round, finding: Change) -> list[Promise]:
     away = np.array([finding.parameters[n] - zero[n] for (i, n), o in zip(fit.names, own, strict=True) if o])
     blocks = [b for b in round_.blocks if b.start.kind != "whole"]
     if not np.isfinite(away).all() or not away.any() or not blocks:
-        return []  # a limit or a stiffness, which is not undone by a straight line
+        return {}  # a limit or a stiffness, which is not undone by a straight line
     does = fit.slope[:, own] @ (away / fit.size[own])
     lines = Linear(round_.yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
     whole = 0.5 * float(lines.gram[0, 0])
     done = [lines.gain([i]) for i in range(len(blocks))]
-    return [lines.promise(i) for i in sorted(range(len(blocks)), key=lambda i: -done[i]) if done[i] > MOST * whole]
+    found: dict[Suspect, Change] = {}
+    for i in sorted(range(len(blocks)), key=lambda i: -done[i]):
+        if done[i] > MOST * whole:
+            found.setdefault(blocks[i].suspect, lines.promise(i).change)
+    return dict(islice(found.items(), FEW))

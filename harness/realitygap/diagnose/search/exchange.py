@@ -41,8 +41,6 @@ CLOSE = 0.75
 """Beside the one that promises most, those are tried that promise this share of what the finding does where it is
 missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
 promised 0.89 to 1.3 of it."""
-ALIKE = 2
-"""Besides, so many that do what the finding does beside it, whatever they promise where it is missing."""
 BEYOND = 2
 """Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
 were simulated at few sizes, and promise too little."""
@@ -281,12 +279,8 @@ def _sizes(limit: Change) -> list[Change]:
 def _rivals(place: _Place, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
-    chosen: dict[Suspect, list[Change]] = {}
-    same: set[Suspect] = set()
-    for p in [] if place.late else alike(round_, place.change):
-        if len(chosen) < ALIKE:
-            chosen.setdefault(p.block.suspect, [p.change])
-            same.add(p.block.suspect)
+    same = {} if place.late else alike(round_, place.change)
+    chosen = {suspect: [change] for suspect, change in same.items()}
     most = len(chosen) + (LATE if place.late else EXCHANGED)
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
