@@ -123,6 +123,18 @@ def resampled(time: np.ndarray, known: np.ndarray, value: np.ndarray) -> np.ndar
     return np.column_stack([np.interp(time, known, column) for column in value.T])
 
 
+@pytest.mark.parametrize(("rest", "found"), [(0.0, []), (0.04, []), (1.0, ["far_start"])])
+def test_a_recording_may_begin_with_a_step(team: Team, tmp_path: Path, rest: float, found: list[str]) -> None:
+    """From rest and at once a servo goes to where it is told; one that waits was not told yet."""
+    stepped = team.copy()
+    for table in stepped.tables.values():
+        late = np.maximum(table.time - table.time[0] - rest, 0.0) / 0.05
+        table.position[:, 1] += 0.9 * (1.0 + late) * np.exp(-late)
+        table.velocity[:, 1] -= 0.9 / 0.05 * late * np.exp(-late)
+    stepped.scenario["recordings"]["effort"] = "none"
+    assert [m.kind for m in check(load_scenario(stepped.write(tmp_path)))] == found
+
+
 def test_run_stops_at_a_certain_mistake(team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = flipped(team, tmp_path)
     with pytest.raises(SystemExit) as ended:

@@ -105,6 +105,12 @@ def test_what_a_controller_asks_for_jumps_as_it_is_meant_to(kind: str) -> None:
     assert command_glitches(replace(sound, command=command, command_kind=kind)) == []
 
 
+def test_a_fast_sine_turns_without_a_glitch() -> None:
+    sound = recording()
+    sine = np.sin(2.0 * np.pi * 5.0 * 0.02 * np.arange(len(sound.command_time)))[:, None]
+    assert command_glitches(replace(sound, command=np.broadcast_to(sine, sound.command.shape))) == []
+
+
 def test_a_step_is_not_a_glitch() -> None:
     sound = recording()
     command = sound.command.copy()

@@ -11,6 +11,11 @@ FAR, FAR_SLIDE = 0.35, 0.05
 """rad (20°) and m: a robot that holds its first command sags less."""
 UNUSUAL = 4.0
 """A first error counts as far beyond so many times the motion's median error: weak servos lag that much all along."""
+LATE, BEGUN = 0.3, 0.05
+"""A servo that is told to go far has gone a twentieth of the way by then [s]: later than any delay on a bus."""
+RISES = 0.5
+"""A joint that goes from rest goes slower at first than this share of its fastest: one that is brought to its place goes
+fastest at first, and under a constant torque the first of two readings sees a third of what the second one does."""
 SWINGS = 3
 """A joint that crosses the middle of its range more often is moved; less, it sags or falls."""
 
@@ -27,7 +32,8 @@ def start_mistakes(o: Observed) -> list[Mistake]:
         on = np.isfinite(o.command[:, j])
         begun = bool(len(on)) and bool(on[0]) and bool(o.follows[j])
         error = o.command[on, j] - o.position[on, j]
-        if begun and abs(error[0]) > far and abs(error[0]) > UNUSUAL * np.median(np.abs(error)):
+        strays = begun and abs(error[0]) > far and abs(error[0]) > UNUSUAL * np.median(np.abs(error))
+        if strays and not _steps(o, j, float(error[0])):
             sentence = (
                 f"the motion of {joint} begins {abs(error[0]):.3g} {unit(o, j)} from its first command, and is usually "
                 f"{np.median(np.abs(error)):.2g} {unit(o, j)} from it; expected a robot that holds its first command, "
@@ -47,6 +53,14 @@ def start_mistakes(o: Observed) -> list[Mistake]:
             )
             out.append(Mistake("far_start", "likely", (joint,), sentence, "robot.start", (o.name,)))
     return out
+
+
+def _steps(o: Observed, j: int, error: float) -> bool:
+    """Whether a motion is the answer to a first command that is a step: from rest, at once, and to there."""
+    way = np.sign(error) * (o.position[:, j] - o.position[0, j])
+    speed = np.diff(way)
+    soon = way[o.clock <= o.clock[0] + LATE].max()
+    return bool(len(speed) and speed[0] < RISES * speed.max() and soon > BEGUN * abs(error))
 
 
 def constant_command(o: Observed) -> list[Mistake]:

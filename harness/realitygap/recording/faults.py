@@ -154,7 +154,10 @@ def command_glitches(recording: Recording) -> list[Fault]:
     if recording.command_kind != "position" or len(command) < 5:
         return []
     before, at, after = command[:-2], command[1:-1], command[2:]
-    usual = np.abs(after - before)
+    steps = np.abs(np.diff(command, axis=0))
+    ends = np.full((1, command.shape[1]), 0.0)
+    around = np.maximum(np.vstack([ends, steps[:-2]]), np.vstack([steps[2:], ends]))  # a sine turns at full speed
+    usual = np.fmax(np.abs(after - before), around)
     jump = np.minimum(np.abs(at - before), np.abs(at - after))
     back = (at - before) * (at - after) > 0
     with np.errstate(invalid="ignore"):

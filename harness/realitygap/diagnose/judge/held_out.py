@@ -21,6 +21,7 @@ from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored, score
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.diagnose.search.prune import untold
+from realitygap.diagnose.search.round import DOUBTFUL
 from realitygap.diagnose.search.search import Found
 
 NOTHING = 0.1
@@ -102,8 +103,9 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
     nearly right laws, planted at six seeds, six had such an interval, with 9 to 112 in evidence, and none was true.
     """
     vague, gains, before = list[Suspect](), found.gains, found.best.fit
+    sure = {s for s, gain in gains.items() if gain >= DOUBTFUL * found.least[s]}
     while True:
-        open_ = untold(simulations.problem, found.cautious).difference(keep, vague)
+        open_ = untold(simulations.problem, found.cautious, sure).difference(keep, vague)
         if not open_ and not vague:
             return found, vague
         if not open_:
