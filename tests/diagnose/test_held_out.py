@@ -10,8 +10,9 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import CHOSE, _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import CHOSE, Verdict, _widens, _wider, certain_of, predicted, supported
 from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.result.workflow import _against_all
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -57,6 +58,18 @@ def test_what_held_out_runs_say_against_a_finding_counts_many_times(simulations:
     for gained, dropped in ((CHOSE * lost + 5.0, [offset]), (CHOSE * lost + 7.0, [])):
         gains = {friction: found.gains[friction], offset: gained}
         assert list(supported(simulations, replace(found, gains=gains), [])[1]) == dropped, "a name needs 6"
+
+
+def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
+    simulations: Simulations, found: Found
+) -> None:
+    friction = found.best.fit.changes[0]
+    for torque, widens in ((FRICTION, False), (2.0, True)):
+        fit = replace(found.best.fit, changes=(friction.at({"torque": torque}),))
+        alone = replace(found, best=replace(found.best, fit=fit), without={friction.suspect: found.base})
+        assert _widens(simulations, alone, friction.suspect) == widens
+        against = _against_all(simulations, found, fit.changes, Verdict(50.0, 1.0))
+        assert ("widens the held-out gap" in against) == widens
 
 
 def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulations, found: Found) -> None:

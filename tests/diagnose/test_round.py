@@ -14,6 +14,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.search import prune
 from realitygap.diagnose.search import round as round_module
+from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.imperfections import SHARE
@@ -138,6 +139,13 @@ def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
     assert without is not None
     assert not at.earned(both, at.now, at.limit)
     assert at.earned(both, without, at.limit)
+    error = compare(at.yardstick.channels, both, without)[1]
+
+    def earned(errors: float, needs: float) -> bool:
+        return at.earned(replace(both, evidence=without.evidence + errors * error), without, needs * error)
+
+    assert [earned(2.0, 1.0), earned(2.5, 1.0), earned(2.5, 3.0)] == [False, True, False], "told by stretches"
+    assert earned(1.0, 0.05), "what is plain may show in one of them alone"
 
 
 def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_little(

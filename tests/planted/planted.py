@@ -49,6 +49,7 @@ TABLE = (
     "current_lag",
     "gain_law",
     "servo_rate",
+    "derivative_gain",
     "effort_map",
 )
 """The effects in the order of DESIGN.md's table: among exact twins the first is named."""

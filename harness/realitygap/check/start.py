@@ -15,7 +15,7 @@ LATE, BEGUN = 0.3, 0.05
 """A servo that is told to go far has gone a twentieth of the way by then [s]: later than any delay on a bus."""
 RISES = 0.5
 """A joint that goes from rest goes slower at first than this share of its fastest: one that is brought to its place
-goes fastest at first, and under a constant torque the first of two readings sees a third of what the second one does."""
+goes fastest at first; under a constant torque the first of two readings sees a third of what the second one does."""
 SWINGS = 3
 """A joint that crosses the middle of its range more often is moved; less, it sags or falls."""
 

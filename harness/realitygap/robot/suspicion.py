@@ -15,6 +15,7 @@ DRY = ("coulomb_friction", "stribeck_friction", "load_dependent_friction", "dire
 SERVO: dict[str, tuple[str, ...]] = {
     "gain": ("controller_gain", "gain_law"),
     "kp": ("controller_gain", "gain_law"),
+    "kd": ("derivative_gain",),
     "duty_limit": ("effort_limit",),
     "supply": ("supply_voltage", "voltage_sag"),
     "torque_constant": ("torque_constant", "motor_heating"),

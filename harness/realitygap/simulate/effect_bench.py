@@ -8,7 +8,7 @@ import realitygap_engines as engines
 from realitygap_engines import Ground, Physics, State
 from realitygap_engines.model.robot import Joint, Link, Model, Sphere
 
-from realitygap.robot.drive import DC, neutral_drive
+from realitygap.robot.drive import DC, PID, neutral_drive
 from realitygap.robot.effects.effect import Effect
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
@@ -55,6 +55,13 @@ def arm() -> Plant:
     return Plant(model, drive, None, np.zeros(1), np.zeros(1), np.ones(1), np.zeros(2))
 
 
+def pid_arm() -> Plant:
+    """The same with a pid servo that holds as well."""
+    plant = arm()
+    plant.drive["kind"], plant.drive["kp"], plant.drive["kd"] = PID, 28.0, 1.0
+    return plant
+
+
 def block() -> Plant:
     """A flat block of 1.2 kg on four round feet, free to slide."""
     feet = tuple(Sphere(np.array([x, y, -0.01]), 0.01) for x in (-0.1, 0.1) for y in (-0.1, 0.1))
@@ -67,7 +74,8 @@ def bench(effect: Effect) -> tuple[Plant, int]:
     """The bench for an effect, without it, and the index of the target there."""
     if effect.sits_at == "ground":
         return block(), 0
-    return arm(), 1 if effect.sits_at == "link" else 0
+    index = 1 if effect.sits_at == "link" else 0
+    return (arm() if effect.possible(arm(), index) is None else pid_arm()), index
 
 
 def command(time: Array) -> Array:

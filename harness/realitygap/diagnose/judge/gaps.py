@@ -54,6 +54,12 @@ def rms(costs: dict[int, float], cases: Sequence[int]) -> float:
     return float(np.sqrt(np.mean([costs[c] for c in cases])))
 
 
+def held_out_gap(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> float:
+    """The gap over the held-out runs with changes, in floors."""
+    judge = simulations.problem.of("held_out")
+    return rms(costs(simulations, floors, changes, judge), judge)
+
+
 def shown(
     simulations: Simulations, floors: Floors, models: Sequence[Sequence[Change]], engines: Sequence[str]
 ) -> dict[Suspect, Shown]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 from realitygap.diagnose.data.changes import Suspect
@@ -44,6 +44,10 @@ class Open:
 
     explanations: tuple[Scored, ...]
     questions: tuple[Question, ...]
+
+    def within(self, odds: float) -> Open:
+        """The same without the questions that the recordings settle, whose odds have a larger logarithm."""
+        return replace(self, questions=tuple(q for q in self.questions if abs(q.now) < odds))
 
 
 def shown(open_: Open, limit: float) -> list[str]:

@@ -14,7 +14,7 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.propose.design import Answer, Goal, answer, separable, settling, sharper
+from realitygap.diagnose.propose.design import ENOUGH, Answer, Goal, answer, separable, settling, sharper
 from realitygap.diagnose.propose.evolve import Part, evolved
 from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open, shown
@@ -108,13 +108,15 @@ def propose(
     spec = problem.file.scenario.propose or ProposeSpec()
     recorded = np.concatenate([c.value("position") for c in problem.cases])
     limits = limits_of(problem.plant.model, spec, recorded, problem.plant.reached)
+    already = shown(open_, needed(len(suspects(problem))))
+    open_ = open_.within(ENOUGH)
     result = Proposal(problem, open_, limits, pose_of(problem, spec.pose))
     values = len(open_.explanations[0].fit.names)
-    already = shown(open_, needed(len(suspects(problem))))
     if already:
         told = ", ".join(already)
         result.notes.append(
-            f"the recordings show {told} already: a diagnosis with more --minutes would ask whether to name it"
+            f"the recordings show {told} already, and no motion is made for that: a diagnosis that is not cut short "
+            "(--minutes inf) says whether to name it"
         )
     if not open_.questions:
         result.notes.append("nothing is left open: no other explanation comes near the findings")

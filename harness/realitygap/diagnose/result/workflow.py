@@ -18,8 +18,8 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.gaps import artefacts, costs, rms, shown
-from realitygap.diagnose.judge.held_out import certain_of, predicted, supported
+from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, rms, shown
+from realitygap.diagnose.judge.held_out import Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.judge.worsened import in_units, worsened
@@ -138,11 +138,9 @@ def diagnose(
     if found.cut:
         notes.append(CUT)
     judged = predicted(simulations, found.floors, changes)
-    if judged.worse:
-        notes.append(
-            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f} in "
-            "evidence: not named"
-        )
+    against = _against_all(simulations, found, changes, judged)
+    if against:
+        notes.append(against)
         changes, proofs = (), {}
     if not problem.repeated and not any(case.recorded > 1 for case in problem.cases):
         notes.append(NOT_REPEATED)
@@ -191,6 +189,22 @@ def _searched(
     found, vague = certain_of(simulations, found, keep)
     why_not = [_against(s, gain) for s, gain in against.items()]
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
+
+
+def _against_all(simulations: Simulations, found: Found, changes: Sequence[Change], judged: Verdict) -> str:
+    """Why held-out runs speak against all that was found; empty where they do not."""
+    if judged.worse:
+        return (
+            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f} in "
+            "evidence: not named"
+        )
+    without, with_ = (held_out_gap(simulations, found.floors, c) for c in ((), changes))
+    if with_ > without:
+        return (
+            f"what was found widens the held-out gap, from {without:.4g} to {with_:.4g} floors, however much more "
+            "probable it makes these runs: not named"
+        )
+    return ""
 
 
 def _against(suspect: Suspect, gain: float) -> str:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from realitygap.robot.drive import PID
-from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
-from realitygap.robot.effects.joint import has_servo
+from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
+from realitygap.robot.effects.joint import has_pid, has_servo
 from realitygap.robot.plant import Plant
 
 
@@ -79,6 +79,36 @@ CONTROLLER_GAIN = Effect(
         confused_with="supply_voltage (the same until the duty is at its limit), torque_constant, "
         "load_dependent_friction.",
         source="Dynamixel e-manual, position control: duty = P/128·error/885 per encoder unit.",
+    ),
+    unseen_when_followed="no servo answers a command",
+)
+
+
+def _damped(plant: Plant, index: int) -> dict[str, float]:
+    """What a lead of 5 ms is of the servo's `kp`, as of one that nobody tuned."""
+    return {"gain": float(plant.drive["kd"][index] + 0.005 * plant.drive["kp"][index])}
+
+
+DERIVATIVE_GAIN = Effect(
+    name="derivative_gain",
+    changes="torque",
+    sits_at="joint",
+    law="drive",
+    parameters=(Parameter("gain", "N·m·s/rad", 0.0, 1e6, 0.1),),
+    signals=("velocity", "effort"),
+    own=reads(gain="kd"),
+    apply=writes(gain="kd"),
+    possible=has_pid,
+    scaled=_damped,
+    page=Page(
+        physics="A pid servo's answer to the rate of the position error. It is rarely written down, and a scenario "
+        "that was begun from a URDF holds a guess.",
+        equation="τ = … + gain·d/dt (command − q)",
+        signature="Ringing and overshoot where it is too low; in effort a kick where the command changes its speed. "
+        "Nothing at rest, and little where the joint follows.",
+        confused_with="viscous_friction (drags in steady motion, too), rotor_inertia (slower to ring as well), "
+        "controller_gain (sags at rest).",
+        source="Åström & Hägglund, PID Controllers, 1995, chapter 3.",
     ),
     unseen_when_followed="no servo answers a command",
 )

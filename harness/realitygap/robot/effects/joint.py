@@ -51,6 +51,13 @@ def has_dc_motor(plant: Plant, index: int) -> str | None:
     return None
 
 
+def has_pid(plant: Plant, index: int) -> str | None:
+    """For effects on what a pid servo does beside answering an error."""
+    if plant.drive["kind"][index] != PID:
+        return f"joint {plant.model.joint_names[index]} has no servo of kind pid; expected one, with kp and kd"
+    return None
+
+
 def has_torque_constant(plant: Plant, index: int) -> str | None:
     """For effects on a motor's torque per current: it drives by its voltage, or its effort was told from a current."""
     if plant.drive["current_factor"][index] > 0:
