@@ -25,7 +25,7 @@ from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
-from realitygap.diagnose.result.story_text import quantity
+from realitygap.diagnose.result.story_text import quantity, verdict
 from realitygap.diagnose.result.workflow import summary
 from realitygap.diagnose.search.exchange import Rival
 from realitygap.diagnose.search.search import Found
@@ -179,6 +179,19 @@ def test_nothing_named_promises_no_mended_model(told: Callable[[str], Diagnosis]
     assert "simulated after" not in words
     assert ("Nothing is missing" in words) == (verdict == "no gap")
     assert ("no effect explains it better than something else would" in words) == (verdict == "unexplained")
+
+
+@pytest.mark.parametrize(
+    ("after", "said"),
+    [
+        (1.06, ": with it the gap on held-out motions falls from 3.0 to 1.1 times the floor"),
+        (3.02, ": but with it the gap on held-out motions stays at 3.0 times the floor"),
+        (10.0, ": but with it the gap on held-out motions rises from 3.0 to 10 times the floor"),
+    ],
+)
+def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis], after: float, said: str) -> None:
+    result = told("partly explained")
+    assert said in verdict(replace(result, costs=(result.costs[0], dict.fromkeys(result.costs[1], after**2))))
 
 
 def test_the_same_diagnosis_is_the_same_page(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:

@@ -133,11 +133,20 @@ def verdict(result: Diagnosis) -> str:
             f"the floor{_most(result.where)}, and no effect explains it better than something else would."
         )
     what = _grouped(changes) if len(changes) > MANY else listed([lacks(result, c) for c in changes])
-    text = f"{what[0].upper()}{what[1:]}: with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions "
-    text += f"falls from {number(before, 2)} to {number(after, 2)} times the floor"
+    how = _moved(before, after)
+    text = f"{what[0].upper()}{what[1:]}: {'' if how.startswith('falls') else 'but '}"
+    text += f"with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
         return f"{text}, and nothing worth a name is left."
     return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
+
+
+def _moved(before: float, after: float) -> str:
+    """What becomes of a gap: `falls from 45 to 11`; a change that its digits do not show is none."""
+    a, b = number(before, 2), number(after, 2)
+    if a == b:
+        return f"stays at {a}"
+    return f"{'falls' if after < before else 'rises'} from {a} to {b}"
 
 
 def better(result: Diagnosis, change: Change) -> str:
