@@ -194,6 +194,18 @@ def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis
     assert said in verdict(replace(result, costs=(result.costs[0], dict.fromkeys(result.costs[1], after**2))))
 
 
+@pytest.mark.parametrize("kind", ["partly explained", "unexplained"])
+@pytest.mark.parametrize("cut", [False, True])
+def test_what_was_not_tried_is_not_said_to_explain_nothing(
+    told: Callable[[str], Diagnosis], tmp_path: Path, kind: str, cut: bool
+) -> None:
+    result = told(kind)
+    _, _, words = page_of(replace(result, found=replace(result.found, cut=cut)), tmp_path)
+    assert ("The search ended with its time, before all was tried" in words) == cut
+    assert any(no in words for no in ("which no effect explains", "that no effect explains")) != cut
+    assert ("effects at every place where they could act" in words) == (kind == "unexplained" and not cut)
+
+
 def test_the_same_diagnosis_is_the_same_page(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     first, second = (write_story(told("explained"), tmp_path / n).read_text("utf-8") for n in "ab")
     assert first == second

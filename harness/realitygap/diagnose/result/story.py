@@ -61,6 +61,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "sentence": verdict(result),
         "gaps": gaps,
         "mended": bool(changes),
+        "cut": result.found.cut,
         "where": [_place(p) for p in result.where],
         "first": FIRST,
         "findings": findings,

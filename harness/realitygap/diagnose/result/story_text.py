@@ -17,6 +17,8 @@ from realitygap.robot.effects import EFFECTS, Parameter
 
 WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
+CUT = "The search ended with its time, before all was tried"
+"""What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
 
@@ -128,9 +130,12 @@ def verdict(result: Diagnosis) -> str:
             f"(the gap on held-out motions is {number(before, 2)} times the floor)."
         )
     if result.verdict == "unexplained":
+        text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
+        if result.found.cut:
+            return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough."
         return (
-            f"Something is missing that no effect explains: the gap on held-out motions is {number(before, 2)} times "
-            f"the floor{_most(result.where)}, and no effect explains it better than something else would."
+            f"Something is missing that no effect explains: {text}, and no effect explains it better than something "
+            "else would."
         )
     what = _grouped(changes) if len(changes) > MANY else listed([lacks(result, c) for c in changes])
     how = _moved(before, after)
@@ -138,7 +143,8 @@ def verdict(result: Diagnosis) -> str:
     text += f"with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
         return f"{text}, and nothing worth a name is left."
-    return f"{text}. Something else is missing{_most(result.left)}, which no effect explains."
+    text += f". Something else is missing{_most(result.left)}"
+    return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
 
 
 def _moved(before: float, after: float) -> str:
