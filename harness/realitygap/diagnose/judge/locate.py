@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,17 @@ ABOVE = 1.5
 
 @dataclass(frozen=True)
 class Place:
-    """A joint, or the base, and signal with a gap: mean absolute values in `unit`, and the phases where it is large."""
+    """A joint, or the base, and signal with a gap, and the phases where it is large.
+
+    The gap is a mean absolute value in `unit`, as of a run; the floors are not those of a run. Every sample has its own,
+    and a few that are far less sure than the others, as those at which a held command jumps, would rule their mean: told
+    are the floors that the gap was weighed against, so that gap² = floors²·(noise_floor² + numerical_floor²).
+
+    Attributes:
+        noise_floor: what of them is noise of the sensors.
+        numerical_floor: what of them lasts: numerics, jumps of held commands, disturbances.
+        floors: how many floors the gap is: the root mean square of every sample over its own.
+    """
 
     joint: str
     signal: str
@@ -38,7 +48,7 @@ class Place:
     noise_floor: float
     numerical_floor: float
     when: tuple[str, ...]
-    weight: float
+    floors: float
 
 
 def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, Array]]) -> list[Place]:
@@ -58,45 +68,40 @@ def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, A
             cases = [i for i in simulated if signal in problem.signals(i)]
             if cases:
                 place = _place(problem, floors, joint, j, signal, {i: simulated[i] for i in cases})
-                if place.weight > ABOVE:
+                if place.floors > ABOVE:
                     out.append(place)
     for signal in BASE:
         cases = [i for i in simulated if signal in problem.signals(i)]
         if cases:
             place = _of_base(problem, floors, signal, {i: simulated[i] for i in cases})
-            if place.weight > ABOVE:
+            if place.floors > ABOVE:
                 out.append(place)
-    return sorted(out, key=lambda p: -p.weight)
+    return sorted(out, key=lambda p: -p.floors)
 
 
 def _of_base(problem: Problem, floors: Floors, signal: str, simulated: Mapping[int, dict[str, Array]]) -> Place:
     name, unit, scale = BASE[signal]
     deltas = [problem.delta(i, signal, sim) for i, sim in simulated.items()]
     noises = [problem.deviation(signal, floors.noise[i][signal][None, :]) for i in simulated]
-    slow = [problem.deviation(signal, floors.slow[i][signal]) for i in simulated]
     sigma = [problem.deviation(signal, floors.sigma(i, signal)) for i in simulated]
-    scaled = np.nan_to_num(np.concatenate([d / s for d, s in zip(deltas, sigma, strict=True)]))
-
-    def far(values: Sequence[Array]) -> float:
-        return float(np.nanmean(np.concatenate([np.linalg.norm(v, axis=1) for v in values])) * scale)
-
-    whole = float(np.sqrt(np.mean(scaled**2)))
-    return Place("base", name, unit, far(deltas), far(noises), far(slow), ("throughout",), whole)
+    residual = np.concatenate([d / s for d, s in zip(deltas, sigma, strict=True)])
+    noisy = np.concatenate([n / s for n, s in zip(noises, sigma, strict=True)])
+    far = np.concatenate([np.linalg.norm(d, axis=1) for d in deltas])
+    return _told("base", name, unit, float(np.nanmean(far) * scale), residual, noisy, ("throughout",))
 
 
 def _place(
     problem: Problem, floors: Floors, joint: str, j: int, signal: str, simulated: Mapping[int, dict[str, Array]]
 ) -> Place:
     unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
-    gaps, noises, slow, scaled = [], [], [], []
+    gaps, scaled, noises = [], [], []
     masks: dict[str, list[Mask]] = {}
     for i, sim in simulated.items():
-        case = problem.cases[i]
+        case, sigma = problem.cases[i], floors.sigma(i, signal)[:, j]
         delta = sim[signal][:, j] - case.value(signal)[:, j]
         gaps.append(np.abs(delta))
-        noises.append(np.full(len(delta), floors.noise[i][signal][j] * np.sqrt(2 / np.pi)))
-        slow.append(floors.slow[i][signal][:, j])
-        scaled.append(delta / floors.sigma(i, signal)[:, j])
+        scaled.append(delta / sigma)
+        noises.append(floors.noise[i][signal][j] / sigma)
         for phase, mask in phases(case, j, sim).items():
             masks.setdefault(phase, []).append(mask)
     residual = np.nan_to_num(np.concatenate(scaled))
@@ -106,11 +111,20 @@ def _place(
         mask = np.concatenate(parts)
         if mask.sum() >= 5 and np.sqrt(np.mean(residual[mask] ** 2)) > STANDS_OUT * whole:
             when.append(phase)
+    gap = float(np.nanmean(np.concatenate(gaps)) * scale)
+    return _told(joint, signal, unit, gap, np.concatenate(scaled), np.concatenate(noises), tuple(when))
 
-    def mean(values: Sequence[Array]) -> float:
-        return float(np.nanmean(np.concatenate(values)) * scale)
 
-    return Place(joint, signal, unit, mean(gaps), mean(noises), mean(slow), tuple(when) or ("throughout",), whole)
+def _told(
+    joint: str, signal: str, unit: str, gap: float, residual: Array, noisy: Array, when: tuple[str, ...]
+) -> Place:
+    """A place from its gap in `unit`, every sample's difference in its own floors, and what of that floor is noise."""
+    squares = residual**2
+    count = float(np.sqrt(np.nanmean(squares)))
+    floor = gap / count if count > 0 else 0.0
+    noise = float(np.nansum(squares * noisy**2) / np.nansum(squares)) if count > 0 else 1.0
+    lasting = floor * float(np.sqrt(max(1.0 - noise, 0.0)))
+    return Place(joint, signal, unit, gap, floor * float(np.sqrt(noise)), lasting, when or ("throughout",), count)
 
 
 def phases(case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask]:

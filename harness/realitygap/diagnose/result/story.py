@@ -107,7 +107,7 @@ def _place(place: Place) -> dict[str, str]:
         "gap": number(place.gap),
         "noise": number(place.noise_floor),
         "numerical": number(place.numerical_floor),
-        "floors": number(place.weight, 2),
+        "floors": number(place.floors, 2),
         "when": ", ".join(place.when),
     }
 

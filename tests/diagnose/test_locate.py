@@ -1,0 +1,62 @@
+"""Where a model and recordings part: the floors that are told are those that the gap was weighed against."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.locate import Place, locate
+from realitygap.diagnose.likelihood.floors import Floors, measure
+
+UNSURE = 1e3
+"""Floor of a few samples, in the largest gap: as where a held command jumps."""
+
+
+@pytest.fixture(scope="module")
+def found(simulations: Simulations) -> tuple[Floors, list[Place], list[Place]]:
+    """Where the demo's own model is off, and the same where every thirtieth sample says nothing."""
+    problem, floors = simulations.problem, measure(simulations, [])
+    simulated = {i: a for i, a in enumerate(simulations.of([], range(len(problem.cases)))) if a is not None}
+    return floors, locate(problem, floors, simulated), locate(problem, _spoiled(problem, floors, simulated), simulated)
+
+
+def _spoiled(problem: Problem, floors: Floors, simulated: dict[int, dict[str, np.ndarray]]) -> Floors:
+    slow = []
+    for i, signals in enumerate(floors.slow):
+        slow.append({s: v.copy() for s, v in signals.items()})
+        for s, v in slow[-1].items():
+            v[::30] = UNSURE * np.abs(simulated[i][s] - problem.cases[i].value(s)).max()
+    return replace(floors, slow=tuple(slow))
+
+
+def test_a_gap_is_as_many_floors_as_are_told(found: tuple[Floors, list[Place], list[Place]]) -> None:
+    for places in found[1:]:
+        assert len(places) > 2
+        for p in places:
+            assert p.floors * np.hypot(p.noise_floor, p.numerical_floor) == pytest.approx(p.gap)
+            assert np.hypot(p.noise_floor, p.numerical_floor) < p.gap
+
+
+def test_a_few_unsure_samples_do_not_rule_the_floor(found: tuple[Floors, list[Place], list[Place]]) -> None:
+    sure = {(p.joint, p.signal): p for p in found[1]}
+    for p in found[2]:
+        assert p.numerical_floor < sure[p.joint, p.signal].numerical_floor * 1.2 + 0.2 * p.noise_floor
+
+
+def test_of_even_floors_the_noise_told_is_the_mean_absolute_noise(simulations: Simulations) -> None:
+    """Where the difference is as random as the noise: its mean absolute value is the floor, 0.8 standard deviations."""
+    problem, floors, random = simulations.problem, measure(simulations, []), np.random.default_rng(0)
+    even = replace(floors, slow=tuple({s: np.zeros_like(v) for s, v in d.items()} for d in floors.slow))
+    simulated = {
+        i: {s: c.value(s) + 2 * n * random.standard_normal(c.value(s).shape) for s, n in even.noise[i].items()}
+        for i, c in enumerate(problem.cases)
+    }
+    places = locate(problem, even, simulated)
+    assert len(places) == 6
+    for p in places:
+        j = problem.plant.model.joint_names.index(p.joint)
+        scale = 1.0 if p.signal == "effort" else 180 / np.pi
+        sigma = np.sqrt(np.mean([even.noise[i][p.signal][j] ** 2 for i in range(len(problem.cases))]))
+        assert p.noise_floor == pytest.approx(np.sqrt(2 / np.pi) * sigma * scale, rel=0.05)
+        assert p.numerical_floor == pytest.approx(0.0, abs=1e-9)
