@@ -23,7 +23,7 @@ from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import Worsened, in_units
 from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
-from realitygap.diagnose.result.story import write_story
+from realitygap.diagnose.result.story import _Value, write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import quantity, verdict
 from realitygap.diagnose.result.workflow import summary
@@ -278,7 +278,7 @@ def test_many_findings_are_told_by_effect_and_in_a_table(
 def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name, number in {"MANY": 0, "FIRST": 0}.items():
+    for name, number in {"MANY": 0, "FIRST": 0, "FEW": 1}.items():
         monkeypatch.setattr(story, name, number)
     result = told("partly explained")
     other = Suspect("coulomb_friction", "shoulder", (0,))
@@ -289,8 +289,10 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     )
     text, page, words = page_of(result, tmp_path)
     assert not page.open, "an element is left open"
-    assert "coulomb friction 2 joints torque median" in words
-    assert "each its own, 0.200 N·m to" in words
+    known = [result.to_json()["findings"][k]["parameters"]["torque"] for k in (0, 1)]
+    low, high = min(k["low"] for k in known), max(k["high"] for k in known)
+    assert f"coulomb friction 2 joints torque 0.200 to {known[0]['value']:.3f} N·m" in words
+    assert f"all within {low:.3f} to {high:.3f} N·m 0.276 N·m" in words, "the intervals, and what the model had"
     assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors 1. coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
     assert text.count("<details>") == 4, "places, both findings together, and each"
@@ -299,6 +301,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
 def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """A speed that a profile does not limit is not told, and tables of efforts stand at their own knots."""
     monkeypatch.setattr(story, "MANY", 0)
+    monkeypatch.setattr(story, "FEW", 1)
     one: dict[str, Any] = {
         "name": "command profile",
         "target": "elbow",
@@ -306,16 +309,35 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
         "before": "3",
         "after": "1",
     }
+    fast, slow = _Value(9.0, 8.0, 10.0, "rad/s²", None), _Value(7.0, 6.0, 8.0, "rad/s²", None)
     both = {
         "parameters": [("speed", "2 rad/s", "1 to 3", "none"), ("acceleration", "9 rad/s²", "8 to 10", "none")],
-        "short": {"speed": (2.0, "2"), "acceleration": (9.0, "9")},
+        "values": {"speed": _Value(2.0, 1.0, 3.0, "rad/s", None), "acceleration": fast},
     }
-    less = {"parameters": [("acceleration", "7 rad/s²", "6 to 8", "none")], "short": {"acceleration": (7.0, "7")}}
+    less = {"parameters": [("acceleration", "7 rad/s²", "6 to 8", "none")], "values": {"acceleration": slow}}
     rows = story._table([one | both, one | less | {"target": "knee"}])
     assert rows == [
         ("command profile", "elbow", "speed", "2 rad/s", "1 to 3", "none"),
-        ("command profile", "2 joints", "acceleration", "median 9", "each its own, 7 to 9", "none"),
+        ("command profile", "2 joints", "acceleration", "7.00 to 9.00 rad/s²", "all within 6.00 to 10.0 rad/s²", "none"),
     ]
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3, 4, 7])
+def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few joints each has its row; of many, values, intervals and what the model had reach from and to."""
+    monkeypatch.setattr(story, "MANY", 0)
+    at = [_Value(0.1 * k, 0.1 * k - 0.05, 0.1 * k + 0.02, "N·m", 0.03 + 0.01 * (k % 2)) for k in range(1, joints + 1)]
+    found: list[dict[str, Any]] = [
+        {"name": "coulomb friction", "target": f"j{k}", "sits_at": "joint", "before": "3", "after": "1"}
+        | {"parameters": [("torque", f"{v.value} N·m", "its own", f"{v.own} N·m")], "values": {"torque": v}}
+        for k, v in enumerate(at)
+    ]
+    rows = story._table(found)
+    if joints <= story.FEW:
+        assert [row[1:] for row in rows] == [(f"j{k}", *f["parameters"][0]) for k, f in enumerate(found)]
+    else:
+        ends = (f"0.100 to {0.1 * joints:.3f} N·m", f"all within 0.0500 to {0.1 * joints + 0.02:.3f} N·m")
+        assert rows == [("coulomb friction", f"{joints} joints", "torque", *ends, "0.0300 to 0.0400 N·m")]
 
 
 def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from realitygap.compare.gap import unit_of
+from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.locate import Place, phases
@@ -36,8 +38,21 @@ SHOWN = 4
 """Joints whose curves are shown: those with the largest gap."""
 FIRST = 8
 """Rows of a table of joints and signals that are seen at once; the others unfold."""
+FEW = 3
+"""Up to so many joints with an effect have a row each in the table of all findings; more of them share one."""
 NOT_FITTED = "not fitted"
 USES = {"held_out": "held out", "train": "training"}
+
+
+@dataclass(frozen=True)
+class _Value:
+    """A fitted parameter in `unit`, its 95 % interval, and what the model had: None where that is nothing."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+    own: float | None
 
 
 def write_story(result: Diagnosis, out: Path) -> Path:
@@ -116,10 +131,12 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = change.suspect.kind, change.suspect
     parameters = [] if suspect.table is None else value_rows(result, change)
-    short: dict[str, tuple[float, str]] = {}
+    values: dict[str, _Value] = {}
+    zero = neutral(result.problem.plant, suspect)
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
-        short[p.name.replace("_", " ")] = told["value"], quantity(told["value"], unit, short=True)
+        own = zero[p.name] if p.absent is None else None
+        values[p.name.replace("_", " ")] = _Value(told["value"], told["low"], told["high"], unit, own)
         known = p.name in change.free or told["low"] < told["high"]
         spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
         parameters.append(
@@ -143,7 +160,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "said": lacks(result, change),
         "better": better(result, change),
         "parameters": parameters,
-        "short": short,
+        "values": values,
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
@@ -170,8 +187,8 @@ def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict
 
 
 def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-    """Every fitted value in one table, alike effects together. Of an effect at many joints every parameter that several
-    of them have is one row, with its median and extremes.
+    """Every fitted value in one table, alike effects together. Of an effect at more than a few joints every parameter is
+    one row, with what its values, their intervals and what the model had reach from and to.
     """
     rows: list[tuple[str, ...]] = []
     for _, members in _groups(found):
@@ -181,15 +198,23 @@ def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
                 if p[2] != NOT_FITTED:
                     fitted.setdefault(p[0], []).append((f, p))
         for name, alike in fitted.items():
-            if len(alike) > 1 and all(name in f["short"] for f, _ in alike):
-                first, (_, _, _, own) = alike[0]
-                ordered = [text for _, text in sorted(f["short"][name] for f, _ in alike)]
-                value, spread = f"median {ordered[len(ordered) // 2]}", f"each its own, {ordered[0]} to {ordered[-1]}"
-                rows.append((first["name"], f"{len(alike)} {first['sits_at']}s", name, value, spread, own))
+            values = [f["values"][name] for f, _ in alike if name in f["values"]]
+            if FEW < len(alike) == len(values) and len({v.unit for v in values}) == 1:
+                first = alike[0][0]
+                rows.append((first["name"], f"{len(alike)} {first['sits_at']}s", name, *_reach(values)))
             else:
                 rows += [(f["name"], f["target"], *p) for f, p in alike]
     order = list(dict.fromkeys(f["name"] for f in found))
     return sorted(rows, key=lambda row: order.index(row[0]))
+
+
+def _reach(values: list[_Value]) -> tuple[str, str, str]:
+    """What values, their 95 % intervals and the model's own reach from and to, in words."""
+    unit, low, high = values[0].unit, min(v.value for v in values), max(v.value for v in values)
+    within = interval(min(v.low for v in values), max(v.high for v in values), unit)
+    had = [v.own for v in values if v.own is not None]
+    own = "none" if not had else quantity(had[0], unit) if min(had) == max(had) else interval(min(had), max(had), unit)
+    return interval(low, high, unit), f"all within {within}", own
 
 
 def _closest(result: Diagnosis, closest: Closest) -> tuple[str, str, str, str]:
