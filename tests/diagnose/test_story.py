@@ -318,7 +318,14 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
     rows = story._table([one | both, one | less | {"target": "knee"}])
     assert rows == [
         ("command profile", "elbow", "speed", "2 rad/s", "1 to 3", "none"),
-        ("command profile", "2 joints", "acceleration", "7.00 to 9.00 rad/s²", "all within 6.00 to 10.0 rad/s²", "none"),
+        (
+            "command profile",
+            "2 joints",
+            "acceleration",
+            "7.00 to 9.00 rad/s²",
+            "all within 6.00 to 10.0 rad/s²",
+            "none",
+        ),
     ]
 
 
@@ -326,10 +333,13 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
 def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of few joints each has its row; of many, values, intervals and what the model had reach from and to."""
     monkeypatch.setattr(story, "MANY", 0)
-    at = [_Value(0.1 * k, 0.1 * k - 0.05, 0.1 * k + 0.02, "N·m", 0.03 + 0.01 * (k % 2)) for k in range(1, joints + 1)]
+    at = [
+        _Value(0.1 * k, 0.1 * k - 0.05, 0.1 * k + 0.02, "N·m", (0.03 + 0.01 * (k % 2),) * 2)
+        for k in range(1, joints + 1)
+    ]
     found: list[dict[str, Any]] = [
         {"name": "coulomb friction", "target": f"j{k}", "sits_at": "joint", "before": "3", "after": "1"}
-        | {"parameters": [("torque", f"{v.value} N·m", "its own", f"{v.own} N·m")], "values": {"torque": v}}
+        | {"parameters": [("torque", f"{v.value} N·m", "its own", "its own")], "values": {"torque": v}}
         for k, v in enumerate(at)
     ]
     rows = story._table(found)
@@ -338,6 +348,21 @@ def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monke
     else:
         ends = (f"0.100 to {0.1 * joints:.3f} N·m", f"all within 0.0500 to {0.1 * joints + 0.02:.3f} N·m")
         assert rows == [("coulomb friction", f"{joints} joints", "torque", *ends, "0.0300 to 0.0400 N·m")]
+
+
+def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callable[[str], Diagnosis]) -> None:
+    result = told("explained")
+    joints, plant = ("shoulder", "elbow"), result.problem.plant
+    drive = plant.drive.copy()
+    drive["coulomb"][[plant.model.joint_names.index(n) for n in joints]] = 0.05, 0.03
+    result = replace(result, problem=replace(result.problem, plant=replace(plant, drive=drive)))
+    both = Change(Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2),), ("torque",))
+    assert (
+        story_text.lacks(result, both)
+        == "coulomb friction at all joints is wrong (0.200 N·m instead of 0.0300 to 0.0500 N·m)"
+    )
+    (torque,) = both.suspect.kind.parameters
+    assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
 
 
 def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:

@@ -31,9 +31,10 @@ ABOVE = 1.5
 class Place:
     """A joint, or the base, and signal with a gap, and the phases where it is large.
 
-    The gap is a mean absolute value in `unit`, as of a run; the floors are not those of a run. Every sample has its own,
-    and a few that are far less sure than the others, as those at which a held command jumps, would rule their mean: told
-    are the floors that the gap was weighed against, so that gap² = floors²·(noise_floor² + numerical_floor²).
+    The gap is a mean absolute value in `unit`, as of a run; the floors are not those of a run. Every sample has its
+    own, and a few that are far less sure than the others, as those at which a held command jumps, would rule their
+    mean: told are the floors that the gap was weighed against, so that
+    gap² = floors²·(noise_floor² + numerical_floor²).
 
     Attributes:
         noise_floor: what of them is noise of the sensors.

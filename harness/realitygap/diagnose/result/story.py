@@ -10,7 +10,6 @@ import numpy as np
 from markupsafe import Markup
 
 from realitygap.compare.gap import unit_of
-from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.locate import Place, phases
@@ -24,6 +23,7 @@ from realitygap.diagnose.result.story_text import (
     lacks,
     model_value,
     name_label,
+    own_reach,
     quantity,
     suspect_label,
     target_label,
@@ -46,13 +46,13 @@ USES = {"held_out": "held out", "train": "training"}
 
 @dataclass(frozen=True)
 class _Value:
-    """A fitted parameter in `unit`, its 95 % interval, and what the model had: None where that is nothing."""
+    """A fitted parameter in `unit`, its 95 % interval, and what the model had from and to: None for nothing."""
 
     value: float
     low: float
     high: float
     unit: str
-    own: float | None
+    own: tuple[float, float] | None
 
 
 def write_story(result: Diagnosis, out: Path) -> Path:
@@ -132,10 +132,9 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     effect, suspect = change.suspect.kind, change.suspect
     parameters = [] if suspect.table is None else value_rows(result, change)
     values: dict[str, _Value] = {}
-    zero = neutral(result.problem.plant, suspect)
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
-        own = zero[p.name] if p.absent is None else None
+        own = own_reach(result.problem, suspect, p) if p.absent is None else None
         values[p.name.replace("_", " ")] = _Value(told["value"], told["low"], told["high"], unit, own)
         known = p.name in change.free or told["low"] < told["high"]
         spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
@@ -187,8 +186,8 @@ def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict
 
 
 def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-    """Every fitted value in one table, alike effects together. Of an effect at more than a few joints every parameter is
-    one row, with what its values, their intervals and what the model had reach from and to.
+    """Every fitted value in one table, alike effects together. Of an effect at more than a few joints every parameter
+    is one row, with what its values, their intervals and what the model had reach from and to.
     """
     rows: list[tuple[str, ...]] = []
     for _, members in _groups(found):
@@ -212,7 +211,7 @@ def _reach(values: list[_Value]) -> tuple[str, str, str]:
     """What values, their 95 % intervals and the model's own reach from and to, in words."""
     unit, low, high = values[0].unit, min(v.value for v in values), max(v.value for v in values)
     within = interval(min(v.low for v in values), max(v.high for v in values), unit)
-    had = [v.own for v in values if v.own is not None]
+    had = [end for v in values if v.own is not None for end in v.own]
     own = "none" if not had else quantity(had[0], unit) if min(had) == max(had) else interval(min(had), max(had), unit)
     return interval(low, high, unit), f"all within {within}", own
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -74,7 +75,14 @@ def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str
     """What the scenario's model has there, in words."""
     if parameter.absent is not None:
         return "none"
-    return quantity(neutral(problem.plant, suspect)[parameter.name], unit_there(problem, suspect, parameter))
+    unit, (low, high) = unit_there(problem, suspect, parameter), own_reach(problem, suspect, parameter)
+    return quantity(low, unit) if low == high else interval(low, high, unit)
+
+
+def own_reach(problem: Problem, suspect: Suspect, parameter: Parameter) -> tuple[float, float]:
+    """The least and the most that the scenario's model has at the joints, or links, of a suspect."""
+    each = [neutral(problem.plant, replace(suspect, indices=(i,)))[parameter.name] for i in suspect.indices]
+    return min(each), max(each)
 
 
 def lacks(result: Diagnosis, change: Change) -> str:
@@ -91,7 +99,9 @@ def lacks(result: Diagnosis, change: Change) -> str:
     parts = []
     for p in shown:
         name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 else ""
-        own = "" if missing else f" instead of {_people(zero[p.name], units[p.name])}"
+        low, high = own_reach(problem, change.suspect, p)
+        had = _people(low, units[p.name]) if low == high else interval(low, high, units[p.name])
+        own = "" if missing else f" instead of {had}"
         parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
     return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
 
