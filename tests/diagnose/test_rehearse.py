@@ -13,14 +13,16 @@ import pytest
 import yaml
 from realitygap.cli.main import app
 from realitygap.diagnose.candidates.suspects import neutral, suspects
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import cost
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.rehearse.files import COLUMNS, searched_from, size, summary, to_json, write_rehearsal
+from realitygap.diagnose.rehearse.page import sentence
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
 from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, rehearse, searched
-from realitygap.diagnose.rehearse.visible import Look, Visible, confusables, visible
+from realitygap.diagnose.rehearse.visible import Look, Visible, confusables, visible, within_law
 from realitygap.diagnose.search.exchange import ODDS
 from realitygap.files.errors import InputError
 from realitygap.recording.quantum import quantum
@@ -197,6 +199,10 @@ def test_a_rehearsal_says_what_it_planted_and_what_it_saw(
     content = json.loads((tmp_path / "rehearsal.json").read_text(encoding="utf-8"))
     assert content["engines"] == {"search": "mujoco", "robot": "dart"}
     assert content["synthetic"] is True
+    searches = [t for t in content["searches"] if t["planted"]]
+    named = sum(t["outcome"] == "named" for t in searches)
+    assert not searches or f"{len(searches)} full search" in summary(result)[0]
+    assert f"{named} named it" in summary(result)[0] or not named
     assert content["nothing_planted"]["held_out"] < 1.2
     assert "ground_friction" in content["impossible"]
     assert {r["effect"] for r in content["detection"]} == {s.effect for s in suspects(problem)}
@@ -215,7 +221,7 @@ def test_a_rehearsal_says_what_it_planted_and_what_it_saw(
     assert content["searches"][0]["planted"] is None
     assert content["searches"][0]["outcome"] == "nothing"
     assert any("planting" in line for line in heard)
-    assert any("coulomb friction at elbow: seen from" in line for line in summary(result))
+    assert any("coulomb friction at elbow: shows from" in line for line in summary(result))
     assert to_json(result) == content
 
 
@@ -230,6 +236,44 @@ def test_a_search_counts_only_where_all_larger_sizes_were_right(problem: Problem
     assert searched_from([tried(2.0, False)]) == np.inf
     assert Tried(None, 0.0, (), ()).right
     assert not Tried(None, 0.0, (first,), ()).right
+
+
+def test_the_headline_tells_what_full_searches_named(
+    problem: Problem, floors: Floors, seen: dict[str, Visible]
+) -> None:
+    result = Rehearsal(problem, "dart", (1.0, 1.0), floors, found=list(seen.values()))
+    assert "the time was too short for a full search" in sentence(result)
+    found = seen["coulomb_friction"]
+    change, other = planted(problem, found.suspect, 2 * found.factor), seen["backlash"].suspect
+
+    def tried(*named: Suspect) -> Tried:
+        return Tried(change, 2 * found.factor, named, ())
+
+    result.tried = [Tried(None, 0.0, (), ()), tried(found.suspect)]
+    assert sentence(result).endswith(
+        ". Of 1 full search for an effect of 2 times the smallest size that shows, 1 named it."
+    )
+    result.tried += [tried(), tried(), tried(other)]
+    assert sentence(result).endswith(
+        ". A diagnosis names fewer, because no law is exact: of 4 full searches for an effect of 2 times the smallest "
+        "size that shows, 1 named it, 1 took it for something else and 2 named nothing."
+    )
+
+
+def test_what_laws_are_off_by_anyway_is_told_as_such(
+    problem: Problem, floors: Floors, seen: dict[str, Visible]
+) -> None:
+    friction = seen["coulomb_friction"]
+    model = neutral(problem.plant, friction.suspect)["torque"]
+    shares = {}
+    for share in (0.01, 0.07, 0.09, 0.5):
+        change = Change(friction.suspect, (("torque", model * (1 + share)),), ("torque",))
+        shares[share] = within_law(problem, change)
+        result = Rehearsal(problem, "dart", (1.0, 1.0), floors, found=[replace(friction, change=change)])
+        told = next(line for line in summary(result) if line.startswith("  coulomb friction at elbow"))
+        assert (", within the 8 % that such laws are off by" in told) == (share < 0.08)
+    assert shares == {0.01: 0.08, 0.07: 0.08, 0.09: 0.0, 0.5: 0.0}
+    assert within_law(problem, seen["backlash"].change) == 0.0, "a model has nothing of it that could be off"
 
 
 def test_no_time_is_an_error_and_writes_nothing(scenario: Path, tmp_path: Path) -> None:

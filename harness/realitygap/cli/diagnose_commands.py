@@ -53,7 +53,8 @@ def rehearse(
 ) -> None:
     """Say which effects recordings could reveal.
 
-    Each effect is planted in the scenario's own motions: from which size on it is seen, and what it is taken for.
+    Each effect is planted in the scenario's own motions: from which size on it shows, what it is taken for, and
+    what full searches name of it, as far as the time reaches.
     """
     from realitygap.diagnose.rehearse.files import summary, write_rehearsal
     from realitygap.diagnose.rehearse.rehearse import run_rehearsal

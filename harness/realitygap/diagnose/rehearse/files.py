@@ -12,10 +12,10 @@ from typing import Any
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
-from realitygap.diagnose.rehearse.page import label, sentence, words, write_page
+from realitygap.diagnose.rehearse.page import label, off_by, sentence, words, write_page
 from realitygap.diagnose.rehearse.planting import FINER, planted
 from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, said
-from realitygap.diagnose.rehearse.visible import LARGEST, Confusable, Visible
+from realitygap.diagnose.rehearse.visible import LARGEST, Confusable, Visible, within_law
 from realitygap.diagnose.result.story_text import listed
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last
@@ -41,14 +41,14 @@ def write_rehearsal(result: Rehearsal, out: Path) -> None:
 
 
 def summary(result: Rehearsal) -> list[str]:
-    """Lines for the terminal: from which size on every effect is seen, and what it could be taken for."""
+    """Lines for the terminal: from which size on every effect shows, and what it could be taken for."""
     content = to_json(result)
     lines = [sentence(result)]
     for row in content["detection"]:
         seen = (
-            f"seen from {words(row['seen_from'])}"
+            f"shows from {words(row['seen_from'])}{off_by(row)}"
             if row["seen_from"]
-            else f"not seen up to {words(row['largest_tried'])}"
+            else f"does not show up to {words(row['largest_tried'])}"
         )
         twins = [label(c) for c in row["confused_with"] if c["up_to"] is None]
         lines.append(f"  {label(row)}: {seen}{f'; could always be {listed(twins)}' if twins else ''}")
@@ -112,6 +112,7 @@ def _row(result: Rehearsal, seen: Visible) -> dict[str, Any]:
     return {
         **_suspect(seen.suspect),
         "seen_from": size(result, seen.suspect, seen.factor),
+        "laws_off_by": within_law(result.problem, seen.change) if seen.seen else 0.0,
         "told_apart_from": size(result, seen.suspect, told_apart_from(result, seen)) if seen.seen else None,
         "largest_tried": _values(result, seen.change),
         "confused_with": [

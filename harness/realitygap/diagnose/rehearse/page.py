@@ -1,4 +1,4 @@
-"""The page of a rehearsal: what these recordings could reveal, from which size on, and what they would confuse."""
+"""The page of a rehearsal: what shows in recordings, from which size on, what searches name, and what is confused."""
 
 from __future__ import annotations
 
@@ -85,6 +85,7 @@ def _row(told: dict[str, Any], searches: list[dict[str, Any]]) -> dict[str, Any]
         "effect": effect_label(told["effect"]),
         "target": _target(told),
         "seen": words(told["seen_from"]) if seen else "",
+        "off": off_by(told).removeprefix(", "),
         "largest": words(told["largest_tried"]),
         "apart": "at once" if told["told_apart_from"] == told["seen_from"] else words(told["told_apart_from"]),
         "twins": [name for name, limit in others if limit == NEVER],
@@ -116,22 +117,54 @@ def _attempt(told: dict[str, Any]) -> dict[str, str]:
     return {"size": words(planted["size"]), "said": said, "mood": "better" if good else "worse"}
 
 
+def off_by(told: dict[str, Any]) -> str:
+    """What is added to the size from which on an effect shows, where laws are off by as much; empty elsewhere."""
+    return f", within the {100 * told['laws_off_by']:.0f} % that such laws are off by" if told["laws_off_by"] else ""
+
+
 def sentence(result: Rehearsal) -> str:
-    """What the rehearsal comes to, in one sentence."""
+    """What the rehearsal comes to: what shows in the recordings, and what full searches named of it."""
     seen = [v for v in result.found if v.seen]
     effects = list(dict.fromkeys(v.suspect.effect for v in seen))
     planted = list(dict.fromkeys(v.suspect.effect for v in result.found))
     twins = {c.planted for c in result.confusables if c.apart_from == float("inf")}
     sure = list(dict.fromkeys(v.suspect.effect for v in seen if v.suspect not in twins))
-    text = f"These recordings could reveal {len(effects)} of {len(planted)} effects that can act here"
+    text = f"Of {len(planted)} effects that can act here, {len(effects) or 'none'} would show in these recordings"
     if not effects:
         return f"{text}."
     if len(sure) == len(effects):
-        return f"{text}, and tell each from all others once it is large enough."
-    hidden = [effect_label(e) for e in effects if e not in sure]
-    return (
-        f"{text}; at whatever size, {listed(hidden)} {'stays' if len(hidden) == 1 else 'stay'} open to another reading."
-    )
+        text += ", each unlike all others once it is large enough"
+    else:
+        hidden = [effect_label(e) for e in effects if e not in sure]
+        text += (
+            f"; at whatever size, {listed(hidden)} {'stays' if len(hidden) == 1 else 'stay'} open to another reading"
+        )
+    return f"{text}. {_found(result)}"
+
+
+OUTCOMES = {
+    "named": "named it",
+    "listed": "named something else and listed it as what that could be",
+    "other": "took it for something else",
+    "nothing": "named nothing",
+}
+"""What a full search does with what was planted, in words."""
+
+
+def _found(result: Rehearsal) -> str:
+    """What full searches on planted recordings found, in one sentence."""
+    tried = [t for t in result.tried if t.planted is not None]
+    if not tried:
+        return "What a diagnosis would name of them is not known: the time was too short for a full search."
+    smallest = {v.suspect: v.factor for v in result.found}
+    times = [t.factor / smallest[t.planted.suspect] for t in tried if t.planted is not None]
+    low, high = f"{min(times):.2g}", f"{max(times):.2g}"
+    at = f"{low} times" if low == high else f"{low} to {high} times"
+    done = [(sum(t.outcome == outcome for t in tried), said) for outcome, said in OUTCOMES.items()]
+    counts = listed([f"{count} {said}" for count, said in done if count])
+    fewer = "A diagnosis names fewer, because no law is exact: of" if any(not t.right for t in tried) else "Of"
+    searches = f"{len(tried)} full search{'es' if len(tried) > 1 else ''}"
+    return f"{fewer} {searches} for an effect of {at} the smallest size that shows, {counts}."
 
 
 def _matrix(result: Rehearsal) -> str:

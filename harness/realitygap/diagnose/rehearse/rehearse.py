@@ -1,4 +1,4 @@
-"""`realitygap rehearse`: which effects recordings could reveal, from which size on, and which would be confused.
+"""`realitygap rehearse`: which effects show in recordings, from which size on, what is named and what confused.
 
 Every effect is planted in the scenario itself, with its own noise, motions and held-out split.
 """
@@ -150,7 +150,7 @@ def rehearse(
     result.found = visible(simulations, floors, everyone, needed(len(acting(problem))), say)
     result.confusables = confusables(result.found)
     seen = [v for v in result.found if v.seen]
-    say(f"{len(seen)} of {len(everyone)} can be seen; trying full searches")
+    say(f"{len(seen)} of {len(everyone)} show beside the floors; trying what full searches name")
     _search_all(simulations, result, began + budget, say)
     return result
 

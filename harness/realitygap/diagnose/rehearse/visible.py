@@ -1,8 +1,8 @@
-"""From which size on recordings could show an effect, and what they could take it for: told from signatures alone.
+"""From which size on recordings show an effect, and what they could take it for: told from signatures alone.
 
-A signature is how an effect moves the residual, whitened. Half its square is the evidence that the effect gives, which
-tells from which size on a search would name it, and the angle between two signatures tells how much of one effect
-another one could explain.
+A signature is how an effect moves the residual, whitened. Half its square is the evidence that the effect gives beside
+floors alone, which tells from which size on it shows; a search knows that laws are only nearly right, and names less.
+The angle between two signatures tells how much of one effect another one could explain.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
 from realitygap.diagnose.rehearse.planting import planted
 from realitygap.diagnose.search.exchange import ODDS
+from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.robot.drive import Array
 
 CLEARLY = 1.5
@@ -86,7 +87,7 @@ def visible(
     limit: float,
     say: Callable[[str], None] = lambda _: None,
 ) -> list[Visible]:
-    """The smallest size of every suspect that a search would see.
+    """The smallest size of every suspect that shows beside the floors.
 
     Args:
         simulations: of the problem.
@@ -148,6 +149,20 @@ class Look:
         plain = Whitening(self.channels, np.zeros(len(few)), np.ones(len(few)))(column[:, None], weight)[0][:, 0]
         counted = plain * np.sqrt(np.repeat(few, [len(c.time) for c in self.channels]))
         return np.asarray(plain * np.linalg.norm(counted) / max(float(np.linalg.norm(plain)), 1e-30))
+
+
+def within_law(problem: Problem, change: Change) -> float:
+    """The share to which laws of an effect's kind are known, where what it changes of the model's own values is no more
+    than that: recordings show it, and no diagnosis names it. 0 where it is more, or the model has nothing of it.
+    """
+    zero, share = neutral(problem.plant, change.suspect), SHARE.get(change.suspect.kind.law, 0.0)
+    moved = [
+        p.name for p in change.suspect.kind.parameters if not p.shape and change.parameters[p.name] != zero[p.name]
+    ]
+    if not all(np.isfinite(zero[n]) and zero[n] for n in moved):
+        return 0.0
+    most = max((abs(change.parameters[n] / zero[n] - 1.0) for n in moved), default=np.inf)
+    return share if most <= share else 0.0
 
 
 def confusables(found: Sequence[Visible]) -> list[Confusable]:
