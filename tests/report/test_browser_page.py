@@ -1,5 +1,6 @@
 """The page as a whole in a real browser: any width, dark and light, few results and very many."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -78,6 +79,30 @@ def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
             assert abs(sum(ground) - sum(ink)) > 400
             assert browser.complaints == []
     assert grounds[0] > 600 > 200 > grounds[1]
+
+
+@pytest.mark.parametrize("width", [1024, 1280, 1400])
+def test_all_that_is_told_of_a_cell_is_in_the_window(shared: chromium.Browser, tmp_path: Path, width: int) -> None:
+    """Axes with long names, both floors below every gap, a speed and links: no column is cut off at the edge."""
+    cells = [
+        synthetic.cell(step_rate=rate, recording=recording, overrides=json.dumps({"servos.drive.friction.coulomb": own}))
+        for rate in (100.0, 1000.0)
+        for recording in ("chirp_1", "sines_1 ×2")
+        for own in (0.2756, 0.65)
+    ]
+    synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.0101)
+    shared.complaints.clear()
+    shared.resize(width, 900)
+    shared.open(write_page(tmp_path))
+    shared.wait("document.querySelector('#celltable tbody td') !== null")
+    assert shared.texts("#celltable thead th")[-2].startswith("× real time")
+    outside = "[...document.querySelectorAll('#celltable td, #celltable td *')].filter(n => n.getBoundingClientRect().right"
+    edge = "document.querySelector('#celltable .scroll').getBoundingClientRect().right"
+    assert shared.run(f"{outside} > {edge} + 0.5).length") == 0
+    broken = "[...document.querySelectorAll('#celltable td small span')].filter(n => n.getClientRects().length > 1)"
+    assert shared.run(f"{broken}.length") == 0, "a number is parted from its name"
+    assert shared.complaints == []
+    shared.resize(1280, 900)
 
 
 def test_one_joint_one_engine(shared: chromium.Browser, tmp_path: Path) -> None:

@@ -47,9 +47,9 @@ function element(tag, attributes, ...children) {
   return node;
 }
 
-// A long name may wrap behind an underscore.
+// A long name may wrap behind an underscore or a dot.
 function breakable(name) {
-  return name.split(/(?<=_)/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
+  return name.split(/(?<=[_.])/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
 }
 
 function tooltip(text, event) {
