@@ -85,7 +85,9 @@ def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
 def test_all_that_is_told_of_a_cell_is_in_the_window(shared: chromium.Browser, tmp_path: Path, width: int) -> None:
     """Axes with long names, both floors below every gap, a speed and links: no column is cut off at the edge."""
     cells = [
-        synthetic.cell(step_rate=rate, recording=recording, overrides=json.dumps({"servos.drive.friction.coulomb": own}))
+        synthetic.cell(
+            step_rate=rate, recording=recording, overrides=json.dumps({"servos.drive.friction.coulomb": own})
+        )
         for rate in (100.0, 1000.0)
         for recording in ("chirp_1", "sines_1 ×2")
         for own in (0.2756, 0.65)
@@ -96,7 +98,9 @@ def test_all_that_is_told_of_a_cell_is_in_the_window(shared: chromium.Browser, t
     shared.open(write_page(tmp_path))
     shared.wait("document.querySelector('#celltable tbody td') !== null")
     assert shared.texts("#celltable thead th")[-2].startswith("× real time")
-    outside = "[...document.querySelectorAll('#celltable td, #celltable td *')].filter(n => n.getBoundingClientRect().right"
+    outside = (
+        "[...document.querySelectorAll('#celltable td, #celltable td *')].filter(n => n.getBoundingClientRect().right"
+    )
     edge = "document.querySelector('#celltable .scroll').getBoundingClientRect().right"
     assert shared.run(f"{outside} > {edge} + 0.5).length") == 0
     broken = "[...document.querySelectorAll('#celltable td small span')].filter(n => n.getClientRects().length > 1)"

@@ -118,8 +118,18 @@ def rates(*gaps: float) -> synthetic.Gaps:
 
 def test_the_step_rate_above_which_nothing_is_gained(tmp_path: Path) -> None:
     (text,) = about(say(tmp_path, rates(2.0, 1.0, 0.5, 0.5)), "enough")
-    assert "at 500 Hz the gap is 2 times as large (1.00°) as at 1000 Hz (0.500°" in text
-    assert text.endswith("above it nothing is gained.")
+    assert "at 500 Hz the gap (1.00°) is 2 times as large as at 2000 Hz (0.500°); from 1000 Hz (0.500°; noise" in text
+    assert text.endswith(" on, no difference seen to 2000 Hz.")
+
+
+@pytest.mark.parametrize(("low", "how"), [(2.67, "0.15° larger than"), (2.2, "0.32° smaller than"), (9.0, "3.6 times")])
+def test_a_step_rate_is_told_against_the_one_that_it_differs_from(tmp_path: Path, low: float, how: str) -> None:
+    """The highest, from which 2.61° is no difference and the lower rate's gap is one, though close to 2.61°."""
+    (text,) = about(say(tmp_path, rates(9.0, low, 2.61, 2.52), noise=0.1, numerical=0.1), "enough")
+    number = f"{low:.2f}"
+    assert f"at 500 Hz the gap ({number}°) is {how}" in text
+    assert "at 2000 Hz (2.52°); from 1000 Hz (2.61°" in text
+    assert text.endswith("on, no difference seen to 2000 Hz.")
 
 
 def test_a_step_rate_that_never_matters(tmp_path: Path) -> None:

@@ -136,7 +136,8 @@ def _verdicts(words: dict[str, list[str]]) -> str:
 
 
 def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
-    """Per engine, the lowest step rate or iteration count above which nothing is gained, in the first signal.
+    """Per engine, the lowest step rate or iteration count from which on none differs from the highest, in the first
+    signal, and how much the one below it does.
 
     Engines in which none of those tried makes a difference share a sentence.
     """
@@ -158,11 +159,15 @@ def enough(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
         if k == 0:
             alike.setdefault((axis_value(axis, here.value), axis_value(axis, top.value)), {})[name] = here
             continue
-        low = found[k - 1]
-        how = f"at {axis_value(axis, low.value)} the gap is {_times(low.gap, here.gap)} as large"
-        gain = "above it nothing is gained" if here is not top else "it is the highest tried, and may not be enough"
-        text = f"{name}, {what}: {how} ({quantity(low.gap, unit)}) as at {at}; {gain}."
-        out.append(Sentence("enough", text))
+        low, most = found[k - 1], axis_value(axis, top.value)
+        how = (
+            f"at {axis_value(axis, low.value)} the gap ({quantity(low.gap, unit)}) is {_larger(low.gap, top.gap, unit)}"
+        )
+        if here is top:
+            text = f"{how} at {at}, the highest tried, which may not be enough"
+        else:
+            text = f"{how} at {most} ({quantity(top.gap, unit)}); from {at} on, {SAME} to {most}"
+        out.append(Sentence("enough", f"{name}, {what}: {text}."))
     for (least, most), where in alike.items():
         gaps = [level.gap for level in where.values()]
         worst = max(where.values(), key=lambda level: level.floor)
@@ -264,6 +269,13 @@ def _what(part: pd.DataFrame) -> str:
 def _further(a: float, b: float, unit: str) -> str:
     """How much further a is than b: as a factor, or where that is near one as a difference."""
     return f"{_times(a, b)} as far" if a > 1.2 * b else f"{quantity(a - b, unit, 2)} further"
+
+
+def _larger(a: float, b: float, unit: str) -> str:
+    """How much larger, or smaller, a is than b: as a factor, or where that is near one as a difference."""
+    if a > 1.2 * b:
+        return f"{_times(a, b)} as large as"
+    return f"{quantity(abs(a - b), unit, 2)} {'larger' if a > b else 'smaller'} than"
 
 
 def _times(a: float, b: float) -> str:
