@@ -293,7 +293,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     low, high = min(k["low"] for k in known), max(k["high"] for k in known)
     assert f"coulomb friction 2 joints torque 0.200 to {known[0]['value']:.3f} N·m" in words
     assert f"all within {low:.3f} to {high:.3f} N·m 0.276 N·m" in words, "the intervals, and what the model had"
-    assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors 1. coulomb friction at elbow" in words
+    assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
     assert text.count("<details>") == 4, "places, both findings together, and each"
 
@@ -348,6 +348,52 @@ def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monke
     else:
         ends = (f"0.100 to {0.1 * joints:.3f} N·m", f"all within 0.0500 to {0.1 * joints + 0.02:.3f} N·m")
         assert rows == [("coulomb friction", f"{joints} joints", "torque", *ends, "0.0300 to 0.0400 N·m")]
+
+
+def test_cards_are_numbered_in_their_order(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of many findings, those of an effect are one card; where they stand among the others does not matter."""
+    monkeypatch.setattr(story, "MANY", 0)
+    result = told("partly explained")
+    first = result.changes[0]
+    others = [
+        Change(Suspect("coulomb_friction", "shoulder", (0,)), (("torque", 0.2),), ("torque",)),
+        Change(Suspect("viscous_friction", "shoulder", (0,)), (("coefficient", 0.2),), ("coefficient",)),
+        Change(Suspect("viscous_friction", "elbow", (1,)), (("coefficient", 0.2),), ("coefficient",)),
+    ]
+    changes = (others[1], first, others[0], Change(Suspect("rotor_inertia", "elbow", (1,)), (("armature", 0.1),)))
+    shown = {c.suspect: Shown(3.0, 1.05) for c in changes}
+    text, page, _ = page_of(replace(result, changes=changes, shown=shown), tmp_path)
+    assert not page.open, "an element is left open"
+    assert re.findall(r"<summary><b>(\d+)\. ([a-z ]+) at", text) == [
+        ("1", "viscous friction"),
+        ("2", "coulomb friction"),
+        ("3", "rotor inertia"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            Change(FRICTION, (("torque", 0.2),), ("torque",)),
+            "the robot as it was: what was found stands in the scenario",
+        ),
+        (
+            Change(Suspect("link_mass", "forearm", (2,)), (("mass", 0.2),), ("mass",)),
+            "the robot, with the masses and inertias that were found wrong",
+        ),
+    ],
+    ids=["friction", "mass"],
+)
+def test_the_mended_robot_is_told_as_what_it_is(
+    told: Callable[[str], Diagnosis], tmp_path: Path, change: Change, said: str
+) -> None:
+    result = replace(told("explained"), changes=(change,), shown={change.suspect: Shown(3.0, 1.05)})
+    _, page, words = page_of(result, tmp_path)
+    assert f"revised/robot.urdf : {said}" in words
+    assert "revised/robot.urdf" in page.links
 
 
 def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callable[[str], Diagnosis]) -> None:

@@ -55,6 +55,11 @@ def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> 
     return path
 
 
+def mended_name(robot: Path) -> str:
+    """What the mended file of a scenario's own robot is called; a xacro file is expanded then."""
+    return f"robot{'.urdf' if robot.suffix == '.xacro' else robot.suffix}"
+
+
 class Plain(yaml.SafeDumper):
     """YAML without aliases."""
 
@@ -87,9 +92,10 @@ class _Revision:
         text = revised_urdf(urdf, self.folder, [mended.links[i] for i in sorted(self.touched)], known)
         if text not in self.names:
             taken = self.names.values()
-            stem, suffix = urdf.stem, ".urdf" if urdf.suffix == ".xacro" else urdf.suffix  # which is expanded then
+            first = mended_name(urdf)
+            stem, suffix = urdf.stem, Path(first).suffix
             others = [f"{stem}{suffix}", *(f"{stem}_{k}{suffix}" for k in range(2, 1000))]
-            wanted = [f"robot{suffix}"] if not taken else others
+            wanted = [first] if not taken else others
             self.names[text] = next(name for name in wanted if name not in taken)
             write_whole(self.folder / self.names[text], text)
         return self.names[text]

@@ -15,6 +15,7 @@ from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
+from realitygap.diagnose.result.revise import BODY, mended_name
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
@@ -76,6 +77,8 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "sentence": verdict(result),
         "gaps": gaps,
         "mended": bool(changes),
+        "robot": mended_name(problem.file.resolve(problem.file.scenario.robot.urdf, "robot.urdf")),
+        "bodies": any(c.suspect.effect in BODY for c in changes),
         "cut": result.found.cut,
         "where": [_place(p) for p in result.where],
         "first": FIRST,
@@ -169,18 +172,16 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     }
 
 
-def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[tuple[int, dict[str, Any]]]]]:
-    """The findings with their numbers; of many, those of an effect together under one title."""
-    numbered = list(enumerate(found, 1))
-    groups: list[tuple[str, list[tuple[int, dict[str, Any]]]]] = []
-    for member in numbered:
-        name = member[1]["name"]
-        alike = [other for other in numbered if other[1]["name"] == name]
+def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
+    """The cards of the findings; of many, those of an effect are one card together, under one title."""
+    groups: list[tuple[str, list[dict[str, Any]]]] = []
+    for member in found:
+        alike = [other for other in found if other["name"] == member["name"]]
         if len(alike) == 1 or len(found) <= MANY:
             groups.append(("", [member]))
         elif member is alike[0]:
-            first = alike[0][1]
-            at = f"{name} at {len(alike)} {first['sits_at']}s"
+            first = alike[0]
+            at = f"{first['name']} at {len(alike)} {first['sits_at']}s"
             groups.append((f"{at}, in one step: {first['before']} → {first['after']} floors", alike))
     return groups
 
@@ -192,7 +193,7 @@ def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for _, members in _groups(found):
         fitted: dict[str, list[tuple[dict[str, Any], tuple[str, ...]]]] = {}
-        for _, f in members:
+        for f in members:
             for p in f["parameters"]:
                 if p[2] != NOT_FITTED:
                     fitted.setdefault(p[0], []).append((f, p))
