@@ -206,6 +206,18 @@ def test_engines_that_need_the_same_rate_share_a_sentence(tmp_path: Path) -> Non
     )
 
 
+@pytest.mark.parametrize(
+    ("moving", "said"), [(0.4, []), (1.2, ["moving_joint has the largest gap in effort above its"])]
+)
+def test_a_joint_below_its_floors_is_not_the_worst(tmp_path: Path, moving: float, said: list[str]) -> None:
+    gaps = {("mujoco", (), "effort", "moving"): moving, ("mujoco", (), "effort", "unmoving"): 2.0}
+    frame = synthetic.planted(gaps, noise=0.5, numerical=0.5)
+    frame.loc[frame["joint"] == "unmoving_joint", "numerical_floor"] = 3.0
+    synthetic.write_planted(tmp_path, frame)
+    found = about(sentences(read_folder(tmp_path)), "joint")
+    assert [text[: len(said[0])] for text in found] == said
+
+
 def test_the_worst_joint_is_told_by_every_signal(tmp_path: Path) -> None:
     """Each with its own joint and unit; a signal of a single joint has none."""
     gaps: synthetic.Gaps = {}

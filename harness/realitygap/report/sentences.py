@@ -210,21 +210,26 @@ def speed(part: pd.DataFrame, results: Results) -> list[Sentence]:
 
 
 def worst_joint(results: Results) -> list[Sentence]:
-    """By every signal, the joint with the largest gap, and whether the engines agree on it."""
+    """By every signal, the joint with the largest gap that is above its floors, and whether the engines agree on it."""
     rows = results.gaps[(results.gaps["outcome"] == "ok") & (results.gaps["group"] != "base")]
     found = (_worst(part, results) for part in _by_signal(rows) if part["joint"].nunique() > 1)
     return [s for s in found if s]
 
 
 def _worst(rows: pd.DataFrame, results: Results) -> Sentence | None:
-    joint, signal = rows.groupby("joint")["mean_abs"].mean().idxmax(), _signal(rows)
+    mean = rows.groupby("joint")[["mean_abs", "noise_floor", "numerical_floor"]].mean()
+    seen = mean["mean_abs"][mean["mean_abs"] > mean[["noise_floor", "numerical_floor"]].max(axis=1).fillna(0.0)]
+    if seen.empty:
+        return None
+    joint, signal = seen.idxmax(), _signal(rows)
     rows = rows[rows["joint"] == joint]
     unit = str(rows["unit"].iloc[0])
     found = sorted(levels(rows, "engine", list(results.axes)), key=lambda level: level.gap)
     if not found:
         return None
     low, high = found[0], found[-1]
-    text = f"{joint} has the largest gap in {signal}"
+    above = "" if joint == mean["mean_abs"].idxmax() else " above its floors"
+    text = f"{joint} has the largest gap in {signal}{above}"
     if len(found) == 1:
         text += f": {quantity(low.gap, unit)} in {engine_label(low.value)} ({floors(low, unit)})."
     elif differ(low, high) and high.gap - low.gap > low.gap:
