@@ -44,6 +44,15 @@ def test_commands_are_told_in_a_line(group: list[str], capfd: pytest.CaptureFixt
     assert all(line.endswith(".") and not line.endswith("...") for line in listed), "cut off"
 
 
+def test_the_bench_tells_of_all_its_commands(capfd: pytest.CaptureFixture[str]) -> None:
+    text = said("bench", "--help", capfd=capfd)
+    about, _, listed = text.partition("Commands:")
+    names = re.findall(r"^  (\w+) {2,}\w", listed, re.MULTILINE)
+    assert len(names) == 4
+    for name in names:
+        assert name.rstrip("sy") in about.partition("Options:")[0].partition("\n")[2]
+
+
 @pytest.mark.parametrize("arguments", ["--help", "--version", "run --help"])
 def test_help_imports_nothing_heavy(arguments: str) -> None:
     program = (

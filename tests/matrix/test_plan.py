@@ -9,6 +9,7 @@ import realitygap
 import realitygap_engines
 from realitygap.files.errors import InputError
 from realitygap.matrix.digest import code_digest
+from realitygap.matrix.estimate import costs
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 from realitygap.matrix.task import Task
@@ -43,6 +44,14 @@ def test_every_combination_is_a_cell(write: Callable[..., list[Task]]) -> None:
     assert len(found) == len({t.key for t in tasks}) == 12
     gains = {t.axes["servos.drive.gain"]: t.motion.experiments[0].plant.drive["gain"][0] for t in tasks}
     assert gains == {4: 4.0, 5: 5.0, 6: 6.0}
+
+
+@pytest.mark.parametrize(
+    ("seconds", "said"), [(61, "1 minute"), (89, "1 minute"), (91, "2 minutes"), (600, "10 minutes")]
+)
+def test_what_takes_long_is_told_in_minutes(seconds: float, said: str) -> None:
+    assert costs(seconds, [], 2, 1e9) == [f"this takes about {said}"]
+    assert costs(60, [], 2, 1e9) == []
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,8 @@ def test_repeated_readings(count: int) -> None:
     found = there(repeated_readings(replace(sound, trace=replace(sound.trace, position=position, velocity=velocity))))
     assert found.joints == ("swing",)
     assert found.numbers["count"] == count
+    assert found.sentence.startswith("one reading (" if count == 1 else f"{count} readings (")
+    assert (") repeats the one before it, in swing: " in found.sentence) == (count == 1)
 
 
 def test_a_joint_at_rest_repeats_its_reading_rightly() -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Bench = Annotated[Path, typer.Argument(help="the bench file")]
 
 bench = typer.Typer(
-    help="Identify servos, supplies and links on the bench.", no_args_is_help=True, rich_markup_mode=None
+    help="Identify servos, supplies, links and ground on the bench.", no_args_is_help=True, rich_markup_mode=None
 )
 
 

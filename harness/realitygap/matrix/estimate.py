@@ -56,7 +56,8 @@ def memory(task: Task) -> float:
 def costs(seconds: float, todo: Sequence[Task], jobs: int, there: float) -> list[str]:
     """Sentences on what is long or large, before it starts; `there` is the memory of the machine [bytes]."""
     needed = sum(sorted(map(memory, todo))[-jobs:])
-    lines = [f"this takes about {seconds / 60:.0f} minutes"] if seconds > LONG else []
+    minutes = round(seconds / 60)
+    lines = [f"this takes about {minutes} minute{'s' * (minutes > 1)}"] if seconds > LONG else []
     for whole in (False, True):
         told = size.told([t.motion for t in todo if t.traces and (t.traces == "whole") == whole], whole=whole)
         lines += [told] if told else []

@@ -139,7 +139,8 @@ def repeated_readings(recording: Recording) -> Fault | None:
     count, share = int(repeated.sum()), float(repeated.sum() / moves.sum())
     joints = tuple(name for name, seen in zip(trace.joints, repeated.any(axis=0), strict=True) if seen)
     sentence = (
-        f"{count} readings ({share:.2%} of those in motion) repeat the one before them, in {', '.join(joints)}: "
+        f"{f'{count} readings' if count > 1 else 'one reading'} ({share:.2%} of those in motion) "
+        f"{'repeat the one before them' if count > 1 else 'repeats the one before it'}, in {', '.join(joints)}: "
         "the bus, not the robot"
     )
     return Fault("repeated", joints, sentence, {"count": count, "share": share})
