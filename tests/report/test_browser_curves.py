@@ -118,3 +118,15 @@ def test_revisions_stand_one_above_the_other_on_one_scale(browser: chromium.Brow
         browser.run(f"{ticks}(document.querySelector('#detail svg.plot[aria-label=\"{label}\"]'))") for label in shown
     )
     assert one == other != []
+
+
+def test_nothing_is_drawn_over_the_name_of_an_axis(browser: chromium.Browser) -> None:
+    touching = """[...document.querySelectorAll('#detail svg.plot')].flatMap(svg => {
+      const named = svg.querySelector('text.name');
+      if (!named || !svg.querySelector('path.line')) return [];
+      const a = named.getBoundingClientRect();
+      return [...svg.querySelectorAll('path.line, text:not(.name)')].map(n => n.getBoundingClientRect()).map(
+        b => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom); })"""
+    found = browser.run(touching)
+    assert len(found) > 10
+    assert not any(found)

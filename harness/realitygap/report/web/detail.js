@@ -121,10 +121,10 @@ function curveFigure(name, signal, curves, width) {
   const draw = () => {
     const visible = series.filter((s) => !hidden.has(s.engine));
     const ink = { values: measured, style: { stroke: "currentColor", "stroke-width": 1.8, opacity: 0.85 } };
-    plots = [linePlot({ time, series: [...(measured ? [ink] : []), ...visible], unit, title: data.signals[state.signal].label, width, height: 190, span,
+    plots = [linePlot({ time, series: [...(measured ? [ink] : []), ...visible], unit, title: data.signals[state.signal].label, width, height: 206, span,
       label: `${name}: measured and simulated ${signal} over time`, xLabel: measured ? null : "time [s]" })];
     if (measured) plots.push(linePlot({ time, series: visible.map((s) => ({ ...s, values: s.values.map((v, k) => v - measured[k]) })), unit, span,
-      title: "difference", floor: cellRow(engines, name), width, height: 130, label: `${name}: difference over time`, xLabel: "time [s]" }));
+      title: "difference", floor: cellRow(engines, name), width, height: 146, label: `${name}: difference over time`, xLabel: "time [s]" }));
     toggles = legend(series, measured, draw);
     toggles.node.append(zoomButtons(time));
     place.replaceChildren(...plots.map((p) => p.svg));

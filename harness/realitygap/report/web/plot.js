@@ -39,7 +39,7 @@ function extent(series, ...others) {
 
 // The frame of a plot: axes, grid, labels. Returns {svg, x, y, inner}.
 function frame({ width, height, xRange, yRange, xTicks, xTickText, yLabel, xLabel, logX, label, left = 46 }) {
-  const inner = { left, right: width - 10, top: 8, bottom: height - (xLabel ? 34 : 20) };
+  const inner = { left, right: width - 10, top: yLabel ? 26 : 8, bottom: height - (xLabel ? 34 : 20) }; // the label is above
   const x = scale(...xRange, inner.left, inner.right, logX), y = scale(...yRange, inner.bottom, inner.top);
   const yt = ticks(...yRange, Math.max(Math.round((inner.bottom - inner.top) / 38), 2));
   const xt = xTicks || ticks(...xRange, Math.max(Math.round((inner.right - inner.left) / 80), 2));
@@ -52,7 +52,7 @@ function frame({ width, height, xRange, yRange, xTicks, xTickText, yLabel, xLabe
     element("line", { class: "axis", x1: x(t), x2: x(t), y1: inner.bottom, y2: inner.bottom + 4 }),
     element("text", { x: x(t), y: inner.bottom + 16, "text-anchor": "middle" }, xTickText ? xTickText(t) : tickText(t, xt)));
   svg.append(element("line", { class: "axis", x1: inner.left, x2: inner.right, y1: inner.bottom, y2: inner.bottom }));
-  if (yLabel) svg.append(element("text", { class: "name", x: inner.left + 4, y: inner.top + 6 }, yLabel));
+  if (yLabel) svg.append(element("text", { class: "name", x: 2, y: 11 }, yLabel));
   if (xLabel) svg.append(element("text", { x: (inner.left + inner.right) / 2, y: height - 4, "text-anchor": "middle" }, xLabel));
   return { svg, x, y, inner };
 }
