@@ -1,0 +1,175 @@
+"""What was found, on the page of a diagnosis: the table of all findings, their cards, and the mended model."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.judge.gaps import Shown
+from realitygap.diagnose.result import story, story_text
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.story import _Value
+from realitygap.diagnose.result.workflow import summary
+from told_story import FRICTION, page_of
+
+
+def test_many_findings_are_told_by_effect_and_in_a_table(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(story, "MANY", 0)
+    monkeypatch.setattr(story_text, "MANY", 0)
+    text, page, words = page_of(told("partly explained"), tmp_path)
+    assert not page.open, "an element is left open"
+    assert "Coulomb friction at elbow is missing or wrong" in words
+    assert words.count("the model had") == 2, "in the table, and in the finding's own"
+    assert text.count("<details>") == 1
+
+
+def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, number in {"MANY": 0, "FIRST": 0, "FEW": 1}.items():
+        monkeypatch.setattr(story, name, number)
+    result = told("partly explained")
+    other = Suspect("coulomb_friction", "shoulder", (0,))
+    both = (*result.changes, Change(other, (("torque", 0.2),), ("torque",)))
+    place = result.where[0]
+    result = replace(
+        result, changes=both, shown={**result.shown, other: Shown(1.05, 1.02)}, where=[place, place, place]
+    )
+    text, page, words = page_of(result, tmp_path)
+    assert not page.open, "an element is left open"
+    known = [result.to_json()["findings"][k]["parameters"]["torque"] for k in (0, 1)]
+    low, high = min(k["low"] for k in known), max(k["high"] for k in known)
+    assert f"coulomb friction 2 joints torque 0.200 to {known[0]['value']:.3f} N·m" in words
+    assert f"all within {low:.3f} to {high:.3f} N·m 0.276 N·m" in words, "the intervals, and what the model had"
+    assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors coulomb friction at elbow" in words
+    assert "3 more, with smaller gaps" in words
+    assert text.count("<details>") == 4, "places, both findings together, and each"
+
+
+def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A speed that a profile does not limit is not told, and tables of efforts stand at their own knots."""
+    monkeypatch.setattr(story, "MANY", 0)
+    monkeypatch.setattr(story, "FEW", 1)
+    one: dict[str, Any] = {
+        "name": "command profile",
+        "target": "elbow",
+        "sits_at": "joint",
+        "before": "3",
+        "after": "1",
+    }
+    fast, slow = _Value(9.0, 8.0, 10.0, "rad/s²", None), _Value(7.0, 6.0, 8.0, "rad/s²", None)
+    both = {
+        "parameters": [("speed", "2 rad/s", "1 to 3", "none"), ("acceleration", "9 rad/s²", "8 to 10", "none")],
+        "values": {"speed": _Value(2.0, 1.0, 3.0, "rad/s", None), "acceleration": fast},
+    }
+    less = {"parameters": [("acceleration", "7 rad/s²", "6 to 8", "none")], "values": {"acceleration": slow}}
+    rows = story._table([one | both, one | less | {"target": "knee"}])
+    assert rows == [
+        ("command profile", "elbow", "speed", "2 rad/s", "1 to 3", "none"),
+        (
+            "command profile",
+            "2 joints",
+            "acceleration",
+            "7.00 to 9.00 rad/s²",
+            "all within 6.00 to 10.0 rad/s²",
+            "none",
+        ),
+    ]
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3, 4, 7])
+def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few joints each has its row; of many, values, intervals and what the model had reach from and to."""
+    monkeypatch.setattr(story, "MANY", 0)
+    at = [
+        _Value(0.1 * k, 0.1 * k - 0.05, 0.1 * k + 0.02, "N·m", (0.03 + 0.01 * (k % 2),) * 2)
+        for k in range(1, joints + 1)
+    ]
+    found: list[dict[str, Any]] = [
+        {"name": "coulomb friction", "target": f"j{k}", "sits_at": "joint", "before": "3", "after": "1"}
+        | {"parameters": [("torque", f"{v.value} N·m", "its own", "its own")], "values": {"torque": v}}
+        for k, v in enumerate(at)
+    ]
+    rows = story._table(found)
+    if joints <= story.FEW:
+        assert [row[1:] for row in rows] == [(f"j{k}", *f["parameters"][0]) for k, f in enumerate(found)]
+    else:
+        ends = (f"0.100 to {0.1 * joints:.3f} N·m", f"all within 0.0500 to {0.1 * joints + 0.02:.3f} N·m")
+        assert rows == [("coulomb friction", f"{joints} joints", "torque", *ends, "0.0300 to 0.0400 N·m")]
+
+
+def test_cards_are_numbered_in_their_order(
+    told: Callable[[str], Diagnosis], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of many findings, those of an effect are one card; where they stand among the others does not matter."""
+    monkeypatch.setattr(story, "MANY", 0)
+    result = told("partly explained")
+    first = result.changes[0]
+    others = [
+        Change(Suspect("coulomb_friction", "shoulder", (0,)), (("torque", 0.2),), ("torque",)),
+        Change(Suspect("viscous_friction", "shoulder", (0,)), (("coefficient", 0.2),), ("coefficient",)),
+        Change(Suspect("viscous_friction", "elbow", (1,)), (("coefficient", 0.2),), ("coefficient",)),
+    ]
+    changes = (others[1], first, others[0], Change(Suspect("rotor_inertia", "elbow", (1,)), (("armature", 0.1),)))
+    shown = {c.suspect: Shown(3.0, 1.05) for c in changes}
+    text, page, _ = page_of(replace(result, changes=changes, shown=shown), tmp_path)
+    assert not page.open, "an element is left open"
+    assert re.findall(r"<summary><b>(\d+)\. ([a-z ]+) at", text) == [
+        ("1", "viscous friction"),
+        ("2", "coulomb friction"),
+        ("3", "rotor inertia"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            Change(FRICTION, (("torque", 0.2),), ("torque",)),
+            "the robot as it was: what was found stands in the scenario",
+        ),
+        (
+            Change(Suspect("link_mass", "forearm", (2,)), (("mass", 0.2),), ("mass",)),
+            "the robot, with the masses and inertias that were found wrong",
+        ),
+    ],
+    ids=["friction", "mass"],
+)
+def test_the_mended_robot_is_told_as_what_it_is(
+    told: Callable[[str], Diagnosis], tmp_path: Path, change: Change, said: str
+) -> None:
+    result = replace(told("explained"), changes=(change,), shown={change.suspect: Shown(3.0, 1.05)})
+    _, page, words = page_of(result, tmp_path)
+    assert f"revised/robot.urdf : {said}" in words
+    assert "revised/robot.urdf" in page.links
+
+
+def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callable[[str], Diagnosis]) -> None:
+    result = told("explained")
+    joints, plant = ("shoulder", "elbow"), result.problem.plant
+    drive = plant.drive.copy()
+    drive["coulomb"][[plant.model.joint_names.index(n) for n in joints]] = 0.05, 0.03
+    result = replace(result, problem=replace(result.problem, plant=replace(plant, drive=drive)))
+    both = Change(Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2),), ("torque",))
+    assert (
+        story_text.lacks(result, both)
+        == "coulomb friction at all joints is wrong (0.200 N·m instead of 0.0300 to 0.0500 N·m)"
+    )
+    (torque,) = both.suspect.kind.parameters
+    assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
+
+
+def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    profile = Suspect("command_profile", "elbow", (1,))
+    change = Change(profile, (("speed", np.inf), ("acceleration", 40.0)), ("acceleration",))
+    result = replace(told("explained"), changes=(change,), shown={profile: Shown(3.0, 1.05)})
+    _, _, words = page_of(result, tmp_path)
+    assert "40.0 rad/s²" in words
+    assert list(result.to_json()["findings"][0]["parameters"]) == ["acceleration"]
+    assert any("acceleration 40" in line and "speed" not in line for line in summary(result))
