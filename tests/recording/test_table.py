@@ -195,6 +195,21 @@ def test_a_command_that_is_not_there(tmp_path: Path) -> None:
         read_recording(path, scenario("/joint_commands"), ["elbow"], file=FILE)
 
 
+@pytest.mark.parametrize("columns", [{}, {"command": "command"}])
+def test_a_mistyped_command_is_told_and_no_other_column_taken(columns: dict[str, str], tmp_path: Path) -> None:
+    path = write(one_joint(), tmp_path / "run.csv")
+    said = r"no command of joint elbow; it has the columns time, command, .*expected cmd, .* motion.recorded names cmd"
+    with pytest.raises(InputError, match=said):
+        read_recording(path, scenario("cmd", columns=columns), ["elbow"], file=FILE)
+
+
+@pytest.mark.parametrize("recorded", ["command", "/joint_commands"])
+def test_the_columns_say_where_a_command_is_that_bags_hold_as_a_topic(recorded: str, tmp_path: Path) -> None:
+    path = write(one_joint().rename(columns={"command": "goal"}), tmp_path / "run.csv")
+    recording = read_recording(path, scenario(recorded, columns={"command": "goal"}), ["elbow"], file=FILE)
+    np.testing.assert_array_equal(recording.command[:, 0], TIME + 1)
+
+
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
 @pytest.mark.parametrize("data", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'time,position\n1,2\n1,2,3,4\n"'])
 def test_files_that_are_not_tables(name: str, data: bytes, tmp_path: Path) -> None:

@@ -149,9 +149,8 @@ class Table:
             command = self._joints("command", required=False)
             kind = "position"
         else:
-            command = self._joints("command", stem=recorded, required=False)
-            if command is None:
-                command = self._joints("command", required=True)
+            stem = None if self._by_columns(recorded) else recorded
+            command = self._joints("command", stem=stem, required=True)
             kind = self.request.command_signal
         if command is None:
             return {}
@@ -161,6 +160,14 @@ class Table:
         if enabled is not None:
             command = np.where(enabled == 0, np.nan, command)
         return {kind: command}
+
+    def _by_columns(self, recorded: str) -> bool:
+        """Whether `columns.command` says which columns the recorded command is: by the key's own name, or of a topic
+        that other runs of the scenario hold in bags.
+        """
+        if any(self._of_joint(recorded, joint) is not None for joint in self.request.joints):
+            return False
+        return recorded == "command" or (recorded.startswith("/") and "command" in self.columns.model_fields_set)
 
     @overload
     def _si(self, signal: str, value: Array) -> Array: ...
@@ -226,9 +233,11 @@ class Table:
         missing = [joint for joint, name in zip(joints, found, strict=True) if name is None]
         options = [base] if len(joints) == 1 else []
         options += [form.format(base, missing[0]) for form in FORMS]
+        named = signal == "command" and stem is not None
+        elsewhere = f"as motion.recorded names {stem}" if named else f"or the names in recordings.columns.{signal}"
         raise InputError(
             f"{self.path}: has no {signal} of joint {missing[0]}; it has the columns {self._listing()}; expected "
-            f"{', '.join(options)}, or the names in recordings.columns.{signal}"
+            f"{', '.join(options)}, {elsewhere}"
         )
 
     def _of_joint(self, stem: str, joint: str) -> str | None:
