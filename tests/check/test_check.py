@@ -150,3 +150,11 @@ def test_the_same_in_several_recordings_is_told_once() -> None:
     (one,) = merged([likely, sure])
     assert (one.certainty, one.runs) == ("certain", ("two", "one"))
     assert one.text == "recordings.state: second (and in 1 other recording)"
+
+
+def test_a_velocity_that_was_never_measured_is_no_mistake(team: Team, tmp_path: Path) -> None:
+    without = team.copy()
+    for table in without.tables.values():
+        assert table.velocity is not None
+        table.velocity[:, 1] = np.nan
+    assert check(load_scenario(without.write(tmp_path))) == []

@@ -175,10 +175,25 @@ def test_a_controller_state_is_state_and_command(tmp_path: Path, write_bag: Call
 
 def test_values_that_are_not_finite(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     messages = two_joints()
-    messages[80][3]["position"][0] = np.nan
+    messages[80][3]["position"][0] = np.inf
     path = write_bag(tmp_path / "run", "mcap", messages)
-    with pytest.raises(InputError, match=r"/joint_states: position of joint b is nan at 0.400 s \(1 such"):
+    with pytest.raises(InputError, match=r"/joint_states: position of joint b is inf in sample 41 of 100 \(1 such"):
         read_recording(path, scenario(), ["a", "b"], file=FILE)
+
+
+def test_messages_without_a_position_are_left_out_and_nothing_else(
+    tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    messages = two_joints()
+    for k in (0, 40, 41):  # states of a robot that starts up, and of a bus that loses a servo for a while
+        messages[2 * k][3]["position"][0] = np.nan
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a", "b"], file=FILE)
+    kept = np.delete(0.01 * np.arange(100), (0, 40, 41))
+    np.testing.assert_allclose(recording.trace.time, kept, atol=1e-6)
+    np.testing.assert_allclose(Signals(recording.trace).position, np.column_stack([kept, 2 * kept]), atol=1e-6)
+    assert len(there(recording.receive_time)) == 97
+    assert len(recording.command_time) == 100
+    assert any("3 of 100 samples are left out, as they are without the position of b (3)" in n for n in recording.notes)
 
 
 def test_signals_that_were_never_measured_are_left_out(tmp_path: Path, write_bag: Callable[..., Path]) -> None:

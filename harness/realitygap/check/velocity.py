@@ -26,7 +26,7 @@ SENSOR = 3.0
 
 
 def travels(o: Observed) -> tuple[Array, Array, Mask] | None:
-    """Travel by position and by velocity over stretches of time [rad or m], and which joints move enough.
+    """Travel by position and by velocity over stretches of time [rad or m], and which joints with a velocity move.
 
     Shapes (k, n), (k, n), (n,). None where no velocity was recorded.
     """
@@ -39,7 +39,8 @@ def travels(o: Observed) -> tuple[Array, Array, Mask] | None:
     largest = np.abs(by_position).max(axis=0)
     spread = by_position.std(axis=0)
     moves = (largest > QUANTA * o.quantum) & (spread > 1e-9 * (1.0 + np.abs(o.position).max(axis=0)))
-    return by_position, summed[span:] - summed[:-span], np.asarray(moves & np.isfinite(largest))
+    known = np.isfinite(largest) & np.isfinite(o.velocity).any(axis=0)
+    return by_position, summed[span:] - summed[:-span], np.asarray(moves & known)
 
 
 def _fit(o: Observed) -> tuple[Following, Mask, Mask] | None:

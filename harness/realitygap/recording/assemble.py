@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from realitygap.files.errors import InputError
+from realitygap.recording.absent import without_absent
 from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.outliers import told, without_outliers
@@ -24,7 +25,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     """One recording: time starts at the first message, other streams are brought to the clock of the joint states.
 
     Raises:
-        InputError: for a value that is not finite, or a signal that the scenario asks for and that was not recorded.
+        InputError: for a value that is infinite, a stream of which too little was measured, or a signal that the
+            scenario asks for and that was not recorded.
     """
     zero = min(float(s.time[0]) for s in streams.all())
     streams = _from(zero, streams)
@@ -35,11 +37,12 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         raise InputError(f"{clock.source}: holds {len(clock.time)} sample, expected at least two")
     for samples in streams.all():
         _steady(samples)
-        if samples is not streams.command:
-            _finite(samples)
+    streams, absent = _known(streams)
+    clock = streams.state or streams.pose
+    assert clock is not None
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
-    notes = list(streams.notes)
+    notes = [*streams.notes, *absent]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -91,6 +94,23 @@ def _from(zero: float, streams: Streams) -> Streams:
         supply=moved(streams.supply),
         temperature=moved(streams.temperature),
     )
+
+
+def _known(streams: Streams) -> tuple[Streams, list[str]]:
+    """The streams without samples of which something is absent that is needed, and what is told of it.
+
+    A state needs its positions, an effort of its own nothing; all else is of use as a whole only. A command that is
+    absent is none.
+    """
+    known: dict[str, Samples] = {}
+    notes = []
+    for name in ("state", "effort", "pose", "imu", "supply", "temperature"):
+        samples: Samples | None = getattr(streams, name)
+        if samples is not None:
+            needed = {"state": ("position",), "effort": ()}.get(name, tuple(samples.signals))
+            known[name], told = without_absent(samples, needed)
+            notes += told
+    return replace(streams, **known), notes  # type: ignore[arg-type]
 
 
 def _joint_signals(streams: Streams, request: Request, clock: Samples) -> dict[str, Array]:
@@ -177,15 +197,3 @@ def _steady(samples: Samples) -> None:
             f"{samples.source}: the samples are {spacing:.3g} s apart, as those of no bus; expected times in seconds, "
             "stamped by a clock that runs"
         )
-
-
-def _finite(samples: Samples) -> None:
-    for name, value in samples.signals.items():
-        bad = np.argwhere(~np.isfinite(value))
-        if len(bad):
-            row = bad[0]
-            joint = f" of joint {samples.joints[row[1]]}" if samples.joints and value.ndim == 2 else ""
-            raise InputError(
-                f"{samples.source}: {name}{joint} is {value[tuple(row)]} at {samples.time[row[0]]:.3f} s "
-                f"({len(bad)} such values), expected finite numbers"
-            )

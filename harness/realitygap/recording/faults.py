@@ -73,8 +73,13 @@ def at_fault(scale: float, constant: float, correlation: float, period: float) -
 def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple[float, float, float] | None:
     """Scale and low-pass time constant [s] that make a reported velocity of a position, and the correlation of travel.
 
-    All Shape (t,). None where the joint moves too little to tell: less than 20 quanta within 0.15 s.
+    All Shape (t,), the velocity NaN where it is unknown. None where the joint moves too little to tell: less than 20
+    quanta within 0.15 s.
     """
+    known = np.isfinite(velocity)
+    if known.sum() < 2:
+        return None
+    time, position, velocity = time[known], position[known], velocity[known]
     even = np.arange(time[0], time[-1], float(np.median(np.diff(time))))
     if len(even) < 2:
         return None

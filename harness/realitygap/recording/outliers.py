@@ -76,7 +76,8 @@ def _jumps(value: Array) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
     for column, alone in zip(value.T, out.T, strict=True):  # a column at a time: recordings are long
         steps = np.diff(column)
         sizes = np.abs(steps)
-        far = FAR * max(np.quantile(sizes, USUAL), least)
+        known = sizes[np.isfinite(sizes)]
+        far = FAR * max(np.quantile(known, USUAL), least) if len(known) else np.inf
         alone[:] = (steps[:-1] * steps[1:] < 0) & (np.minimum(sizes[:-1], sizes[1:]) > far)
     return out
 

@@ -9,8 +9,15 @@ from realitygap.robot.drive import Array
 
 
 def repetition_noise(values: Sequence[Array]) -> Array:
-    """The standard deviation between repetitions on one clock, pooled over time. Shapes (t, n) -> (n,)."""
-    return np.asarray(np.sqrt(np.nanmean(np.nanvar(np.array(values), axis=0, ddof=1), axis=0)))
+    """The standard deviation between repetitions on one clock, pooled over time. Shapes (t, n) -> (n,).
+
+    Of what is known in two of them at least; 0 where nothing is.
+    """
+    stacked = np.array(values)
+    known = np.isfinite(stacked).sum(axis=0) > 1
+    variance = np.zeros(known.shape)
+    variance[known] = np.nanvar(stacked[:, known], axis=0, ddof=1)
+    return np.asarray(np.sqrt(variance.sum(axis=0) / np.maximum(known.sum(axis=0), 1)))
 
 
 def own_noise(value: Array) -> Array:
@@ -18,13 +25,17 @@ def own_noise(value: Array) -> Array:
 
     The larger of the rounding of its quantum (q/√12) and the spread of its third differences, in which a motion that
     is smooth against the sampling is gone (σ = spread/√20). The spread is taken from the median, because jerks of the
-    real motion stand out in a few samples only. 0 for a signal that never changes.
+    real motion stand out in a few samples only. 0 for a signal that never changes or never was measured.
     """
     rounding = quantum(value) / np.sqrt(12)
     if len(value) < 8:
         return np.asarray(rounding)
     third = np.diff(value, n=3, axis=0)
-    spread = 1.4826 * np.nanmedian(np.abs(third - np.nanmedian(third, axis=0)), axis=0) / np.sqrt(20)
+    known = np.isfinite(third).any(axis=0)
+    spread = np.zeros(value.shape[1])
+    if known.any():
+        away = np.abs(third[:, known] - np.nanmedian(third[:, known], axis=0))
+        spread[known] = 1.4826 * np.nanmedian(away, axis=0) / np.sqrt(20)
     return np.asarray(np.maximum(rounding, spread))
 
 

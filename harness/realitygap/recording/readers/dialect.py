@@ -41,6 +41,15 @@ class Dialect:
             **spaced,
         }
 
+    def cut_off(self, path: Path, columns: int) -> bool:
+        """Whether a file ends within a line: without its end, and with fewer cells than there are columns."""
+        with path.open("rb") as file:
+            size = file.seek(0, 2)
+            file.seek(max(0, size - HEAD))
+            tail = file.read()
+        line = tail[tail.rfind(b"\n") + 1 :].decode(self.encoding, errors="replace")
+        return bool(line.strip()) and len(re.split(_split(self.separator), line.strip())) < columns
+
 
 def dialect_of(path: Path) -> Dialect:
     """How a file is written, from its first lines.

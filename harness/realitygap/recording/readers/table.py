@@ -8,13 +8,13 @@ from typing import overload
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.parquet_columns import ParquetColumns
+from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import Columns
@@ -22,6 +22,7 @@ from realitygap.trace.trace import Array
 
 Frame = pd.DataFrame | ParquetColumns
 """A table by its columns."""
+CUT_OFF = "the last line is cut off and was left out"
 
 
 def read(path: Path, request: Request) -> Streams:
@@ -32,21 +33,35 @@ def read(path: Path, request: Request) -> Streams:
             or time that goes backwards.
     """
     table = Table(path, load(path), request)
-    time, keep, notes = table.times()
+    time, joints = table.times(), request.joints
+    state = table.state() if joints else {}
+    command, said = table.command() if joints else ({}, None)
+    apart = said is not None and rows_apart(rows_with(np.isfinite(state["position"])), rows_with(said))
+    notes = [*table.notes, *([APART] if apart else [])]
 
-    def samples(signals: dict[str, Array], joints: tuple[str, ...] = ()) -> Samples | None:
-        kept = signals if len(keep) == len(table.frame) else {name: value[keep] for name, value in signals.items()}
-        return Samples(str(path), time, kept, joints) if kept else None
+    def samples(signals: dict[str, Array], named: tuple[str, ...] = (), present: Mask | None = None) -> Samples | None:
+        if not signals:
+            return None
+        own = np.arange(len(time))
+        if apart:
+            held = [np.isfinite(value) for value in signals.values()] if present is None else [present]
+            own = np.flatnonzero(np.any([rows_with(mask) for mask in held], axis=0))
+        if not len(own):
+            return None
+        keep = own[last_of_each(time[own])]
+        if len(keep) < len(own):
+            notes.append(f"{len(own) - len(keep)} rows repeat the time of another and were dropped")
+        kept = signals if len(keep) == len(time) else {name: value[keep] for name, value in signals.items()}
+        return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
-    joints = request.joints
     return Streams(
-        state=samples(table.state(), joints) if joints else None,
-        command=samples(table.command(), joints) if joints else None,
+        state=samples(state, joints),
+        command=samples(command, joints, said if apart else None),
         effort=samples(table.effort(), joints) if joints else None,
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
         temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
-        notes=tuple(notes),
+        notes=tuple(dict.fromkeys(notes)),
     )
 
 
@@ -89,6 +104,9 @@ def _of_text(path: Path) -> pd.DataFrame:
     frame.columns = [str(name).strip() for name in frame.columns]
     spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
     frame = frame.drop(columns=spare) if spare else frame  # every line ended with a separator
+    if dialect.cut_off(path, len(frame.columns) + len(spare)):
+        frame = frame[:-1]
+        frame.attrs["cut_off"] = 1
     frame.attrs["first_line"] = dialect.first_line
     return frame
 
@@ -101,9 +119,10 @@ class Table:
         self.frame = frame
         self.request = request
         self.columns: Columns = request.recordings.columns
+        self.notes: tuple[str, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
 
-    def times(self) -> tuple[Array, NDArray[np.intp], list[str]]:
-        """The times [s] from the first row, the rows that are kept and what was dropped."""
+    def times(self) -> Array:
+        """The times [s] from the first row, which never go back."""
         time = self._column(self.columns.time, "time") * SECONDS[self.columns.units.time]
         if np.isnan(time).any():
             row = int(np.flatnonzero(np.isnan(time))[0])
@@ -116,10 +135,7 @@ class Table:
                 f"{self.path}: {self.columns.time} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
                 f"{self._line(row)}, expected times that increase"
             )
-        keep = np.flatnonzero(np.append(np.diff(time) > 0, True))
-        dropped = len(time) - len(keep)
-        notes = [f"{dropped} rows repeat the time of another and were dropped"] if dropped else []
-        return np.asarray(time[keep] - time[0]), keep, notes
+        return np.asarray(time - time[0])
 
     def state(self) -> dict[str, Array]:
         """Position and, where it is there, velocity and effort."""
@@ -141,8 +157,8 @@ class Table:
         assert found is not None
         return {"effort": found}
 
-    def command(self) -> dict[str, Array]:
-        """The command; NaN where there is none or the servo is off."""
+    def command(self) -> tuple[dict[str, Array], Mask | None]:
+        """The command, NaN where there is none or the servo is off, and what of it a row says (t, n)."""
         motion = self.request.motion
         recorded = None if motion is None else motion.recorded
         if recorded is None:
@@ -153,13 +169,15 @@ class Table:
             command = self._joints("command", stem=stem, required=True)
             kind = self.request.command_signal
         if command is None:
-            return {}
+            return {}, None
         if kind != "effort":
             command = self._si("command", command)
+        said: Mask = ~np.isnan(command)
         enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
         if enabled is not None:
             command = np.where(enabled == 0, np.nan, command)
-        return {kind: command}
+            said |= enabled == 0
+        return {kind: command}, said
 
     def _by_columns(self, recorded: str) -> bool:
         """Whether `columns.command` says which columns the recorded command is: by the key's own name, or of a topic
@@ -259,7 +277,7 @@ class Table:
             )
         column = self.frame[name]
         if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
-            return np.asarray(column, dtype=np.float64)
+            return self._finite(name, np.asarray(column, dtype=np.float64))
         numbers = pd.to_numeric(column, errors="coerce")
         wrong = np.flatnonzero(numbers.isna() & column.notna())
         if len(wrong):
@@ -267,7 +285,18 @@ class Table:
             raise InputError(
                 f"{self.path}: {name} is {column.iloc[row]!r} in line {self._line(row)}, expected a number"
             )
-        return numbers.to_numpy(dtype=float)
+        return self._finite(name, numbers.to_numpy(dtype=float))
+
+    def _finite(self, name: str, value: Array) -> Array:
+        """A column (t,) without infinite numbers."""
+        wrong = np.flatnonzero(np.isinf(value))
+        if len(wrong):
+            row = int(wrong[0])
+            raise InputError(
+                f"{self.path}: {name} is {value[row]} in line {self._line(row)} ({len(wrong)} such values), expected "
+                "finite numbers (or an empty cell for none)"
+            )
+        return value
 
     def _line(self, row: int) -> int:
         """The line of the file that holds a row."""
