@@ -13,7 +13,7 @@ import yaml
 from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import neutral, richer, suspects
 from realitygap.diagnose.data.changes import Change, Suspect, changed
-from realitygap.diagnose.data.noise import local_maximum, own_noise, repetition_noise, shared_noise
+from realitygap.diagnose.data.noise import local_maximum, repetition_noise, shared_noise
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
@@ -24,6 +24,7 @@ from realitygap.diagnose.search.search import search
 from realitygap.diagnose.search.simpler import simpler
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
+from realitygap.recording.noise import own_noise
 from realitygap.scenario.file import load_scenario
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"

@@ -2,7 +2,8 @@
 lost."""
 
 import numpy as np
-from realitygap.diagnose.data.noise import own_noise, repetition_noise
+from realitygap.diagnose.data.noise import repetition_noise
+from realitygap.recording.noise import own_noise
 
 
 def test_a_signal_that_was_never_measured_has_no_noise_and_changes_no_other() -> None:

@@ -129,3 +129,18 @@ def test_an_effort_that_was_asked_for_and_measured_is_followed_and_both_are_offe
     )
     _, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
     np.testing.assert_allclose(recording.command, np.tile(np.cos(clock)[:, None], 2))
+
+
+def test_what_is_averaged_as_repetitions_is_told(tmp_path: Path) -> None:
+    clock = np.arange(200) * 0.01
+    paths = []
+    for name, asked in (("free_1", goal(clock)), ("loaded_1", goal(clock)), ("other", goal(1.5 * clock))):
+        frame = pd.DataFrame({"time": clock})
+        for joint in ("shoulder", "elbow"):
+            frame[f"{joint}_command"], frame[f"{joint}_position"] = asked, asked
+        paths.append(tmp_path / f"{name}.csv")
+        frame.to_csv(paths[-1], index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), paths, tmp_path / "out")
+    (told,) = [line for line in draft.told if "repetitions" in line]
+    assert told.startswith("taken as repetitions of one motion and averaged: free_1, loaded_1: ")
+    assert "`with` at a run says what differs" in told

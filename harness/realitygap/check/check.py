@@ -15,6 +15,7 @@ from realitygap.check.load import load_mistakes
 from realitygap.check.mistake import KINDS, Mistake, merged
 from realitygap.check.motion import motion_mistakes, moving
 from realitygap.check.observed import Mask, Observed, Read, observe
+from realitygap.check.repetitions import repetition_mistakes
 from realitygap.check.start import constant_command, start_mistakes
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
 from realitygap.files.errors import InputError, did_you_mean
@@ -45,6 +46,8 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     found += _of_recordings(observed, bool(whole))
     if not found and not whole:
         found += load_mistakes(observed)
+    if not whole and not any(m.certainty == "certain" for m in found):
+        found += repetition_mistakes(observed, _joints(found))
     return merged([*whole, *found])
 
 

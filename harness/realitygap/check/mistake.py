@@ -26,6 +26,7 @@ KINDS: dict[str, str] = {
     "far_start": "the motion begins far from its first command, or the simulation far from the motion",
     "servo_pattern": "a pattern of a servo that matches no joint, or only joints that another servo has",
     "impossible_link": "a mass or inertia that no such link has",
+    "other_conditions": "recordings that are taken as repetitions of one motion differ as under other conditions",
     "drives_nothing": "nothing in the scenario drives the robot",
 }
 """Every kind of mistake, and what it is."""

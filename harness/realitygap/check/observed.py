@@ -19,7 +19,7 @@ from realitygap.robot.drive import CASCADE, DC, PID
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import RunCase, ScenarioFile
-from realitygap.scenario.schema import Scenario
+from realitygap.scenario.schema import Run, Scenario
 from realitygap.trace.trace import Array
 
 Read = Callable[..., Recording]
@@ -43,6 +43,7 @@ class Observed:
         scenario: with the overrides of this run.
         plant: as the scenario states it, with its effects.
         recording: as it was read, in the scenario's units.
+        run: what the scenario says of this recording alone.
     """
 
     name: str
@@ -50,6 +51,7 @@ class Observed:
     scenario: Scenario
     plant: Plant
     recording: Recording
+    run: Run
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -185,7 +187,7 @@ def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
         plant = _plant(file, case, plants)
         if plant.model.joints:
             recording = read(case.path, case.scenario, plant.model.joint_names, file=file.path)
-            out.append(Observed(case.name, case.key, case.scenario, plant, recording))
+            out.append(Observed(case.name, case.key, case.scenario, plant, recording, case.run))
     return out
 
 

@@ -15,6 +15,7 @@ from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.degrees import in_degrees
+from realitygap.init.repeated import repeated
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.table_sections import table_sections
@@ -75,6 +76,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             for case in loaded.cases():
                 path = named.get(case.path.resolve(), case.path)
                 recordings[case.path] = read_recording(path, case.scenario, model.joint_names, file=target)
+            told = [*sections.told, *repeated(loaded, recordings)]
             turned = in_degrees(loaded, sections, model, recordings)
             if turned is not None:
                 text = _text(urdf, out, packages, model, fixed, turned)
@@ -84,7 +86,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 draft.rename(target)
         finally:
             draft.unlink(missing_ok=True)
-    return Draft(target, _guesses(text), sections.told)
+    return Draft(target, _guesses(text), told)
 
 
 def parse_packages(stated: list[str]) -> dict[str, Path]:

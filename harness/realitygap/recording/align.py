@@ -37,6 +37,17 @@ class Windowed(Protocol):
 
 
 @dataclass(frozen=True)
+class RecordedRun:
+    """A run that is nothing but recorded."""
+
+    name: str
+    recording: Recording
+    overrides: str = "{}"
+    use: str | None = None
+    window: tuple[float, float] = (-np.inf, np.inf)
+
+
+@dataclass(frozen=True)
 class Repetitions:
     """Runs that repeat one motion under the same conditions.
 

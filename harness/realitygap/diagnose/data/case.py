@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from realitygap.compare.comparison import RepeatedMotion, on_first_clock
-from realitygap.diagnose.data.noise import own_noise, repetition_noise, shared_noise
+from realitygap.diagnose.data.noise import repetition_noise, shared_noise
+from realitygap.recording.noise import own_noise
 from realitygap.robot.drive import Array
 from realitygap.simulate.experiment import Experiment
 from realitygap.trace.trace import Trace
