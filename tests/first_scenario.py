@@ -45,16 +45,20 @@ def goal(t: Any) -> Any:
 
 
 def messages(
-    state: str = "/joint_states", command: str = "/joint_commands", velocity: bool = True, lag: float = 0.05
+    state: str = "/joint_states",
+    command: str = "/joint_commands",
+    velocity: bool = True,
+    lag: float = 0.05,
+    names: Sequence[str] = ("elbow", "shoulder", "gripper"),
 ) -> list[tuple[str, float, str, dict[str, Any]]]:
     out = []
     for k in range(300):
         t = 0.01 * k
-        names = ["elbow", "shoulder", "gripper"]
-        measured = {"stamp": EPOCH + t, "name": names, "position": [goal(t - lag)] * 3}
+        count = len(names)
+        measured = {"stamp": EPOCH + t, "name": list(names), "position": [goal(t - lag)] * count}
         if velocity:
-            measured["velocity"] = [1.0] * 3
-        asked = {"stamp": EPOCH + t, "name": names, "position": [goal(t)] * 3}
+            measured["velocity"] = [1.0] * count
+        asked = {"stamp": EPOCH + t, "name": list(names), "position": [goal(t)] * count}
         out += [(state, EPOCH + t, STATE, measured), (command, EPOCH + t, STATE, asked)]
     return out
 

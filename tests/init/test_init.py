@@ -151,18 +151,34 @@ def test_packages_are_named_on_the_command_line(tmp_path: Path, write_bag: Calla
     assert load_scenario(path).scenario.robot.packages == {"arm": "../meshes"}
 
 
+@pytest.mark.parametrize("joints", [("shoulder", "elbow", "wrist"), ("finger", "shoulder", "elbow")])
+def test_a_joint_that_was_not_recorded_is_held(
+    joints: tuple[str, ...], tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    """At 0, or at the limit that is nearest to it."""
+    urdf = arm(tmp_path / "arm.urdf", joints)
+    urdf.write_text(urdf.read_text().replace('lower="-3"', 'lower="0.02"', 1))
+    draft = init(urdf, [write_bag(tmp_path / "run", "mcap", messages())], tmp_path / "out")
+    scenario, _ = read_all(draft.path, ["shoulder", "elbow"])
+    assert scenario.robot.hold == ({"wrist": 0.0} if "wrist" in joints else {"finger": 0.02})
+    assert any(line.startswith("hold: ") and "not recorded" in line for line in draft.guessed)
+    assert build_plant(load_scenario(draft.path)).model.joint_names == ["shoulder", "elbow"]
+
+
 def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     urdf = arm(tmp_path / "arm.urdf")
     good = write_bag(tmp_path / "good", "mcap", messages())
     power = {"stamp": EPOCH, "voltage": 12.0}
     power_only = write_bag(tmp_path / "power", "mcap", [("/power", EPOCH, "sensor_msgs/msg/BatteryState", power)])
     other = write_bag(tmp_path / "other", "mcap", messages(state="/states"))
+    bare = write_bag(tmp_path / "bare", "mcap", messages(names=("shoulder",)))
     out = tmp_path / "out"
     legs = arm(tmp_path / "legs.urdf", ("hip",))
     cases = [
         (urdf, [power_only], r"no topic holds the positions of shoulder, elbow .*/power \(sensor_msgs/BatteryState\)"),
-        (legs, [good], r"no topic holds the positions of hip .*/joint_states"),
-        (arm(tmp_path / "three.urdf", ("shoulder", "elbow", "wrist")), [good], r"has no joint wrist; it has elbow"),
+        (legs, [good], r"no topic holds the positions of hip .*; /joint_states names elbow, gripper, shoulder; expect"),
+        (legs, [good], r"names as in the URDF: rename one or the other"),
+        (urdf, [good, bare], r"bare: /joint_states: message 1: has no joint elbow; it has shoulder; .*robot.hold"),
         (urdf, [good, other], r"other has no topic /joint_states; it has .*/states"),
         (urdf, [], r"no recordings were given"),
         (tmp_path / "none.urdf", [good], r"none.urdf: cannot be read"),

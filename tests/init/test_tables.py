@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from first_scenario import EPOCH, STATE, arm, goal, read_all
+from realitygap.files.errors import InputError
 from realitygap.init.draft import init
 from signals import Signals, there
 
@@ -144,3 +145,43 @@ def test_what_is_averaged_as_repetitions_is_told(tmp_path: Path) -> None:
     (told,) = [line for line in draft.told if "repetitions" in line]
     assert told.startswith("taken as repetitions of one motion and averaged: free_1, loaded_1: ")
     assert "`with` at a run says what differs" in told
+
+
+def named(folder: Path, columns: list[str]) -> Path:
+    """A table with a command and a position for every name."""
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock})
+    for k, column in enumerate(columns):
+        frame[f"{column}_command"], frame[f"{column}_position"] = goal(clock) + k, goal(clock - 0.05) + k
+    frame.to_csv(folder / "run.csv", index=False)
+    return folder / "run.csv"
+
+
+def test_a_joint_without_columns_is_held(tmp_path: Path) -> None:
+    urdf = arm(tmp_path / "arm.urdf", ("shoulder", "elbow", "wrist"))
+    draft = init(urdf, [named(tmp_path, ["shoulder", "elbow"])], tmp_path / "out")
+    scenario, _ = read_all(draft.path, ["shoulder", "elbow"])
+    assert scenario.robot.hold == {"wrist": 0.0}
+    assert any(line.startswith("hold: ") for line in draft.guessed)
+    single = init(urdf, [named(tmp_path, ["elbow"])], tmp_path / "single")
+    scenario, (recording,) = read_all(single.path, ["elbow"])
+    assert scenario.robot.hold == {"shoulder": 0.0, "wrist": 0.0}
+    np.testing.assert_allclose(recording.command[:, 0], goal(np.arange(100) * 0.01))
+
+
+def test_columns_may_leave_out_that_a_joint_is_one(tmp_path: Path) -> None:
+    """And are marked as guessed."""
+    joints = ("shoulder_joint", "elbow_joint")
+    draft = init(arm(tmp_path / "arm.urdf", joints), [named(tmp_path, ["shoulder", "elbow"])], tmp_path / "out")
+    _, (recording,) = read_all(draft.path, joints)
+    clock = np.arange(100) * 0.01
+    np.testing.assert_allclose(recording.command, np.column_stack([goal(clock) + k for k in (0, 1)]))
+    np.testing.assert_allclose(
+        Signals(recording.trace).position, np.column_stack([goal(clock - 0.05) + k for k in (0, 1)])
+    )
+    assert any(line.startswith("position: ") and "by their names" in line for line in draft.guessed)
+
+
+def test_columns_of_other_names_are_told_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"recordings.columns.position: \{shoulder: COLUMN\}"):
+        init(arm(tmp_path / "arm.urdf"), [named(tmp_path, ["motor_a", "motor_b"])], tmp_path / "out")

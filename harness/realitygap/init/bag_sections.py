@@ -10,7 +10,8 @@ from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sect
 
 
 def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
-    """Motion, recordings and runs of bags that are built like the first one.
+    """Motion, recordings and runs of bags that are built like the first one. Joints that its state does not name, while
+    it does others, are held.
 
     Raises:
         InputError: for a bag that holds none of the robot's joints, or no pose of a robot without joints.
@@ -20,7 +21,8 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
     if joints and roles.state is None:
         raise InputError(
             f"{contents.path}: no topic holds the positions of {', '.join(joints)} of {urdf}; it has "
-            f"{contents.listing}; expected a JointState with the joints' names as in the URDF"
+            f"{contents.listing}{_others(contents)}; expected a JointState with the joints' names as in the URDF: "
+            "rename one or the other"
         )
     if not joints and not contents.poses:
         raise InputError(
@@ -37,7 +39,13 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         moving,
         told=told,
         followed=_followed(roles),
+        held=tuple(joint for joint in joints if roles.state is not None and joint not in roles.state.stream.joints),
     )
+
+
+def _others(contents: Contents) -> str:
+    """Which names stand in the messages of topics with other joints."""
+    return "".join(f"; {topic} names {', '.join(names)}" for topic, names in contents.others.items())
 
 
 def _followed(roles: Roles) -> bool:

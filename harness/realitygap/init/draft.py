@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from realitygap_engines.errors import ModelError
+from realitygap_engines.model.hold import hold
 from realitygap_engines.model.read import read_model
-from realitygap_engines.model.robot import Model
+from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
 from realitygap.files.interrupted import last
@@ -66,11 +67,14 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     packages = packages or {}
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
+    rest = {i: _rest(joint) for i, joint in enumerate(model.joints) if joint.name in sections.held}
+    held = {model.joints[i].name: angle for i, angle in rest.items()}
+    model = hold(model, rest)
     named = {path.resolve(): path for path in bags}  # as whoever reads a sentence knows them
     with made(out):
         draft = out / f"{UNFINISHED}scenario.yaml"
         try:
-            text = _text(urdf, out, packages, model, fixed, sections)
+            text = _text(urdf, out, packages, model, fixed, sections, held)
             draft.write_text(text, encoding="utf-8")
             loaded, recordings = load_scenario(draft), {}
             for case in loaded.cases():
@@ -79,7 +83,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             told = [*sections.told, *repeated(loaded, recordings)]
             turned = in_degrees(loaded, sections, model, recordings)
             if turned is not None:
-                text = _text(urdf, out, packages, model, fixed, turned)
+                text = _text(urdf, out, packages, model, fixed, turned, held)
                 draft.write_text(text, encoding="utf-8")
             with last():
                 write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
@@ -115,6 +119,11 @@ def _model(urdf: Path, packages: Mapping[str, Path]) -> tuple[Model, str | None]
             raise InputError(str(floating if "nothing can move" in str(fixed) else fixed)) from None
 
 
+def _rest(joint: Joint) -> float:
+    """Where a joint that was not recorded is held [rad or m]: at 0, or the limit that is nearest to it."""
+    return float(min(max(0.0, joint.lower), joint.upper))
+
+
 def _sections(urdf: Path, bags: list[Path], out: Path, model: Model) -> Sections:
     kinds = {path: reader_of(path) for path in bags}
     for path, kind in kinds.items():
@@ -130,7 +139,13 @@ def _sections(urdf: Path, bags: list[Path], out: Path, model: Model) -> Sections
 
 
 def _text(
-    urdf: Path, out: Path, packages: Mapping[str, Path], model: Model, fixed: str | None, sections: Sections
+    urdf: Path,
+    out: Path,
+    packages: Mapping[str, Path],
+    model: Model,
+    fixed: str | None,
+    sections: Sections,
+    held: Mapping[str, float],
 ) -> str:
     base, reason = base_of(model, fixed, sections.moving_base)
     lines = [
@@ -144,6 +159,9 @@ def _text(
         inner = ", ".join(f"{quoted(name)}: {quoted(relative(path, out))}" for name, path in packages.items())
         lines.append(f"  packages: {{{inner}}}")
     lines.append(f"  base: {base}  {GUESS}{reason}")
+    if held:
+        inner = ", ".join(f"{quoted(name)}: {angle:g}" for name, angle in held.items())
+        lines.append(f"  hold: {{{inner}}}  {GUESS}where they stand [rad or m], as they were not recorded")
     if model.joints:
         servos = [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot)]
         lines += [*servos, "", *sections.motion]

@@ -7,6 +7,8 @@ WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 """Of lower case, with a capital before it, or of capitals; and mA, which people write so."""
 Stem = tuple[str, ...]
 """The words of a label without those that say which joint."""
+GENERIC = {"joint", "motor", "servo", "actuator"}
+"""Words of a joint's name that labels leave out: shoulder_pos is of shoulder_joint."""
 
 
 def words(label: str) -> Stem:
@@ -46,11 +48,29 @@ def _named(parts: Stem, joints: Sequence[str]) -> tuple[str | None, Stem]:
     best: tuple[str | None, Stem] = None, parts
     longest = 0
     for joint in joints:
-        own = words(joint)
-        for i in range(len(parts) - len(own) + 1):
-            if own and parts[i : i + len(own)] == own and len(own) > longest:
-                longest, best = len(own), (joint, parts[:i] + parts[i + len(own) :])
+        for own in (words(joint), _short(joint, joints)):
+            for i in range(len(parts) - len(own) + 1):
+                if own and parts[i : i + len(own)] == own and len(own) > longest:
+                    longest, best = len(own), (joint, parts[:i] + parts[i + len(own) :])
     return best
+
+
+def _short(joint: str, joints: Sequence[str]) -> Stem:
+    """The words of a joint's name without generic ones; none where another joint has the same, or numbers are left."""
+    own = tuple(word for word in words(joint) if word not in GENERIC)
+    same = [j for j in joints if tuple(word for word in words(j) if word not in GENERIC) == own]
+    return own if len(same) == 1 and not all(word.isdigit() for word in own) else ()
+
+
+def measured_joints(labels: Sequence[str], joints: Sequence[str]) -> tuple[str, ...]:
+    """The joints that a label names and whose position it says that it holds, in the robot's order."""
+    found = set()
+    for label in labels:
+        joint, rest = _named(words(label), joints)
+        role = role_of(tuple(word for word in rest if word not in UNITS))
+        if joint is not None and role is not None and role[:2] == ("position", False):
+            found.add(joint)
+    return tuple(joint for joint in joints if joint in found)
 
 
 def _in_order(found: Mapping[int, str], joints: Sequence[str]) -> dict[str, str] | None:

@@ -33,7 +33,7 @@ class JointStream:
 @dataclass(frozen=True)
 class Contents:
     """What is in a bag, by what it can serve as; `kinds` are the types of all its topics, `unnamed` the streams of
-    values whose joints no message names.
+    values whose joints no message names, `others` the names in topics that name none of the robot's joints.
     """
 
     path: Path
@@ -44,6 +44,7 @@ class Contents:
     imus: list[str] = field(default_factory=list)
     batteries: list[str] = field(default_factory=list)
     kinds: dict[str, str] = field(default_factory=dict)
+    others: dict[str, list[str]] = field(default_factory=dict)
 
 
 def probe(path: Path, joints: Sequence[str]) -> Contents:
@@ -63,23 +64,28 @@ def probe(path: Path, joints: Sequence[str]) -> Contents:
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/Imu"),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/BatteryState"),
             kinds,
+            {t: sorted(names) for t in sorted(bag.types) if (names := _names(bag, t)) and not names & {*joints}},
         )
+
+
+def _names(bag: Bag, topic: str) -> set[str]:
+    """The joints that the first message of a topic names."""
+    fields = bag.fields(bag.types[topic])
+    names = next((name for name in NAMES if name in fields), None)
+    first = None if names is None else next(bag.messages({topic}), None)
+    return set() if first is None or names is None else set(getattr(first[2], names))
 
 
 def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
     """The joint values of a topic; None where it names none of the joints, then told by `listing` alone."""
     kind, fields = bag.types[topic], bag.fields(bag.types[topic])
-    names = next((name for name in NAMES if name in fields), None)
-    if names is None:
-        return None
     controller = kind.endswith("JointTrajectoryControllerState")
-    first = next(bag.messages({topic}), None)
-    if first is None:
-        return None
-    there = set(getattr(first[2], names))
+    there = _names(bag, topic)
     found = tuple(joint for joint in joints if joint in there)
+    if not found:
+        return None
     collector = collector_of(kind, fields, found, role="state" if controller else "command")
-    if collector is None or not found:
+    if collector is None:
         return None
     taking = bag.taking(collector)
     with told(bag.path, topic):

@@ -37,6 +37,7 @@ class Sections:
         columns: the lines below `recordings.columns`, without the units.
         units: of columns, where they are not SI, by signal and, where they differ, by joint; and how they were found.
         angles: the signals in angles whose unit no name says.
+        held: the joints that were not recorded.
     """
 
     motion: list[str]
@@ -51,6 +52,7 @@ class Sections:
     units: Units = field(default_factory=dict)
     units_by: str = "as the names say"
     angles: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
 
     @property
     def table(self) -> list[str]:

@@ -2,13 +2,14 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from realitygap.files.errors import InputError
-from realitygap.init.names import UNITS, Stem, by_stem, role_of, words
+from realitygap.init.names import UNITS, Stem, by_stem, measured_joints, role_of, words
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
@@ -38,8 +39,10 @@ Column = str | dict[str, str]
 def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
     """Motion, recordings and runs of tables that are built like the first one.
 
+    Joints of which the table holds no position, while it does of others, are held.
+
     Raises:
-        InputError: for a table without time, or without the position of every joint of the robot.
+        InputError: for a table without time, or without the position of any joint of the robot.
     """
     path = paths[0]
     frame = load(path)
@@ -47,9 +50,14 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
     time = _time(path, frame)
     chosen, meaning = _roles([label for label in labels if label != time], joints) if joints else ({}, "position")
     if joints and "position" not in chosen:
+        part = measured_joints(labels, joints)
+        if part and part != tuple(joints):
+            held = tuple(joint for joint in joints if joint not in part)
+            return replace(table_sections(paths, part, urdf, out), held=held)
         raise InputError(
             f"{path}: no column holds the position of {', '.join(joints)} of {urdf}; it has {', '.join(labels)}; "
-            "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it"
+            "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it: "
+            f"rename columns, or write a scenario with recordings.columns.position: {{{joints[0]}: COLUMN}}"
         )
     columns = {"time": time} | chosen
     current = _current(chosen)

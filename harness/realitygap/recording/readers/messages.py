@@ -25,6 +25,7 @@ class Layout:
     joints: tuple[str, ...] = ()
 
 
+NOT_RECORDED = "expected all: a joint that was not recorded is welded by robot.hold"
 NAMES = ("name", "names", "joint_names")
 SIGNALS = {
     "position": ("position", "positions"),
@@ -113,7 +114,7 @@ class JointMessages:
             present = np.array([joint in where for joint in self.joints])
             if present.any() and not present.all() and not self._partial:
                 missing = ", ".join(j for j in self.joints if j not in where)
-                raise Refused(f"has no joint {missing}; it has {', '.join(names)}")
+                raise Refused(f"has no joint {missing}; it has {', '.join(names)}; {NOT_RECORDED}")
             order = np.array([where.get(joint, 0) for joint in self.joints], dtype=np.intp)
             self._orders[names] = order, present
         return self._orders[names]
@@ -139,7 +140,8 @@ class JointMessages:
         if not self._passed:
             return "holds no messages"
         return (
-            f"has no joint {wanted}; it has {', '.join(sorted(self._other)) or 'none'}; expected names as in the URDF"
+            f"has no joint {wanted}; it has {', '.join(sorted(self._other)) or 'none'}; expected names as in the URDF: "
+            "rename one or the other"
         )
 
     @property

@@ -253,6 +253,8 @@ class Table:
         options += [form.format(base, missing[0]) for form in FORMS]
         named = signal == "command" and stem is not None
         elsewhere = f"as motion.recorded names {stem}" if named else f"or the names in recordings.columns.{signal}"
+        if signal == "position" and len(joints) > 1:
+            elsewhere += "; a joint that was not recorded is welded by robot.hold"
         raise InputError(
             f"{self.path}: has no {signal} of joint {missing[0]}; it has the columns {self._listing()}; expected "
             f"{', '.join(options)}, {elsewhere}"
