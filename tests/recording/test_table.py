@@ -161,6 +161,8 @@ def broken(column: str, row: int, value: object) -> pd.DataFrame:
         (one_joint().drop(columns="time"), {}, r"has no column time, named by recordings.columns.time; it has command"),
         (one_joint(), {"columns": {"velocity": "speed"}}, r"has no velocity of joint elbow; .*expected speed"),
         (one_joint(), {"battery": "volts"}, r"has no column volts"),
+        (one_joint(), {"columns": {"time": ["time"] * 3}}, r"recordings.columns.time: names 3, expected 2"),
+        (one_joint(), {"columns": {"time": ["time", "ns"]}}, r"has no column ns, named by recordings.columns.time"),
         (one_joint()[:1], {}, r"holds 1 sample, expected at least two"),
         (one_joint()[:0], {}, r"the table holds no rows; it has the columns time"),
     ],

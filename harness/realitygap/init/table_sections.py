@@ -4,9 +4,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import UNITS, Stem, by_stem, measured_joints, role_of, words
@@ -21,19 +18,18 @@ from realitygap.init.sections import (
     quoted,
     runs_of,
 )
-from realitygap.recording.readers.table import FORMS, Frame, column_of, load
+from realitygap.init.time_column import time_column, time_unit
+from realitygap.recording.readers.table import FORMS, column_of, load
 from realitygap.scenario.schema import Columns
 from realitygap.scenario.schema import Units as Stated
 
-TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
-TIME_UNITS = {"s", "sec", "secs", "seconds", "ms", "us", "ns", "stamp"}
 NOT_SI = {"deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
 DEFAULTS = {"time": "time", "command": "command", "position": "position", "velocity": "velocity", "effort": "effort"}
 ANGLES = ("position", "velocity", "command")
 """Signals that are angles or angles per s, a command where it is a position or a velocity."""
-Column = str | dict[str, str]
-"""A column by its stem, or by joint."""
+Column = str | dict[str, str] | list[str]
+"""A column by its stem, or by joint; a time of two columns."""
 
 
 def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
@@ -47,8 +43,9 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
     path = paths[0]
     frame = load(path)
     labels = list(frame.columns)
-    time = _time(path, frame)
-    chosen, meaning = _roles([label for label in labels if label != time], joints) if joints else ({}, "position")
+    time = time_column(path, frame)
+    rest = [label for label in labels if label not in time]
+    chosen, meaning = _roles(rest, joints) if joints else ({}, "position")
     if joints and "position" not in chosen:
         part = measured_joints(labels, joints)
         if part and part != tuple(joints):
@@ -59,7 +56,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
             "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it: "
             f"rename columns, or write a scenario with recordings.columns.position: {{{joints[0]}: COLUMN}}"
         )
-    columns = {"time": time} | chosen
+    columns: dict[str, Column] = {"time": time[0] if len(time) == 1 else time, **chosen}
     current = _current(chosen)
     followed = "effort" in columns and ("command" not in columns or meaning == "effort")
     told = _told(labels, columns, joints)
@@ -77,7 +74,9 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         told.append(ASKED_AND_MEASURED)
     elif "command" not in columns and joints:
         told.append(AS_FOLLOWED.format("column") if followed else NOTHING_DRIVES.format("column"))
-    units = _units(columns)
+    units, units_by = _units(columns), "as the names say"
+    if "time" not in units and len(time) == 1 and (unit := time_unit(frame[time[0]])) != "s":
+        units["time"], units_by = unit, f"GUESS: {time[0]} counts in {unit}, as its values show"
     lines = []
     if "effort" in columns:
         milli = current and "ma" in _words(columns["effort"])
@@ -99,27 +98,9 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         followed=followed,
         columns=_columns(columns),
         units=units,
+        units_by=units_by,
         angles=angles,
     )
-
-
-def _time(path: Path, frame: Frame) -> str:
-    """The column of time: by its name, or the only one that always rises."""
-    labels = list(frame.columns)
-    for option in TIME:
-        for label in labels:
-            parts = words(label)
-            if parts and parts[0] == option and set(parts[1:]) <= TIME_UNITS:
-                return label
-    rising = [label for label in labels if len(frame) > 2 and (_numbers(frame[label]).diff().iloc[1:] > 0).all()]
-    if len(rising) == 1:
-        return rising[0]
-    raise InputError(f"{path}: has no column of time; it has {', '.join(labels)}; expected one named time, in s")
-
-
-def _numbers(column: "pd.Series[Any]") -> "pd.Series[float]":
-    """A column as floats; NaN where it holds text."""
-    return pd.to_numeric(column, errors="coerce")
 
 
 def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Column], str]:
@@ -178,6 +159,10 @@ def _columns(columns: Mapping[str, Column]) -> list[str]:
         if isinstance(name, dict):
             inner = ", ".join(f"{quoted(j)}: {quoted(c)}" for j, c in name.items())
             lines.append(f"    {key}: {{{inner}}}  # GUESS: by their names")
+        elif isinstance(name, list):
+            lines.append(
+                f"    {key}: [{', '.join(map(quoted, name))}]  # GUESS: seconds and nanoseconds, by their names"
+            )
         elif name != DEFAULTS[key]:
             lines.append(f"    {key}: {quoted(name)}  # GUESS: by its name")
     return lines
@@ -185,15 +170,14 @@ def _columns(columns: Mapping[str, Column]) -> list[str]:
 
 def _current(columns: Mapping[str, Column]) -> bool:
     name = columns.get("effort")
-    label = name if isinstance(name, str) else next(iter(name.values())) if name else ""
-    role = role_of(words(label))
+    role = role_of(words(_labels(name)[0])) if name else None
     return role is not None and role[0] == "current"
 
 
 def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
     used = set()
     for name in (*columns.values(), Columns().temperature):  # by joint, it is called by their names
-        stems = [name] if isinstance(name, str) else list(name.values())
+        stems = _labels(name)
         used |= {form.format(stem, joint) for stem in stems for joint in joints for form in FORMS} | set(stems)
     expected = Columns().model_dump(exclude={*DEFAULTS, "base_angular_axes", "temperature"}).values()
     known = {name for names in expected for name in ([names] if isinstance(names, str) else names)}
@@ -204,7 +188,14 @@ def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence
 
 
 def _words(column: Column) -> set[str]:
-    return {word for label in ([column] if isinstance(column, str) else column.values()) for word in words(label)}
+    return {word for label in _labels(column) for word in words(label)}
+
+
+def _labels(column: Column) -> list[str]:
+    """The labels, or stems of labels, that say a column."""
+    if isinstance(column, str):
+        return [column]
+    return list(column.values() if isinstance(column, dict) else column)
 
 
 def _units(columns: Mapping[str, Column]) -> Units:

@@ -123,7 +123,9 @@ class Columns(Section):
     """Column names of a table. A joint signal is one column, or a mapping from joint to column."""
 
     units: Units = Field(default=Units(), description="of these columns; an effort's is said by `effort`")
-    time: str = Field(default="time", description="time [s]")
+    time: str | list[str] = Field(
+        default="time", description="time [s]; or the two columns of a stamp, its seconds and its nanoseconds"
+    )
     command: str | dict[str, str] = Field(
         default="command", description="the command [rad or m, or what `motion.as` says]"
     )

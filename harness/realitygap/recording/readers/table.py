@@ -123,16 +123,22 @@ class Table:
 
     def times(self) -> Array:
         """The times [s] from the first row, which never go back."""
-        time = self._column(self.columns.time, "time") * SECONDS[self.columns.units.time]
+        names = self.columns.time if isinstance(self.columns.time, list) else [self.columns.time]
+        label = " and ".join(names)
+        if len(names) == 1:
+            time = self._column(names[0], "time") * SECONDS[self.columns.units.time]
+        else:
+            whole, rest = self._columns(names, "time", 2).T
+            time = (whole - whole[0]) + rest * SECONDS["ns"]
         if np.isnan(time).any():
             row = int(np.flatnonzero(np.isnan(time))[0])
             line = self._line(row)
-            raise InputError(f"{self.path}: {self.columns.time} is empty in line {line}, expected a time in s")
+            raise InputError(f"{self.path}: {label} is empty in line {line}, expected a time in s")
         back = np.flatnonzero(np.diff(time) < 0)
         if len(back):
             row = int(back[0]) + 1
             raise InputError(
-                f"{self.path}: {self.columns.time} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
+                f"{self.path}: {label} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
                 f"{self._line(row)}, expected times that increase"
             )
         return np.asarray(time - time[0])
