@@ -158,3 +158,13 @@ def test_a_velocity_that_was_never_measured_is_no_mistake(team: Team, tmp_path: 
         assert table.velocity is not None
         table.velocity[:, 1] = np.nan
     assert check(load_scenario(without.write(tmp_path))) == []
+
+
+def test_a_velocity_that_is_always_zero_is_told_with_how_to_leave_it_out(team: Team, tmp_path: Path) -> None:
+    still = team.copy()
+    for table in still.tables.values():
+        assert table.velocity is not None
+        table.velocity[:, 1] = 0.0
+    (found,) = check(load_scenario(still.write(tmp_path)))
+    assert (found.kind, found.certainty) == ("velocity", "certain")
+    assert "remove recordings.columns.velocity, and rename a column that is called velocity" in found.sentence

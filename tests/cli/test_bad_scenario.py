@@ -62,7 +62,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     "missing key": (changed(robot={"base": "fixed"}), "robot.urdf: is missing; expected the robot's file"),
     "unknown servo": (changed(servos__0__kind="ac"), "servos[0].kind: found 'ac'; expected one of dc, pid, cascade"),
     "unknown unit": (changed(servos__0__supply="15 V"), "servos[0].supply: found '15 V'"),
-    "a number that is true": (changed(servos__0__gain=True), "servos[0].gain: found True; expected a number"),
+    "a number that is true": (changed(servos__0__gain=True), "servos[0].gain: found true; expected a number"),
     "a number that is nan": (changed(servos__0__gain=float("nan")), "found nan; expected a finite number"),
     "step rate infinite": (changed(physics__step_rate=float("inf")), "physics.step_rate: found inf"),
     "step rate negative": (
@@ -136,9 +136,9 @@ CASES: dict[str, tuple[Edit, str]] = {
     "time is nan": (table(TABLE.assign(time=[0.0, np.nan, 0.2])), "time is empty in line 3, expected a time in s"),
     "text in a table": (table(TABLE.assign(position_elbow=["a", "b", "c"])), "position_elbow is 'a' in line 2"),
     "infinite position": (table(TABLE.assign(position_elbow=[0.0, "inf", 0.0])), "run.csv"),
-    "first position missing": (
-        table(TABLE.assign(position_elbow=[np.nan, 0.0, 0.0])),
-        "position of joint elbow is nan at 0.000 s",
+    "positions missing": (
+        table(TABLE.assign(position_elbow=[np.nan, np.nan, 0.0])),
+        "2 of 3 samples are without the position of elbow (2); expected at least two",
     ),
     # the robot
     "no URDF": (changed(robot__urdf="none.urdf"), "scenario.yaml: robot.urdf: "),
@@ -151,7 +151,10 @@ CASES: dict[str, tuple[Edit, str]] = {
     "inertia that no body has": (text('ixx="', 'ixx="9" was="'), "which no body has"),
     "link that touches nothing": (changed(robot__contact_links=["foot"]), "has no link foot"),
     "stand on nothing": (changed(robot__stand_on="foot"), "robot.stand_on: found 'foot'; expected one of the links"),
-    "a base that floats without mass": (changed(robot__base="floating"), "link base moves but has no mass"),
+    "a base that floats without mass": (
+        changed(robot__base="floating"),
+        "link base moves but has no mass; expected an <inertial> on it, or a base that is fixed",
+    ),
     "a free body with joints": (free_with_joints, "robot.base: found free, but the robot has 2 joints"),
     # the motion
     "no animation": (

@@ -150,6 +150,10 @@ BAD = {
     "mass not a number": ((link("base", INERTIAL.replace("1.5", "heavy")),), "link base: mass value is 'heavy'"),
     "mass nan": ((link("base", INERTIAL.replace("1.5", "nan")),), "link base: mass value is 'nan'"),
     "mass infinite": ((link("base", INERTIAL.replace("1.5", "inf")),), "expected a finite number"),
+    "effort negative": (
+        (link("base"), link("arm"), HINGE.replace("</joint>", '<limit effort="-6" velocity="1"/></joint>')),
+        "limit effort is '-6', expected no negative number",
+    ),
     "mass negative": ((link("base", INERTIAL.replace("1.5", "-1")),), "expected no negative number"),
     "no mass value": ((link("base", INERTIAL.replace('value="1.5"', "")),), "mass has no value"),
     "no ixx": ((link("base", INERTIAL.replace('ixx="0.02"', "")),), "inertia has no ixx"),
@@ -190,7 +194,7 @@ BAD = {
         "link arm is in a loop of joints; expected a tree",
     ),
     "planar joint": ((*ARM, joint("slide", "base", "arm", "planar")), "is planar; expected one of revolute"),
-    "no type": ((*ARM, HINGE.replace('type="revolute"', "")), "joint shoulder is None; expected one of"),
+    "no type": ((*ARM, HINGE.replace('type="revolute"', "")), "joint shoulder is of no type; expected one of"),
     "mimic of nothing": (
         (*ARM, joint("m", "base", "arm", content=f'{LIMIT}<mimic joint="shoulder"/>')),
         "joint m mimics shoulder; expected one of the moving joints m",

@@ -222,3 +222,15 @@ def test_the_unit_of_a_time_is_guessed_by_its_values(start: float, unit: str, ra
     assert there(scenario.recordings).columns.units.time == unit
     np.testing.assert_allclose(recording.trace.time, clock, atol=2e-3 if unit == "ms" else 1e-6)
     assert any("counts in" in line for line in draft.guessed) == (unit != "s")
+
+
+@pytest.mark.parametrize(("word", "unit"), [("current_mA", "recorded mA"), ("current", "A")])
+def test_the_factor_of_a_current_is_asked_per_recorded_unit(word: str, unit: str, tmp_path: Path) -> None:
+    path = named(tmp_path, ["shoulder", "elbow"])
+    frame = pd.read_csv(path)
+    for joint in ("shoulder", "elbow"):
+        frame[f"{joint}_{word}"] = np.sin(frame["time"])
+    frame.to_csv(path, index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [path], tmp_path / "out")
+    assert any(f"factor is N·m per {unit} at the joint" in line for line in draft.told)
+    assert any(f"N·m per {unit} is not in the table" in line for line in draft.guessed)

@@ -108,7 +108,7 @@ def test_an_override_makes_the_section_that_it_needs(tmp_path: Path) -> None:
         ("servos.legs", "names a whole entry, expected a key in it"),
         ("servos.*.gian", "none of legs, arms, 2 has gian"),
         ("servos.arms.gain", r"servos\[1\].gain: unknown key"),
-        ("name.part", "name: found {'part': 1.0}; expected text"),
+        ("name.part", "name: found {part: 1.0}; expected text"),
         ("physics.rate", "physics.rate: unknown key; known here: solver_iterations, step_rate"),
     ],
 )

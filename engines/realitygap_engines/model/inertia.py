@@ -37,7 +37,7 @@ class FixedBody:
     inertia: Array
 
 
-def lump(path: Path, parts: list[FixedBody], *, moves: bool) -> tuple[Link, list[str]]:
+def lump(path: Path, parts: list[FixedBody], *, moves: bool, root: bool) -> tuple[Link, list[str]]:
     """One link from a body and all that is fixed to it (parallel-axis theorem), and sentences on what was mended.
 
     The link has the first part's name. A link that does not move may have no mass, and gets a stand-in then.
@@ -51,7 +51,8 @@ def lump(path: Path, parts: list[FixedBody], *, moves: bool) -> tuple[Link, list
         _check(path, part)
     if sum(m for _, m in weighed) <= 0:
         if moves:
-            raise ModelError(f"{path}: link {names[0]} moves but has no mass; expected an <inertial> on it")
+            instead = ", or a base that is fixed" if root else ""
+            raise ModelError(f"{path}: link {names[0]} moves but has no mass; expected an <inertial> on it{instead}")
         return Link(names[0], 1.0, np.zeros(3), np.eye(3) * 1e-3, (), names), []
     mass, com, inertia = together([(m, part.com, part.inertia) for part, m in weighed])
     notes: list[str] = []

@@ -50,7 +50,7 @@ def read_mjcf(path: Path, *, floating: bool, contact_links: list[str] | None = N
     refuse_loops(path, m, set(tree.of_body))
     links: list[Link] = []
     for i, parts in enumerate(tree.parts):
-        link, mended = lump(path, parts, moves=i > 0 or floating)
+        link, mended = lump(path, parts, moves=i > 0 or floating, root=i == 0)
         links.append(link)
         notes += mended
     names = {number: joint.name for number, joint in zip(tree.numbers, tree.joints, strict=True)}

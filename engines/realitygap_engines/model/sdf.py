@@ -72,7 +72,7 @@ def read_sdf(
                     fixed.append((child, place))
                 else:
                     branches.append((child, here, next_joint, index))
-        link, mended = lump(path, parts, moves=index > 0 or floating)
+        link, mended = lump(path, parts, moves=index > 0 or floating, root=index == 0)
         links.append(link)
         carried.append(fixed)
         notes += mended

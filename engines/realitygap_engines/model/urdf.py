@@ -62,7 +62,8 @@ def read_urdf(
     todo: list[tuple[yourdfpy.Joint, Array, int]] = []  # depth first, in the file's order
     while True:
         index = len(bodies)
-        body, mended = lump(path, [_part(part, pose) for part, pose in parts], moves=index > 0 or floating)
+        lumped = [_part(part, pose) for part, pose in parts]
+        body, mended = lump(path, lumped, moves=index > 0 or floating, root=index == 0)
         bodies.append(body)
         notes += mended
         shapes.append([(c, pose @ _pose(c.origin)) for part, pose in parts for c in part.collisions])

@@ -34,6 +34,8 @@ NUMBERS = {  # element -> attribute -> how many numbers
     "sphere": {"radius": 1},
     "mesh": {"scale": 3},
 }
+POSITIVE = {"mass": ("value",), "dynamics": ("damping", "friction"), "limit": ("effort", "velocity")}
+"""Element -> attributes that are no negative number."""
 NEEDED = {"mass", "inertia", "box", "cylinder", "sphere"}
 """Elements whose attributes must all be there."""
 SIZES = {"box", "cylinder", "sphere"}
@@ -108,10 +110,11 @@ def _check_part(path: Path, part: ElementTree.Element) -> None:
             if text is None and element.tag in NEEDED:
                 raise ModelError(f"{path}: {part.tag} {name}: {element.tag} has no {attribute}, expected a number")
             if text is not None:
-                _check_numbers(f"{path}: {part.tag} {name}: {element.tag} {attribute}", element.tag, text, count)
+                what = f"{path}: {part.tag} {name}: {element.tag} {attribute}"
+                _check_numbers(what, element.tag, text, count, positive=attribute in POSITIVE.get(element.tag, ()))
 
 
-def _check_numbers(what: str, tag: str, text: str, count: int) -> None:
+def _check_numbers(what: str, tag: str, text: str, count: int, *, positive: bool) -> None:
     expected = "a finite number" if count == 1 else f"{count} finite numbers"
     try:
         values = [float(word) for word in text.replace(",", " ").split()]
@@ -124,7 +127,7 @@ def _check_numbers(what: str, tag: str, text: str, count: int) -> None:
         raise ModelError(f"{what} is {text!r}, which no machine has; expected at most {LARGEST[tag]:g}")
     if tag in SIZES and min(values) <= 0:
         raise ModelError(f"{what} is {text!r}, expected more than 0 m")
-    if tag in ("mass", "dynamics") and min(values) < 0:
+    if positive and min(values) < 0:
         raise ModelError(f"{what} is {text!r}, expected no negative number")
 
 
@@ -164,4 +167,6 @@ def _check_joint(path: Path, joint: yourdfpy.Joint, links: set[str]) -> None:
         if end not in links:
             raise ModelError(f"{path}: joint {joint.name} names link {end}, which is not defined")
     if joint.type not in JOINT_TYPES:
-        raise ModelError(f"{path}: joint {joint.name} is {joint.type}; expected one of {', '.join(JOINT_TYPES)}")
+        raise ModelError(
+            f"{path}: joint {joint.name} is {joint.type or 'of no type'}; expected one of {', '.join(JOINT_TYPES)}"
+        )

@@ -21,6 +21,10 @@ FITS = 0.8
 """The share of the travel that a velocity explains where it belongs to the position: 0.95 to 1 was measured."""
 NOTHING = 0.25
 """What one that does not belong to it may explain by chance: as two motions of the same robot do."""
+NO_VELOCITY = {
+    "bag": "recordings.state: {topic: TOPIC, names: name, position: position} leaves it out",
+    "table": "remove recordings.columns.velocity, and rename a column that is called velocity, to leave it out",
+}
 SENSOR = 3.0
 """A scale further from 1 is not a sensor's."""
 
@@ -106,8 +110,11 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
     for j in np.flatnonzero(judged & moves):
         joint, own, a = o.joints[j], share[j, j], slope[j, j]
         if not told[j]:
-            sentence = f"the velocity of {joint} never changes while its position moves; expected its derivative"
-            out.append(Mistake("velocity", "certain", (joint,), f"{sentence}, or no velocity", key, (o.name,)))
+            sentence = (
+                f"the velocity of {joint} never changes while its position moves; expected its derivative, or none: "
+                f"{NO_VELOCITY['bag' if o.recording.receive_time is not None else 'table']}"
+            )
+            out.append(Mistake("velocity", "certain", (joint,), sentence, key, (o.name,)))
             continue
         if own < FITS:
             lost.append(int(j))

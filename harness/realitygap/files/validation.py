@@ -1,5 +1,6 @@
 """Checking data against its schema; the first thing that is wrong becomes one sentence."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -10,6 +11,7 @@ from pydantic_core import ErrorDetails
 from realitygap_engines.errors import in_a_line
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.found import shown
 
 Checked = TypeVar("Checked", bound=BaseModel)
 Key = int | str
@@ -19,11 +21,14 @@ WORDS = {
     "a valid dictionary or object to extract fields from": "a mapping",
     "a valid dictionary": "a mapping",
     "a valid list": "a list",
+    "a valid tuple": "a list",
     "a valid string": "text",
     "a valid number": "a number",
     "a valid integer": "a whole number",
 }
 """What pydantic says, in the words of a YAML file."""
+COUNTED = re.compile(r"\w+ should have at (least|most) (\d+ \w+) after validation, not \d+")
+INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
 
 def validate(path: Path, model: type[Checked], raw: dict[str, Any]) -> Checked:
@@ -51,25 +56,21 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         tag = found.get("kind") if isinstance(found, dict) else found
         expected = [_tag(section) for section in _sections_at(model, loc)]
-        return f"{key}.kind: found {_short(tag)}; expected one of {', '.join(t for t in expected if t)}"
+        return f"{key}.kind: found {shown(tag)}; expected one of {', '.join(t for t in expected if t)}"
     if kind == "invalid_key":
-        return f"{key or 'its top'}: found the key {_short(found)}, expected text"
+        return f"{key or 'its top'}: found the key {shown(found)}, expected text"
     message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     for long, short in WORDS.items():
         message = message.replace(long, short)
+    message = INSTANCE.sub("", COUNTED.sub(r"expected at \1 \2", message))
     meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
-    return f"{key}: found {_short(found)}; {message[0].lower() + message[1:]}" + (f" ({meaning})" if meaning else "")
+    return f"{key}: found {shown(found)}; {message[0].lower() + message[1:]}" + (f" ({meaning})" if meaning else "")
 
 
 def _depth(error: ErrorDetails) -> tuple[bool, int, bool]:
     """How close one of several complaints about a union is to what the writer meant."""
     named = error["type"] == "literal_error" and isinstance(error["input"], str)
     return error["type"] == "extra_forbidden", len(error["loc"]), named
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) < 80 else text[:77] + "..."
 
 
 def _key(raw: Any, loc: Sequence[Key]) -> str:

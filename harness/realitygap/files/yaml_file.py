@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from realitygap.files.errors import InputError
+from realitygap.files.found import kind_of
 from realitygap.files.plain_file import read_written
 
 LARGEST = 100_000
@@ -75,8 +76,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
     except (ValueError, yaml.YAMLError) as error:  # not UTF-8, a control character, a date that does not exist
         raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
     if not isinstance(data, dict):
-        found = "nothing" if data is None else f"a {type(data).__name__}"
-        raise InputError(f"{path}: holds {found}, expected a mapping of keys")
+        raise InputError(f"{path}: holds {kind_of(data)}, expected a mapping of keys")
     return data
 
 

@@ -58,12 +58,14 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         )
     columns: dict[str, Column] = {"time": time[0] if len(time) == 1 else time, **chosen}
     current = _current(chosen)
+    milli = current and "ma" in _words(columns["effort"])
+    unit_of_current = "recorded mA" if milli else "A"
     followed = "effort" in columns and ("command" not in columns or meaning == "effort")
     told = _told(labels, columns, joints)
     if current:
         told.append(
-            "the effort is a current: recordings.effort.factor is N·m per A at the joint (torque constant times gear "
-            "ratio), by joint pattern or `fit`, which takes it from the robot's own weight"
+            f"the effort is a current: recordings.effort.factor is N·m per {unit_of_current} at the joint (torque "
+            "constant times gear ratio), by joint pattern or `fit`, which takes it from the robot's own weight"
         )
     if "command" in columns and "effort" in columns and meaning == "position":
         told.append(
@@ -79,10 +81,9 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         units["time"], units_by = unit, f"GUESS: {time[0]} counts in {unit}, as its values show"
     lines = []
     if "effort" in columns:
-        milli = current and "ma" in _words(columns["effort"])
         unit = f"{{measures: motor, factor: {'0.001' if milli else '1.0'}}}" if current else "motor"
         why = (
-            f"N·m per {'mA' if milli else 'A'} is not in the table"
+            f"N·m per {unit_of_current} is not in the table"
             if current
             else "of the motor, before friction, in N·m or N"
         )

@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from realitygap.files.errors import InputError
+from realitygap.files.found import kind_of
 from realitygap.files.validation import validate
 
 
@@ -46,5 +47,5 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not valid JSON ({type(error).__name__}); expected what a run wrote") from None
     if not isinstance(raw, dict):
-        raise InputError(f"{path}: holds a {type(raw).__name__}, expected what a run wrote")
+        raise InputError(f"{path}: holds {kind_of(raw)}, expected what a run wrote")
     return validate(path, _Manifest, raw).model_dump(exclude_unset=True)

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.found import kind_of
 from realitygap.files.plain_file import read_written
 from realitygap.files.validation import validate
 from realitygap.scenario.section import Finite, NotNegative
@@ -59,7 +60,7 @@ def read_animation(path: Path) -> Animation:
     except ValueError as error:
         raise InputError(f"{path}: is not valid JSON ({error})") from None
     if not isinstance(raw, dict):
-        raise InputError(f"{path}: holds a {type(raw).__name__}, expected an object with keyframes")
+        raise InputError(f"{path}: holds {kind_of(raw)}, expected an object with keyframes")
     return validate(path, Animation, raw)
 
 

@@ -15,6 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.found import kind_of
 from realitygap.files.plain_file import check_plain, read_written
 
 Found = TypeVar("Found")
@@ -178,7 +179,7 @@ def _json(file: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         raise InputError(f"{file}: cannot be read ({' '.join(str(error).split())}); expected JSON") from None
     if not isinstance(found, dict):
-        raise InputError(f"{file}: holds a {type(found).__name__}, expected a mapping of keys")
+        raise InputError(f"{file}: holds {kind_of(found)}, expected a mapping of keys")
     return found
 
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.found import shown
 from realitygap.robot.effects.effect import Effect, Page
 from realitygap.robot.effects.joint import anywhere
 from realitygap.robot.effects.motor import CONSTANT_EFFORT
@@ -29,7 +30,7 @@ def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
         raise InputError(f"effect effort_map: {what} {wrong[0]}; it has {', '.join(KEYS)}")
     names = given["variables"]
     if not isinstance(names, list | tuple) or len(names) not in (1, 2) or len(set(map(str, names))) < len(names):
-        raise InputError(f"effect effort_map: variables is {names!r}; expected a list of one or two of {_known()}")
+        raise InputError(f"effect effort_map: variables is {shown(names)}; expected a list of one or two of {_known()}")
     for name in names:
         if name == "temperature":
             raise InputError(f"effect effort_map: variable temperature: no simulation knows it; expected {_known()}")
@@ -38,7 +39,9 @@ def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
             raise InputError(f"effect effort_map: unknown variable {name!r}; known: {_known()}{hint}")
     knots = given["knots"]
     if not isinstance(knots, list | tuple) or len(knots) != len(names):
-        raise InputError(f"effect effort_map: knots is {knots!r}; expected a list of numbers for each of {len(names)}")
+        raise InputError(
+            f"effect effort_map: knots is {shown(knots)}; expected a list of numbers for each of {len(names)}"
+        )
     grid = tuple(_numbers(k, f"knots of {n}") for k, n in zip(knots, names, strict=True))
     for name, row in zip(names, grid, strict=True):
         if any(b <= a for a, b in pairwise(row)):
@@ -49,7 +52,7 @@ def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
         expected = [1, len(grid[0])]
     else:
         if not isinstance(values, list | tuple):
-            raise InputError(f"effect effort_map: values is {values!r}; expected a list of rows")
+            raise InputError(f"effect effort_map: values is {shown(values)}; expected a list of rows")
         rows = tuple(_numbers(row, "a row of values") for row in values)
         expected = [len(grid[0]), len(grid[1])]
     if len(rows) != expected[0] or any(len(row) != expected[1] for row in rows):
@@ -63,7 +66,7 @@ def _numbers(given: Any, what: str) -> tuple[float, ...]:
     for x in given if numbers else ():
         numbers = numbers and isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
     if not numbers:
-        raise InputError(f"effect effort_map: {what}: found {given!r}; expected a list of numbers")
+        raise InputError(f"effect effort_map: {what}: found {shown(given)}; expected a list of numbers")
     return tuple(float(x) for x in given)
 
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Sequence
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.found import shown
 from realitygap.robot.effects import WRITABLE, Effect
 from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
@@ -50,7 +51,7 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
         if name not in known:
             raise InputError(f"effect {effect.name}: unknown parameter {name}; it has {listed}")
         if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-            raise InputError(f"effect {effect.name}: {name} is {value!r}; expected a number in {known[name].unit}")
+            raise InputError(f"effect {effect.name}: {name} is {shown(value)}; expected a number in {known[name].unit}")
         low, high = known[name].low, known[name].high
         neutral = known[name].absent
         if not low <= value <= high and value != neutral:

@@ -1,0 +1,29 @@
+"""What stands in a file, in the words of a person who writes one: no word of Python."""
+
+KINDS = {bool: "true or false", int: "a number", float: "a number", str: "text", list: "a list", dict: "a mapping"}
+"""Types that YAML and JSON have, and what people call them."""
+LONGEST = 80
+"""Characters of a value that a sentence has room for."""
+
+
+def kind_of(value: object) -> str:
+    """What kind of value was found."""
+    return "nothing" if value is None else KINDS.get(type(value), "something else")
+
+
+def shown(value: object) -> str:
+    """A value as it is written, not longer than a sentence bears."""
+    text = _written(value)
+    return text if len(text) < LONGEST else f"{text[: LONGEST - 3]}..."
+
+
+def _written(value: object) -> str:
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_written, value))}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{k}: {_written(v)}' for k, v in value.items())}}}"
+    return repr(value)
