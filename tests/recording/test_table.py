@@ -214,6 +214,9 @@ def test_the_columns_say_where_a_command_is_that_bags_hold_as_a_topic(recorded: 
     path = write(one_joint().rename(columns={"command": "goal"}), tmp_path / "run.csv")
     recording = read_recording(path, scenario(recorded, columns={"command": "goal"}), ["elbow"], file=FILE)
     np.testing.assert_array_equal(recording.command[:, 0], TIME + 1)
+    usual = write(one_joint(), tmp_path / "usual.csv")
+    recording = read_recording(usual, scenario(recorded), ["elbow"], file=FILE)
+    np.testing.assert_array_equal(recording.command[:, 0], TIME + 1)
 
 
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet"])

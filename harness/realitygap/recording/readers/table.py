@@ -191,7 +191,7 @@ class Table:
         """
         if any(self._of_joint(recorded, joint) is not None for joint in self.request.joints):
             return False
-        return recorded == "command" or (recorded.startswith("/") and "command" in self.columns.model_fields_set)
+        return recorded == "command" or recorded.startswith("/")
 
     @overload
     def _si(self, signal: str, value: Array) -> Array: ...
