@@ -26,8 +26,8 @@ from realitygap.robot.drive import Array
 
 IMPERFECT = {0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
 """How imperfect the laws of a kind are, in multiples of what is ordinary (`imperfections`), with the logarithm of the
-odds beforehand. Better laws than a machine's have to be earned by the recordings (20 : 1). Where worse ones had to be as
-well, masses stood in for what the friction of a UR10e is off by, and its payload came out 14 % low."""
+odds beforehand. Better laws than a machine's have to be earned by the recordings (20 : 1). Where worse ones had to be,
+too, masses stood in for what the friction of a UR10e is off by, and its payload came out 14 % low."""
 SWEEPS = 2
 """How often the scale of each kind of law is chosen beside those of the others."""
 PASSES = 2
