@@ -3,6 +3,7 @@ as the changed model did; what the format cannot say stands beside it, in the sc
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -92,9 +93,10 @@ SERVO = {
     "armature": 0.0266,
     "friction": {"coulomb": 0.05, "viscous": 0.02},
 }
+PID_SERVO = {"joints": "*", "kind": "pid", "kp": 28.0, "kd": 1.0, "armature": 0.0266}
 
 
-def team(folder: Path, form: str, *, on_the_ground: bool) -> Path:
+def team(folder: Path, form: str, *, on_the_ground: bool, servo: dict[str, Any] = SERVO) -> Path:
     """A scenario of the cart in a format: clamped, or on the ground."""
     name, text = ROBOTS[form]
     (folder / name).write_text(text())
@@ -110,7 +112,7 @@ def team(folder: Path, form: str, *, on_the_ground: bool) -> Path:
     content = {
         "name": "cart",
         "robot": {"urdf": name, "base": "floating" if on_the_ground else "fixed"},
-        "servos": [SERVO],
+        "servos": [servo],
         "motion": {"recorded": "command"},
         "ground": {"friction": 0.5, "stiffness": 20_000, "damping": 200} if on_the_ground else "none",
         "physics": {"step_rate": 1000},
@@ -131,7 +133,8 @@ def skip_without(form: str) -> None:
 def test_a_mended_model_moves_as_the_changed_one_in_every_format(effect: Effect, form: str, tmp_path: Path) -> None:
     skip_without(form)
     (tmp_path / "team").mkdir()
-    scenario = team(tmp_path / "team", form, on_the_ground=effect.sits_at == "ground")
+    servo = PID_SERVO if effect.name == "derivative_gain" else SERVO
+    scenario = team(tmp_path / "team", form, on_the_ground=effect.sits_at == "ground", servo=servo)
     plant = build_plant(load_scenario(scenario))
     target, index = {"joint": ("hinge", 0), "link": ("arm", 1)}.get(effect.sits_at, (effect.sits_at, 0))
     values = effect.first_size(plant, index)
