@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import realitygap_engines as engines
 from realitygap.files.errors import InputError
-from realitygap.robot.drive import EFFORT, SPEED, TORQUE, VELOCITY
+from realitygap.robot.drive import EFFORT, PID, POSITION, SPEED, TORQUE, VELOCITY
+from realitygap.robot.effects import EFFECTS
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.commands import Commands
@@ -59,6 +60,21 @@ def test_a_velocity_servo_closes_in_exponentially(engine: str) -> None:
     assert trace.velocity is not None
     exact = 2.0 * (1 - np.exp(-trace.time * 0.8 / INERTIA))
     assert np.abs(trace.velocity[:, 0] - exact).max() < 0.02
+
+
+@every
+def test_a_pid_servo_is_damped_by_its_derivative_gain(engine: str) -> None:
+    """J·q'' = kp·(c − q) − kd·q', as an oscillator (Åström & Hägglund 1995)."""
+    plant, kp, kd, goal = upright(PID, POSITION, 0.0), 20.0, 0.6, 0.3
+    plant.drive["kp"] = kp
+    EFFECTS["derivative_gain"].apply(plant, [0], {"gain": kd})
+    trace = turned(plant, goal, engine)
+    assert trace.position is not None
+    decay, pace = 0.5 * kd / INERTIA, np.sqrt(kp / INERTIA - (0.5 * kd / INERTIA) ** 2)
+    swing = np.cos(pace * trace.time) + decay / pace * np.sin(pace * trace.time)
+    exact = goal * (1.0 - np.exp(-decay * trace.time) * swing)
+    assert np.abs(trace.position[:, 0] - exact).max() < 2e-3
+    assert exact.max() > 1.3 * goal
 
 
 URDF = """<robot name="arm"><link name="base"/><link name="arm"><inertial><mass value="0.5"/>
