@@ -9,8 +9,8 @@ import yaml
 
 URDF = """<robot name="arm"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 -0.15"/><mass value="0.5"/>
 <inertia ixx="2e-3" iyy="2e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="10" velocity="20"/>
-<dynamics damping="0.02" friction="0.05"/></joint></robot>"""
+<joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+<limit lower="-3" upper="3" effort="10" velocity="20"/><dynamics damping="0.02" friction="0.05"/></joint></robot>"""
 TRUE, GUESSED = 1.2, 0.14
 QUANTUM = 2e-4
 TIME = np.arange(0.0, 4.0, 0.005)
