@@ -10,9 +10,9 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import CHOSE, Verdict, _widens, _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import CHOSE, Verdict, _asked, _wider, certain_of, predicted, supported
 from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.result.workflow import _against_all
+from realitygap.diagnose.result.workflow import _against, _against_all
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -42,7 +42,7 @@ def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
 ) -> None:
     left, against = supported(simulations, found, [])
     assert [s.effect for s in against] == ["joint_offset"]
-    assert max(against.values()) < 0.0
+    assert max(a.gain for a in against.values()) < 0.0
     assert [c.suspect.effect for c in left.best.fit.changes] == ["coulomb_friction"]
     assert left.best.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
     assert set(left.gains) == {suspect_of(problem, "coulomb_friction", "elbow")}
@@ -67,7 +67,9 @@ def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
     for torque, widens in ((FRICTION, False), (2.0, True)):
         fit = replace(found.best.fit, changes=(friction.at({"torque": torque}),))
         alone = replace(found, best=replace(found.best, fit=fit), without={friction.suspect: found.base})
-        assert _widens(simulations, alone, friction.suspect) == widens
+        told = _asked(simulations, alone, friction.suspect)
+        assert told.widens == widens
+        assert ("widens the held-out gap, from" in _against(friction.suspect, told)) == widens
         against = _against_all(simulations, found, fit.changes, Verdict(50.0, 1.0))
         assert ("widens the held-out gap" in against) == widens
 

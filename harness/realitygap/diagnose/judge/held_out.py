@@ -71,41 +71,59 @@ def predicted(
     return Verdict(*apart)
 
 
-def supported(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, dict[Suspect, float]]:
+@dataclass(frozen=True)
+class Against:
+    """What held-out runs say against a finding.
+
+    Attributes:
+        gain: how much more probable it makes them (natural logarithm).
+        gaps: their gap without and with it, in floors.
+    """
+
+    gain: float
+    gaps: tuple[float, float]
+
+    @property
+    def widens(self) -> bool:
+        """Whether the gap that is shown is clearly larger with it, and above the floor."""
+        without, with_ = self.gaps
+        return with_ > WIDER * max(without, 1.0)
+
+
+def supported(
+    simulations: Simulations, found: Found, keep: Collection[Suspect]
+) -> tuple[Found, dict[Suspect, Against]]:
     """What was found without the findings that held-out runs speak against, one after the other, the least first; and
-    what held-out runs gain by each of these. `keep` stays.
+    what they say against each of these. `keep` stays.
 
     Training and held-out runs together have to say as much for a finding as one has to be worth (`Found.least`), where
     what held-out runs say against it counts `CHOSE` times; and no finding may widen the gap that is shown. What they
     speak for beside all that was found stays: without another finding it may seem worse than it is.
     """
-    against: dict[Suspect, float] = {}
+    against: dict[Suspect, Against] = {}
     asked = set(found.without).difference(keep)
     while True:
-        verdicts = {
-            s: predicted(simulations, found.floors, found.best.fit.changes, found.without[s].fit.changes)
-            for s in asked & set(found.without)
-        }
-        doubted = {
-            s: v.gain
-            for s, v in verdicts.items()
-            if found.gains[s] + min(v.gain, CHOSE * v.gain) < found.least[s] or _widens(simulations, found, s)
-        }
+        doubted = {}
+        for s in asked & set(found.without):
+            told = _asked(simulations, found, s)
+            if told.widens or found.gains[s] + min(told.gain, CHOSE * told.gain) < found.least[s]:
+                doubted[s] = told
         if not doubted and against:
             found = _completed(found, keep)
             return replace(found, cautious=found.yardstick.cautious(found.best.fit)), against
         if not doubted:
             return found, against
-        least = min(doubted, key=lambda s: doubted[s])
+        least = min(doubted, key=lambda s: doubted[s].gain)
         against[least] = doubted[least]
         asked = set(doubted) - {least}
         found = _without(simulations, found, least, asked)
 
 
-def _widens(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
-    """Whether the held-out gap, as it is shown, is clearly larger with a finding than without it."""
-    with_, without = found.best.fit.changes, found.without[suspect].fit.changes
-    return held_out_gap(simulations, found.floors, with_) > WIDER * held_out_gap(simulations, found.floors, without)
+def _asked(simulations: Simulations, found: Found, suspect: Suspect) -> Against:
+    """What held-out runs say of a finding, beside all others."""
+    without, with_ = found.without[suspect].fit.changes, found.best.fit.changes
+    gaps = held_out_gap(simulations, found.floors, without), held_out_gap(simulations, found.floors, with_)
+    return Against(predicted(simulations, found.floors, with_, without).gain, gaps)
 
 
 def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, list[Suspect]]:

@@ -19,12 +19,12 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, rms, shown
-from realitygap.diagnose.judge.held_out import Verdict, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
-from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
+from realitygap.diagnose.result.diagnosis import CLEAR, Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.round import told_change
@@ -187,7 +187,7 @@ def _searched(
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     found, vague = certain_of(simulations, found, keep)
-    why_not = [_against(s, gain) for s, gain in against.items()]
+    why_not = [_against(s, told) for s, told in against.items()]
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
 
 
@@ -199,7 +199,7 @@ def _against_all(simulations: Simulations, found: Found, changes: Sequence[Chang
             "evidence: not named"
         )
     without, with_ = (held_out_gap(simulations, found.floors, c) for c in ((), changes))
-    if with_ > without:
+    if with_ > max(without, CLEAR):
         return (
             f"what was found widens the held-out gap, from {without:.4g} to {with_:.4g} floors, however much more "
             "probable it makes these runs: not named"
@@ -207,12 +207,17 @@ def _against_all(simulations: Simulations, found: Found, changes: Sequence[Chang
     return ""
 
 
-def _against(suspect: Suspect, gain: float) -> str:
+def _against(suspect: Suspect, told: Against) -> str:
     """Why held-out runs speak against a finding."""
-    if gain > 0.0:
-        return f"{suspect} is not named: with the {gain:.1f} that held-out runs gain it explains less than laws leave"
+    if told.widens:
+        return "{} widens the held-out gap, from {:.4g} to {:.4g} floors: not named".format(suspect, *told.gaps)
+    if told.gain > 0.0:
+        return (
+            f"{suspect} is not named: with the {told.gain:.1f} that held-out runs gain it explains less than laws leave"
+        )
     return (
-        f"{suspect} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not named"
+        f"{suspect} helps on training runs only: held-out runs lose {-told.gain:.1f} in evidence by it, and it is not "
+        "named"
     )
 
 
