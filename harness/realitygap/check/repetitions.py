@@ -31,14 +31,10 @@ HEARD = 5.0
 def repetitions(observed: Sequence[Observed]) -> list[Repetitions]:
     """Which recordings a comparison takes as repetitions of one motion, as it groups them; those of two and more."""
     runs = [
-        RecordedRun(o.name, o.recording, json.dumps(o.run.overrides, sort_keys=True), o.run.use, _window(o))
+        RecordedRun(o.name, o.recording, json.dumps(o.run.overrides, sort_keys=True), o.run.use, o.run.judged)
         for o in observed
     ]
     return [group for group in group_repetitions(runs) if len(group.indices) > 1]
-
-
-def _window(o: Observed) -> tuple[float, float]:
-    return o.run.window or o.run.part or (-np.inf, np.inf)
 
 
 def repetition_mistakes(observed: Sequence[Observed], told: Collection[str]) -> list[Mistake]:
@@ -83,7 +79,7 @@ def _apart(a: Observed, b: Observed, late: float, judged: Mask) -> _Apart:
     come a little otherwise are not the robot's.
     """
     first, second = a.recording.trace, b.recording.trace
-    start, end = _window(a)
+    start, end = a.run.judged
     time = first.time[(first.time >= start) & (first.time <= end)]
 
     def both(signal: str) -> tuple[Array, Array] | None:

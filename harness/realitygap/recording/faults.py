@@ -160,10 +160,8 @@ def command_glitches(recording: Recording) -> list[Fault]:
     if recording.command_kind != "position" or len(command) < 5:
         return []
     before, at, after = command[:-2], command[1:-1], command[2:]
-    steps = np.abs(np.diff(command, axis=0))
-    ends = np.full((1, command.shape[1]), 0.0)
-    around = np.maximum(np.vstack([ends, steps[:-2]]), np.vstack([steps[2:], ends]))  # a sine turns at full speed
-    usual = np.fmax(np.abs(after - before), around)
+    steps = np.pad(np.abs(np.diff(command, axis=0)), ((1, 1), (0, 0)))
+    usual = np.fmax(np.abs(after - before), np.maximum(steps[:-3], steps[3:]))  # a fast sine turns at a sharp peak
     jump = np.minimum(np.abs(at - before), np.abs(at - after))
     back = (at - before) * (at - after) > 0
     with np.errstate(invalid="ignore"):

@@ -184,6 +184,11 @@ class Run(Section):
     window: tuple[Finite, Finite] | None = Field(default=None, description="what is judged [s from the first message]")
     overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
 
+    @property
+    def judged(self) -> tuple[float, float]:
+        """What is judged [s from the first message]: the window, else the part, else all."""
+        return self.window or self.part or (-math.inf, math.inf)
+
     @model_validator(mode="after")
     def _ordered(self) -> Run:
         _check_ordered("window", self.window)

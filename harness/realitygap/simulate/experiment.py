@@ -193,7 +193,7 @@ def _prepare(
         begin=begin,
         duration=duration,
         use=run.use if run else None,
-        window=(run and (run.window or run.part)) or (-np.inf, np.inf),
+        window=run.judged if run else (-np.inf, np.inf),
         where=f"{file.path}: {case.key}" if case else str(file.path),
         overrides=json.dumps(run.overrides, sort_keys=True) if run else "{}",
         notes=tuple(notes),

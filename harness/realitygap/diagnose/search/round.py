@@ -199,9 +199,11 @@ class Round:
         than stretches of the recordings scatter by.
         """
         gain, watched = more.evidence - fewer.evidence, self.yardstick.channels
-        many = len(np.unique(stretches(watched))) >= PARTS
-        if not needs <= gain < (MUCH if many else DOUBTFUL) * needs:
+        if not needs <= gain < MUCH * needs:
             return gain >= needs
+        many = int(stretches(watched).max()) + 1 >= PARTS
+        if not many and gain >= DOUBTFUL * needs:
+            return True
         return gain >= (SCATTER if many else ERRORS) * compare(watched, more, fewer)[1]
 
     def led(self, other: Scored) -> None:
