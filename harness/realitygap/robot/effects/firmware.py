@@ -51,13 +51,18 @@ def _slow_profile(plant: Plant, index: int) -> dict[str, float]:
     return {"speed": speed, "acceleration": speed / 0.02}
 
 
+FASTEST = 1.23e4
+"""The largest acceleration a profile can be set to: 32767 times 214.577 rev/min², in rad/s² (Dynamixel e-manual, X
+series, profile acceleration); a Feetech STS reaches 254 times 100 steps/s², which is less. What would need more is no
+profile: it acts within a sample."""
+
 COMMAND_PROFILE = Effect(
     name="command_profile",
     changes="command",
     sits_at="joint",
     parameters=(
         Parameter("speed", "rad/s", 1e-3, 1e3, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
-        Parameter("acceleration", "rad/s²", 1e-2, 1e6, 150.0, absent=math.inf, default=math.inf, logarithmic=True),
+        Parameter("acceleration", "rad/s²", 1e-2, FASTEST, 150.0, absent=math.inf, default=math.inf, logarithmic=True),
     ),
     signals=("position", "velocity"),
     own=reads(speed="profile_speed", acceleration="profile_acceleration"),
