@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.processes import Died, Process, number
-from realitygap.diagnose.data.worker import Query, answer
+from realitygap.diagnose.data.worker import Query, Question
 from realitygap.robot.drive import Array
 from realitygap.simulate.opened import kept_open
 
@@ -66,14 +66,18 @@ class Simulations:
 
     def _answers(self, new: Sequence[Query]) -> list[dict[str, Array] | None]:
         """Simulated: one alone in this process, if nobody else does that meanwhile, several by the workers."""
-        if self._threads is None:
-            return [answer(self.problem, q) for q in new]
         if len(new) == 1 and self._own.acquire(blocking=False):
             try:
-                return [answer(self.problem, new[0])]
+                return [new[0].answer(self.problem)]
             finally:
                 self._own.release()
-        return list(self._threads.map(self._send, new))
+        return self.each(new)
+
+    def each(self, questions: Sequence[Question[Done]]) -> list[Done | None]:
+        """The answers to any questions, in their order, by the workers; None where one took its process down."""
+        if self._threads is None:
+            return [q.answer(self.problem) for q in questions]
+        return list(self._threads.map(self._send, questions))
 
     def side_by_side(self, work: Callable[[Item], Done], items: Sequence[Item]) -> list[Done]:
         """What some work makes of every item, in their order: of as many at once as there are workers, so that one goes
@@ -119,10 +123,10 @@ class Simulations:
         self._remembered[query] = signals
         self._bytes += size
 
-    def _send(self, query: Query) -> dict[str, Array] | None:
+    def _send(self, question: Question[Done]) -> Done | None:
         worker = self._idle.get()
         try:
-            return worker.ask(query)
+            return worker.ask(question)
         finally:
             self._idle.put(worker)
 
@@ -150,25 +154,25 @@ Coarse = Sequence[float]
 
 
 class _Worker:
-    """A process that knows the problem; it starts with the first query, where none was started ahead."""
+    """A process that knows the problem; it starts with the first question, where none was started ahead."""
 
     def __init__(self, problem: Problem, ahead: list[Process]) -> None:
         self._problem, self._ahead = problem, ahead
         self._process: Process | None = None
 
-    def ask(self, query: Query) -> dict[str, Array] | None:
+    def ask(self, question: Question[Done]) -> Done | None:
         try:
             if self._process is None:
                 self._process = self._ahead.pop() if self._ahead else Process()
                 self._process.tell(self._problem)
-            self._process.tell(query)
+            self._process.tell(question)
             good, result = cast("tuple[bool, object]", self._process.answer())
-        except Died:  # an engine that takes its process down cannot simulate this; the next query has a new one
+        except Died:  # an engine that takes its process down cannot simulate this; the next question has a new one
             self.close()
             return None
         if not good:
             raise RuntimeError(result)
-        return cast("dict[str, Array] | None", result)
+        return cast("Done", result)
 
     def kill(self) -> None:
         if self._process is not None:

@@ -1,7 +1,7 @@
 """A process that simulates motions of a problem: `python -m realitygap.diagnose.data.worker`.
 
 It reads pickled messages from its standard input and answers on its standard output: first the problem, then one
-query after the other. It ends when its input ends, so that it never outlives the process that started it.
+question after the other. It ends when its input ends, so that it never outlives the process that started it.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import os
 import pickle
 import sys
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 import numpy as np
 from realitygap_engines import Diverged, Failed, Unsupported
@@ -25,6 +26,15 @@ from realitygap.simulate.experiment import Experiment, simulate
 from realitygap.simulate.footing import SPAN, beyond, footing_of
 from realitygap.simulate.opened import kept_open
 from realitygap.trace.trace import Trace
+
+Answer_co = TypeVar("Answer_co", covariant=True)
+
+
+class Question(Protocol[Answer_co]):
+    """What a process is asked: it can be pickled, and so can its answer."""
+
+    def answer(self, problem: Problem, /) -> Answer_co:
+        """The answer, of the problem that the process knows."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +54,10 @@ class Query:
     jumps: bool = False
     nudge: int | None = None
     footing: bool = False
+
+    def answer(self, problem: Problem, /) -> dict[str, Array] | None:
+        """The signals at the measured stamps; None for a simulation that failed."""
+        return answer(problem, self)
 
 
 def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
@@ -91,10 +105,10 @@ def main() -> None:
     try:
         problem = pickle.load(asked)
         while True:
-            query = pickle.load(asked)
+            question: Question[object] = pickle.load(asked)
             result: tuple[bool, object]
             try:
-                result = True, answer(problem, query)
+                result = True, question.answer(problem)
             except Exception as error:  # told to the one who asked
                 result = False, f"{type(error).__name__}: {error}"
             pickle.dump(result, told, pickle.HIGHEST_PROTOCOL)

@@ -16,7 +16,7 @@ from realitygap.diagnose.propose.evolve import Part
 from realitygap.diagnose.propose.excitation import Excitation, period_of
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.proposal import Proposal
-from realitygap.diagnose.propose.safe import asks_beyond, left_in_engines
+from realitygap.diagnose.propose.safe import Tried, asks_beyond, left_in_engines
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
@@ -158,6 +158,7 @@ def motions_of(
     engines: Sequence[str],
     seconds: float,
     most: int,
+    tried: Tried,
 ) -> Iterator[Held]:
     """The best motions, the most promising first, one for every condition before a second one; a second one does
     without the kind of segment that tells most in the first.
@@ -169,13 +170,14 @@ def motions_of(
         engines: in which motions have to stay within the limits.
         seconds: that each may take.
         most: how many.
+        tried: what comes of trying a motion.
     """
     table = _Table(parts, goal, seconds)
     todo = [table.best(k, frozenset(), frozenset()) for k in range(len(table.conditions))]
     given = 0
     while given < most and any(todo):
         _, motion, condition, without, bad, gram = max((t for t in todo if t is not None), key=lambda t: t[0])
-        out, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits)
+        out, held = left_in_engines(result.problem, motion, result.open.explanations, engines, result.limits, tried)
         if not out:
             given += 1
             yield replace(motion, name=f"{motion.name}_{given}"), held, gram

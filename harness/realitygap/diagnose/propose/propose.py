@@ -211,9 +211,12 @@ def design(
         say(f"{len(better)} multisines that were fitted tell more than those that were drawn")
     except Interrupted as end:
         most, result.ended = 1, end
-    for motion, held, gram in motions_of(result, [*parts, *better], goal, engines, seconds, most):
-        result.proposed.append(_proposed(result, motion, held, gram, beliefs))
-        say(f"{motion.name}, {motion.seconds:.1f} s: stays within the limits in {len(held)} of {len(engines)} engines")
+    with Simulations(result.problem, workers) as simulations:
+        every = motions_of(result, [*parts, *better], goal, engines, seconds, most, simulations.each)
+        for motion, held, gram in every:
+            result.proposed.append(_proposed(result, motion, held, gram, beliefs))
+            inside = f"stays within the limits in {len(held)} of {len(engines)} engines"
+            say(f"{motion.name}, {motion.seconds:.1f} s: {inside}")
 
 
 def _steady(result: Proposal, motions: Sequence[Excitation], floors: Floors, workers: int | None) -> list[Excitation]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -80,17 +80,63 @@ def _trace(time: Array, names: Sequence[str], signals: dict[str, Array]) -> Trac
     return Trace(time, tuple(names), position, velocity, signals.get("effort"))
 
 
+@dataclass(frozen=True)
+class Trial:
+    """A way of performing a motion with a plant in an engine, and the limits that are to hold.
+
+    Attributes:
+        way: the motion.
+        plant: the robot.
+        engine: that simulates it.
+        limits: of the robot.
+    """
+
+    way: Experiment
+    plant: Plant
+    engine: str
+    limits: Limits
+
+    def answer(self, _: object = None, /) -> list[float] | None:
+        """When it leaves a limit [s]; None where the engine cannot simulate it."""
+        try:
+            trace = simulate(self.way.with_plant(self.plant), self.engine).trace
+        except (Unsupported, Failed):
+            return None
+        except Diverged as error:
+            return [error.time + self.way.begin]
+        return _left(self.plant, trace.between(-TICK, np.inf), self.limits)  # from where keyframes begin
+
+
+Tried = Callable[[list[Trial]], Iterable[list[float] | None]]
+"""What comes of trials, in their order."""
+
+
+def here(trials: list[Trial]) -> Iterator[list[float] | None]:
+    """One after the other, each when it is asked for."""
+    return (t.answer() for t in trials)
+
+
 def left_in_engines(
-    problem: Problem, motion: Excitation, explanations: Sequence[Scored], engines: Sequence[str], limits: Limits
+    problem: Problem,
+    motion: Excitation,
+    explanations: Sequence[Scored],
+    engines: Sequence[str],
+    limits: Limits,
+    tried: Tried = here,
 ) -> tuple[set[int], tuple[str, ...]]:
     """The same as `left_limits`, of every explanation's plant."""
     experiment = experiment_of(motion, problem.cases[0].experiment)
     plants = [changed(experiment.plant, e.fit.changes, problem.plant) for e in explanations]
-    return left_limits(experiment, motion, plants, engines, limits)
+    return left_limits(experiment, motion, plants, engines, limits, tried)
 
 
 def left_limits(
-    experiment: Experiment, motion: Excitation, plants: Sequence[Plant], engines: Sequence[str], limits: Limits
+    experiment: Experiment,
+    motion: Excitation,
+    plants: Sequence[Plant],
+    engines: Sequence[str],
+    limits: Limits,
+    tried: Tried = here,
 ) -> tuple[set[int], tuple[str, ...]]:
     """The numbers of the segments that leave a limit, in the first engine in which any does in any plant; and the
     engines that can simulate the motion, where none does: as it was designed, and as its keyframes are played, whenever
@@ -98,20 +144,15 @@ def left_limits(
     """
     ends = np.cumsum([len(s.value) for s in motion.segments]) * motion.period
     ways = (experiment, played(motion, experiment))
-    tried = [(later(way, late), plant) for way, plant in product(ways, plants) for late in phases(plant)]
+    asked = [(later(way, late), plant) for way, plant in product(ways, plants) for late in phases(plant)]
     held = []
     for engine in engines:
         can, left = True, list[float]()
-        for way, plant in tried:
-            try:
-                trace = simulate(way.with_plant(plant), engine).trace
-            except (Unsupported, Failed):
+        for times in tried([Trial(way, plant, engine, limits) for way, plant in asked]):
+            if times is None:
                 can = False
                 break
-            except Diverged as error:
-                left.append(error.time + way.begin)
-                continue
-            left += _left(plant, trace.between(-TICK, np.inf), limits)  # from where keyframes begin
+            left += times
             if left and len(ends) == 1:
                 break
         if left:
