@@ -5,7 +5,7 @@ import pytest
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.whitening import Channel
-from realitygap.diagnose.search.evidence import IMPERFECT, Scored, cautious, score, sharp
+from realitygap.diagnose.search.evidence import IMPERFECT, Scored, beforehand, cautious, score, sharp
 from realitygap.diagnose.search.imperfections import Imperfections
 
 NOISE = 0.5
@@ -31,7 +31,7 @@ def test_the_evidence_is_the_marginal_likelihood() -> None:
     dense = np.diag(NOISE**2 / got.metric.weight) + (responses * each**2) @ responses.T
     inside = np.eye(2) + SLAB**2 * slope.T @ np.linalg.solve(dense, slope)
     expected = -0.5 * residual @ np.linalg.solve(dense, residual) - 0.5 * np.linalg.slogdet(dense)[1]
-    expected += -0.5 * np.linalg.slogdet(inside)[1] + sum(IMPERFECT[s] for s in got.imperfect.values())
+    expected += -0.5 * np.linalg.slogdet(inside)[1] + sum(beforehand(law, s) for law, s in got.imperfect.items())
     assert got.evidence == pytest.approx(expected)
 
 
@@ -45,6 +45,22 @@ def test_each_kind_of_law_is_as_imperfect_as_the_recordings_say(off: float) -> N
     laws = ("friction",) * q + ("drive",) * q
     residual = NOISE * rng.standard_normal(n) + responses @ true
     assert scored(residual, np.zeros((n, 0)), responses, laws).imperfect == {"friction": off, "drive": 1.0 / off}
+
+
+def test_a_load_that_is_known_worse_than_a_drawing_has_it_has_to_be_earned() -> None:
+    """The same recordings take friction for twice as imperfect as it is, and what a link weighs not."""
+    rng = np.random.default_rng(8)
+    n, q = 4000, 2
+    responses = rng.standard_normal((n, q))
+    residual = NOISE * rng.standard_normal(n) + responses @ np.full(q, 1.5)
+    told = {
+        law: scored(residual, np.zeros((n, 0)), responses, (law,) * q).imperfect[law] for law in ("friction", "load")
+    }
+    assert told == {"friction": 2.0, "load": 1.0}
+    far = responses @ np.full(q, 6.0)
+    assert scored(NOISE * rng.standard_normal(n) + far, np.zeros((n, 0)), responses, ("load",) * q).imperfect == {
+        "load": 2.0
+    }
 
 
 def test_moves_are_looked_for_where_laws_are_as_good_as_they_may_be() -> None:

@@ -286,13 +286,17 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
 def _answers(
     simulations: Simulations, result: Proposal, predictions: Predictions, floors: Floors, off: Wrong | None
 ) -> list[tuple[Answer, ...]]:
-    """What every motion does to every question, as a diagnosis would tell it where it may be moved at all."""
+    """What every motion does to every question, as a diagnosis would tell it where it may be moved at all; of several
+    motions side by side.
+    """
     asked = [q for q in result.open.questions if q not in result.hopeless]
-    out = []
-    for case, gram in zip(predictions.cases, predictions.grams, strict=True):
+
+    def told(case: int) -> tuple[Answer, ...]:
         foreseen = {}
         if off is not None:
-            told = Foreseen(simulations, result.open, predictions, floors, off, case).answers(asked)
-            foreseen = {q: a for q, a in zip(asked, told, strict=True) if a is not None}
-        out.append(tuple(foreseen.get(q) or answer(q, gram, predictions.beliefs) for q in result.open.questions))
-    return out
+            answers = Foreseen(simulations, result.open, predictions, floors, off, case).answers(asked)
+            foreseen = {q: a for q, a in zip(asked, answers, strict=True) if a is not None}
+        gram = predictions.grams[predictions.cases.index(case)]
+        return tuple(foreseen.get(q) or answer(q, gram, predictions.beliefs) for q in result.open.questions)
+
+    return simulations.side_by_side(told, predictions.cases)
