@@ -51,7 +51,7 @@ def _slow_profile(plant: Plant, index: int) -> dict[str, float]:
     return {"speed": speed, "acceleration": speed / 0.02}
 
 
-FASTEST = 1.23e4
+FASTEST_PROFILE = 1.23e4
 """The largest acceleration a profile can be set to: 32767 times 214.577 rev/min², in rad/s² (Dynamixel e-manual, X
 series, profile acceleration); a Feetech STS reaches 254 times 100 steps/s², which is less. What would need more is no
 profile: it acts within a sample."""
@@ -62,7 +62,9 @@ COMMAND_PROFILE = Effect(
     sits_at="joint",
     parameters=(
         Parameter("speed", "rad/s", 1e-3, 1e3, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
-        Parameter("acceleration", "rad/s²", 1e-2, FASTEST, 150.0, absent=math.inf, default=math.inf, logarithmic=True),
+        Parameter(
+            "acceleration", "rad/s²", 1e-2, FASTEST_PROFILE, 150.0, absent=math.inf, default=math.inf, logarithmic=True
+        ),
     ),
     signals=("position", "velocity"),
     own=reads(speed="profile_speed", acceleration="profile_acceleration"),
