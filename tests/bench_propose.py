@@ -82,7 +82,8 @@ def run(planted: Planted, kept: Path, seconds: float, arms: Sequence[str], whole
     if not result.proposed:
         return keep(skipped="no motion within the limits moves the question")
     best = result.proposed[0]
-    answers = dict(zip(open_.questions, best.answers, strict=True))
+    answers = dict(zip(result.open.questions, best.answers, strict=True))  # not of what the recordings settle
+    true = [q for q in true if q in answers]
     stay = [q for q in true if q in result.hopeless or not answers[q].moves(q) or right in mimicked(q, answers[q])]
     right_ones = {right, *(e for q in stay for e in sides(q) if e)}
     true = [q for q in true if q not in stay]
