@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from one_joint import pendulum, wheel
 from realitygap.diagnose.propose.condition import Condition
-from realitygap.diagnose.propose.design import ENOUGH, Answer, answer, chosen, separable, settling, sharpened, told
+from realitygap.diagnose.propose.design import Answer, answer, chosen, separable, settling, sharpened, told
 from realitygap.diagnose.propose.excitation import Excitation
-from realitygap.diagnose.propose.explanations import Open, Question
+from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import EXACT, animation, waypoints
 from realitygap.diagnose.propose.limits import MARGIN, Limits, limits_of
 from realitygap.diagnose.propose.odds import Belief, expected
@@ -87,11 +87,6 @@ def test_what_does_all_that_the_other_one_does_can_only_be_shown_itself() -> Non
     assert "center of mass" in one_sided(question, one)
     assert one_sided(question, both) == ""
     assert odds_told(question, none) == odds_told(question, Answer(0.5, -2.0)) == OPEN
-
-
-def test_no_motion_is_made_for_what_the_recordings_settle() -> None:
-    questions = tuple(Question(0, k, ("one", f"other {k}"), (), now) for k, now in ((1, 2.0), (2, -30.0), (3, 30.0)))
-    assert Open((), questions).within(ENOUGH).questions == questions[:1]
 
 
 def test_what_tells_most_in_its_time_is_chosen_and_the_worst_question_counts() -> None:

@@ -11,6 +11,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.propose.condition import conditions
+from realitygap.diagnose.propose.design import ENOUGH
 from realitygap.diagnose.propose.excitation import BEFORE, Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import ELSE, Open, Question, shown
 from realitygap.diagnose.propose.files import write_motion
@@ -159,12 +160,25 @@ def test_few_pieces_are_looked_at_closely_and_they_part_explanations_most(
         assert telling(simulations, open_, cases, rough) == list(cases)
         kept = telling(simulations, open_, cases, rough, 8)  # of two joints: four
         answers = [simulations.of(e.fit.changes, cases, coarse=rough.coarse) for e in open_.explanations]
-    assert len(kept) == 4
+        drawn = telling(simulations, replace(open_, questions=()), cases, rough, 8)
+    assert len(kept) == len(drawn) == 4
+    assert {pool[c - own].segments[0].joints for c in drawn} == {m.segments[0].joints for m in pool}
     for question in open_.questions:
         pairs = zip(answers[question.one], answers[question.other], strict=True)
         far = [float(np.abs(a["position"] - b["position"]).max()) for a, b in pairs if a and b]
         assert max(far[c - own] for c in kept) > 0.9 * max(far)
         assert min(far[c - own] for c in kept) > np.median(far)
+
+
+def test_no_motion_is_made_for_what_the_recordings_settle(left: tuple[Open, Floors]) -> None:
+    """A rival that no other question is about is no explanation any more: no motion is tried under it."""
+    named = left[0].explanations[0]
+    four = tuple(replace(named, evidence=named.evidence - k) for k in range(4))
+    told = ((0, 1, -30.0), (0, 2, 2.0), (1, 3, 30.0), (0, 3, 30.0))
+    questions = [Question(a, b, (f"model {a}", f"model {b}"), (), now) for a, b, now in told]
+    open_ = Open(four, tuple(questions)).within(ENOUGH)
+    assert open_.questions == (replace(questions[1], other=1),)
+    assert open_.explanations == (four[0], four[2])
 
 
 def test_what_the_recordings_show_already_is_said(left: tuple[Open, Floors]) -> None:

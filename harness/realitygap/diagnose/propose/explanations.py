@@ -46,8 +46,13 @@ class Open:
     questions: tuple[Question, ...]
 
     def within(self, odds: float) -> Open:
-        """The same without the questions that the recordings settle, whose odds have a larger logarithm."""
-        return replace(self, questions=tuple(q for q in self.questions if abs(q.now) < odds))
+        """The same without the questions that the recordings settle, whose odds have a larger logarithm, and without
+        rivals that none of the others is about.
+        """
+        asked = [q for q in self.questions if abs(q.now) < odds]
+        left = sorted({0, *(number for q in asked for number in (q.one, q.other))})
+        questions = tuple(replace(q, one=left.index(q.one), other=left.index(q.other)) for q in asked)
+        return Open(tuple(self.explanations[number] for number in left), questions)
 
 
 def shown(open_: Open, limit: float) -> list[str]:

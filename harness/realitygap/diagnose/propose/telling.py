@@ -1,6 +1,8 @@
 """Pieces of motion that are worth a closer look: those where explanations, as they are, predict something else.
 
 Refitted to a motion they come nearer to each other, never farther: what parts nothing before parts nothing after it.
+Where nothing is in question, only the derivatives of a closer look say which pieces are worth it: some of every kind
+are.
 """
 
 from __future__ import annotations
@@ -23,8 +25,8 @@ take four or five."""
 
 
 def telling(simulations: Simulations, open_: Open, cases: Sequence[int], floors: Floors, most: int = MOST) -> list[int]:
-    """The cases that part explanations most, before any of them is refitted, of every question as many; all, where
-    there are few, or where nothing is in question.
+    """The cases that part explanations most, before any of them is refitted, of every question as many; evenly drawn
+    ones, where nothing is in question; all, where there are few.
 
     Args:
         simulations: of the problem with the motions.
@@ -34,8 +36,10 @@ def telling(simulations: Simulations, open_: Open, cases: Sequence[int], floors:
         most: how many at most, of a robot with one joint.
     """
     number = most // len(simulations.problem.judged)
-    if len(cases) <= number or not open_.questions:
+    if len(cases) <= number:
         return list(cases)
+    if not open_.questions:  # listed by direction and kind
+        return [cases[k] for k in np.linspace(0, len(cases) - 1, number).round().astype(int)]
     apart = _apart(simulations, open_, cases, floors)
     best = np.argsort(np.argsort(-apart, axis=1), axis=1).min(axis=0)  # its rank in the question that it tells best
     return [cases[k] for k in np.sort(np.argsort(best, kind="stable")[:number])]
