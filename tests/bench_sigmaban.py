@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 import realitygap_engines as engines
 from realitygap.compare.comparison import compare, motions
-from realitygap.compare.table import EXCLUDED, table
+from realitygap.compare.row import EXCLUDED
+from realitygap.compare.table import table
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.experiment import experiments
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import synthetic
-from realitygap.compare.table import Cell
+from realitygap.compare.row import Cell
 from realitygap.report import write_page
 
 JOINTS = ("hip", "knee", "ankle", "toe")

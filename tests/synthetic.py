@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 from realitygap.compare.comparison import Comparison
 from realitygap.compare.gap import differences
-from realitygap.compare.table import COLUMNS, Cell, Row, failed, row, slug, table, to_csv
+from realitygap.compare.row import COLUMNS, Cell, Row, failed, row, slug
+from realitygap.compare.table import table, to_csv
 from realitygap.compare.traces import write_traces
 from realitygap.files.whole import write_whole
 from realitygap.trace.trace import Trace

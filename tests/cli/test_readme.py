@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from realitygap.cli.main import app
-from realitygap.compare.table import COLUMNS
+from realitygap.compare.row import COLUMNS
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]

@@ -10,7 +10,8 @@ import pytest
 from numpy.testing import assert_allclose
 from realitygap.compare.budget import not_judged, over_budget, parse_budget
 from realitygap.compare.gap import Difference, differences, mean_trace, moving_joints
-from realitygap.compare.table import EXCLUDED, Cell, failed, means, read_gaps, row, slug, table, to_csv
+from realitygap.compare.row import EXCLUDED, Cell, failed, row, slug
+from realitygap.compare.table import means, read_gaps, table, to_csv
 from realitygap.files.errors import InputError
 from realitygap.files.whole import write_whole
 from realitygap.trace.trace import Trace

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from realitygap.compare import comparison, size
 from realitygap.compare.comparison import RepeatedMotion, compare, motions_of, whole_size
-from realitygap.compare.table import slug, table, to_csv
+from realitygap.compare.row import slug
+from realitygap.compare.table import table, to_csv
 from realitygap.compare.traces import read_traces, write_traces
 from realitygap.report.curves import boxes
 from realitygap.scenario.file import load_scenario

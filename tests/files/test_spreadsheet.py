@@ -4,7 +4,8 @@ import csv
 from pathlib import Path
 
 import pytest
-from realitygap.compare.table import Row, read_gaps, table, to_csv
+from realitygap.compare.row import Row
+from realitygap.compare.table import read_gaps, table, to_csv
 
 FORMULAS = ("=1+1", "+a", "-a", "@a", "\ta", "'=a", "''+a", '=HYPERLINK("a";"b")')
 WORDS = ("elbow", "'a", "a=b", "left knee", "a,b")

@@ -20,7 +20,8 @@ import yaml
 from numpy.testing import assert_allclose
 from realitygap.cli.main import main
 from realitygap.cli.results import make, summary
-from realitygap.compare.table import COLUMNS, read_gaps
+from realitygap.compare.row import COLUMNS
+from realitygap.compare.table import read_gaps
 from realitygap.compare.traces import read_traces
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import synthetic
-from realitygap.compare.table import Cell
+from realitygap.compare.row import Cell
 from realitygap.report.folder import read_folder
 from realitygap.report.levels import pareto
 from realitygap.report.sentences import Sentence, sentences

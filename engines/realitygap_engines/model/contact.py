@@ -4,17 +4,21 @@ Against a plane a convex body touches with its vertices only, so small spheres t
 engine then sees nothing but sphere-plane contacts, which they all treat alike.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
-import yourdfpy
 from scipy.spatial import ConvexHull, QhullError
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.robot import Array, Sphere
+
+if TYPE_CHECKING:
+    import yourdfpy
 
 RADIUS = 1e-3
 """Radius of a corner sphere [m]; its centre is moved inwards, so that the surface stays where it was."""
@@ -76,6 +80,8 @@ def inset_mesh(path: Path, link: str, file: Path, scale: float | Array) -> Array
     Raises:
         ModelError: for a mesh that cannot be read or has no volume.
     """
+    import trimesh  # a third of a second to load, for robots with meshes alone
+
     try:
         with quiet("trimesh"):  # what it complains about is said here
             loaded = trimesh.load(file, force="mesh")
@@ -119,6 +125,8 @@ def _hull(points: Array) -> Array:
     except (QhullError, ValueError):
         points = np.unique(points, axis=0)  # flat or degenerate: every point may touch
     if len(points) > MANY:
+        import trimesh
+
         with quiet("trimesh"):
             to_box, extents = trimesh.bounds.oriented_bounds(points)
         local = (points @ to_box[:3, :3].T + to_box[:3, 3]) / extents

@@ -9,7 +9,6 @@ from realitygap_engines.errors import ModelError
 from realitygap_engines.model.mjcf import read_mjcf
 from realitygap_engines.model.robot import Model
 from realitygap_engines.model.sdf import read_sdf
-from realitygap_engines.model.urdf import read_urdf
 
 LARGEST = 64 << 20
 """Bytes of a robot's description; meshes lie beside it."""
@@ -53,4 +52,6 @@ def read_model(
         return read_mjcf(file, floating=floating, contact_links=contact_links)
     if format_of(file) == "sdf":
         return read_sdf(file, floating=floating, packages=packages, contact_links=contact_links)
+    from realitygap_engines.model.urdf import read_urdf  # with all that reads meshes: who is sent a model needs none
+
     return read_urdf(file, floating=floating, packages=packages, contact_links=contact_links)

@@ -6,7 +6,7 @@ from pathlib import Path
 from realitygap_engines import RealityGapError
 
 from realitygap.compare.comparison import cell_of, motions_of
-from realitygap.compare.table import slug
+from realitygap.compare.row import slug
 from realitygap.compare.traces import FOLDER, add_traces
 from realitygap.files.progress import Progress
 from realitygap.missing.effort import MissingEffort, missing_of

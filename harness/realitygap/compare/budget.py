@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from realitygap.compare.table import CELL, EXCLUDED
+from realitygap.compare.row import CELL, EXCLUDED
 from realitygap.files.errors import InputError
 from realitygap.scenario.schema import Budget
 

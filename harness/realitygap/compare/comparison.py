@@ -11,7 +11,7 @@ import realitygap_engines as engines
 from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.compare.gap import JOINT_SIGNALS, Difference, box, differences, mean_trace
-from realitygap.compare.table import EXCLUDED, Cell, Row, failed, row
+from realitygap.compare.row import EXCLUDED, Cell, Row, failed, row
 from realitygap.files.errors import InputError
 from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
 from realitygap.scenario.file import ScenarioFile

@@ -10,8 +10,8 @@ from realitygap_engines.errors import in_a_line
 from realitygap_engines.model.robot import Model
 
 from realitygap.compare.comparison import Comparison
+from realitygap.compare.row import Cell, slug
 from realitygap.compare.size import thinned
-from realitygap.compare.table import Cell, slug
 from realitygap.files.errors import InputError
 from realitygap.trace.mcap import write_mcap
 from realitygap.trace.parquet import read_about, read_parquet, write_parquet

@@ -8,8 +8,9 @@ import pandas as pd
 
 from realitygap.compare.budget import not_judged, over_budget
 from realitygap.compare.comparison import failure
+from realitygap.compare.row import slug
 from realitygap.compare.size import told
-from realitygap.compare.table import slug, table, to_csv
+from realitygap.compare.table import table, to_csv
 from realitygap.files.whole import write_whole
 from realitygap.matrix.manifest import write_manifest
 from realitygap.matrix.matrix_file import MatrixFile

@@ -13,7 +13,7 @@ from typing import Any
 import realitygap_engines as engines
 
 from realitygap.compare.comparison import RepeatedMotion
-from realitygap.compare.table import Cell, slug
+from realitygap.compare.row import Cell, slug
 from realitygap.files.whole import write_whole
 from realitygap.scenario.file import ScenarioFile
 

@@ -11,7 +11,7 @@ from typing import Any
 import realitygap_engines as engines
 
 from realitygap.compare.comparison import RepeatedMotion, motions
-from realitygap.compare.table import slug
+from realitygap.compare.row import slug
 from realitygap.files.errors import InputError
 from realitygap.matrix.digest import Digest, code_version
 from realitygap.matrix.matrix_file import NAMED_AXES, MatrixFile

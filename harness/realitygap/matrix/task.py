@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from realitygap.compare.comparison import Comparison, RepeatedMotion, cell_of, compare, failure
-from realitygap.compare.table import Cell, Row
+from realitygap.compare.row import Cell, Row
 from realitygap.compare.traces import write_traces
 from realitygap.files.unfinished import ELSEWHERE, part_folder
 from realitygap.scenario.file import ScenarioFile

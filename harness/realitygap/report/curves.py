@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from realitygap.compare.gap import JOINT_SIGNALS, Jointed, box, differences, unit_of
-from realitygap.compare.table import slug
+from realitygap.compare.row import slug
 from realitygap.compare.traces import CellTraces
 from realitygap.files.whole import write_whole
 from realitygap.recording.frames import angle_between

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from realitygap.compare.gap import BASE
-from realitygap.compare.table import file_name
+from realitygap.compare.row import file_name
 from realitygap.compare.traces import CellTraces, read_traces
 from realitygap.files.errors import spared
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label, unit_label

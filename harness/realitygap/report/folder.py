@@ -8,7 +8,8 @@ from typing import Any
 import pandas as pd
 from realitygap_engines.errors import in_a_line
 
-from realitygap.compare.table import CELL, Cell, means, read_gaps
+from realitygap.compare.row import CELL, Cell
+from realitygap.compare.table import means, read_gaps
 from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
 from realitygap.page.style import AXES, SIGNALS

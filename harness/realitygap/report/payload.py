@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from realitygap.compare.table import EXCLUDED
+from realitygap.compare.row import EXCLUDED
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label
 from realitygap.report.folder import GROUPS, Results, cell_key
 

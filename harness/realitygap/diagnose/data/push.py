@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
+from scipy.linalg import solve_banded
 
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
@@ -54,4 +54,5 @@ def coloured(steps: int, h: float, seed: int) -> Array:
     """Random numbers of unit variance and a correlation time, the same for the same seed. Shape (steps,)."""
     keep = np.exp(-h / CORRELATION)
     white = np.random.default_rng(seed).standard_normal(steps) * np.sqrt(1 - keep**2)
-    return np.asarray(lfilter([1.0], [1.0, -keep], white))
+    steps_back = np.array([np.ones(steps), np.full(steps, -keep)])  # each number less what is kept of the one before
+    return np.asarray(solve_banded((1, 0), steps_back, white))
