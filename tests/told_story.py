@@ -15,7 +15,7 @@ from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import Worsened, in_units
 from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.exchange import Rival
+from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 

@@ -94,6 +94,16 @@ def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> Non
     assert standing(better.fit.changes) == at.right
 
 
+def test_two_wrong_names_are_exchanged_at_once() -> None:
+    joints = ("shoulder", "elbow")
+    missing: Effects = {("viscous_friction", j): {"coefficient": 0.3} for j in joints}
+    at = stood(missing, {("coulomb_friction", j): {"torque": 0.4} for j in joints}, [])
+    with at.simulations:
+        better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
+    assert better is not None
+    assert standing(better.fit.changes) == at.right
+
+
 URDF = """<robot name="arm"><link name="base"/><link name="arm">
 <inertial><origin xyz="0 0 -0.5"/><mass value="0.6"/>
 <inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>

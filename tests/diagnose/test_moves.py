@@ -12,9 +12,9 @@ from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
-from realitygap.diagnose.search.exchange import LOOSER
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.linear import Linear
+from realitygap.diagnose.search.rivals import LOOSER
 from realitygap.robot.effects import EFFECTS
 
 

@@ -23,7 +23,7 @@ from realitygap.diagnose.rehearse.page import sentence
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
 from realitygap.diagnose.rehearse.rehearse import Rehearsal, Tried, rehearse, searched
 from realitygap.diagnose.rehearse.visible import Look, Visible, confusables, visible, within_law
-from realitygap.diagnose.search.exchange import ODDS
+from realitygap.diagnose.search.rivals import ODDS
 from realitygap.files.errors import InputError
 from realitygap.recording.quantum import quantum
 from realitygap.robot.effects import EFFECTS

@@ -15,7 +15,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.exchange import ODDS
+from realitygap.diagnose.search.rivals import ODDS
 from realitygap.diagnose.search.search import needed, search
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario

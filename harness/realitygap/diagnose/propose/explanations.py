@@ -9,7 +9,7 @@ from itertools import combinations
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.result.story_text import suspect_label
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.exchange import Rival
+from realitygap.diagnose.search.rivals import Rival
 
 MOST = 3
 """Rivals of a finding that are told apart."""

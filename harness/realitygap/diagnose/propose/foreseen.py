@@ -29,7 +29,7 @@ from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.refit import refitted
 from realitygap.diagnose.propose.wrong import Wrong
 from realitygap.diagnose.search.evidence import STRETCH, Scored
-from realitygap.diagnose.search.exchange import ODDS
+from realitygap.diagnose.search.rivals import ODDS
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 

@@ -18,7 +18,8 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.explanations import MOST, Open, left_open
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.exchange import ODDS, Exchanged, exchanged
+from realitygap.diagnose.search.exchange import Exchanged, exchanged
+from realitygap.diagnose.search.rivals import ODDS
 from realitygap.diagnose.search.round import Round, Say
 from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError

@@ -17,7 +17,7 @@ from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.worsened import InUnits, Worsened
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.search.exchange import Rival
+from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 

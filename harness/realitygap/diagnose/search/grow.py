@@ -12,8 +12,8 @@ from realitygap.diagnose.candidates.suspects import everyday, richer
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
-from realitygap.diagnose.search.exchange import FAR, LOOSER
 from realitygap.diagnose.search.prune import pruned
+from realitygap.diagnose.search.rivals import FAR, LOOSER
 from realitygap.diagnose.search.round import Round, linear_at, told_change
 from realitygap.robot.plant import Plant
 

@@ -15,10 +15,11 @@ from realitygap.diagnose.fit.responses import at_once, residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.exchange import Exchanged, Rival, exchanged, renamed
+from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.merged import merged
+from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
