@@ -17,7 +17,7 @@ from realitygap.diagnose.search import round as round_module
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
-from realitygap.diagnose.search.imperfections import SHARE
+from realitygap.diagnose.search.imperfections import KNOWN, SHARE
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -69,6 +69,19 @@ def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, r
         assert round_.little(own) == max(little.values())
     finally:
         round_.explained = explained
+
+
+def test_what_is_explained_leaves_no_more_than_what_is_not_known_of_it(
+    problem: Problem, round_: Round, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Friction may be off by 16 %; of a delay that explains all so far less is not known."""
+    delay, friction = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("command_delay", "viscous_friction"))
+    imperfect = {"friction": 2.0, "": 0.5}
+    alone = replace(round_.now, imperfect=imperfect, fit=replace(round_.now.fit, changes=(delay,)))
+    monkeypatch.setattr(round_, "explained", 1000.0)
+    monkeypatch.setattr(round_, "now", alone)
+    both = replace(alone, fit=replace(alone.fit, changes=(delay, friction)))
+    assert round_.little(both) == pytest.approx(1000.0 * (0.5 * KNOWN["command_delay"]) ** 2)
 
 
 def test_what_laws_leave_is_asked_where_a_finding_acts_only_of_a_motion_that_is_followed(

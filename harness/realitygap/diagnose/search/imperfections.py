@@ -268,7 +268,7 @@ def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float], un
     return min(max(most, unseen) / size, FURTHEST) if size > 0.0 else FURTHEST
 
 
-def _share(suspect: Suspect) -> float:
+def known_to(suspect: Suspect) -> float:
     """To which share of what it does an effect is known."""
     return KNOWN.get(suspect.effect, SHARE.get(suspect.kind.law, WORST))
 
@@ -308,7 +308,7 @@ def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
                 times = [abs(zero[n] / (change.parameters[n] - zero[n])) for n in block.start.moved(k)] if law else []
                 most = max(times, default=0.0)
                 response = block.columns[:, k]
-                out.append(_Known(law, suspect.joints, response, most, _share(suspect), number, uneven))
+                out.append(_Known(law, suspect.joints, response, most, known_to(suspect), number, uneven))
     return out
 
 
@@ -333,7 +333,7 @@ def _accepted(problem: Problem, at: Fit) -> list[tuple[_Known, Accepted]]:
         suspect = at.changes[i].suspect
         if not suspect.kind.parameter(name).shape:
             times = abs(value) / at.size[k]
-            known = _Known(suspect.kind.law, suspect.joints, at.slope[:, k], times, _share(suspect))
+            known = _Known(suspect.kind.law, suspect.joints, at.slope[:, k], times, known_to(suspect))
             absent = neutral(problem.plant, suspect)[name]
             absent = absent if np.isfinite(absent) else 0.0
             out.append((known, Accepted(len(out), suspect, name, abs(float(value)), absent)))
