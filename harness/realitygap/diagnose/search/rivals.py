@@ -1,6 +1,6 @@
 """What could stand in the place of one finding: what promises most where it is missing, and beside it.
 
-A finding does not hang alone in the air: where it is missing, everything else that is in the model is fitted anew.
+Where it is missing, everything else that is in the model is fitted anew.
 """
 
 from __future__ import annotations
@@ -39,9 +39,6 @@ promised 0.89 to 1.3 of it."""
 BEYOND = 2
 """Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
 were simulated at few sizes, and promise too little."""
-ELSEWHERE = (0.8, 1.25)
-"""What promises all that the finding does, and comes out far behind it, is fitted again from these multiples of what it
-promised that with: beside play, fits are rough. An effort of 0.12 N·m ended at 0.104, for which an offset was named."""
 LOOSER = (1.0, 2.0, 4.0)
 """What the first size of a limit is multiplied by, where another fit is near by."""
 FAR = 2.0
@@ -158,26 +155,20 @@ def _far(round_: Round, finding: Suspect) -> list[Suspect]:
 
 def _sizes(limit: Change) -> list[Change]:
     """A limit at several multiples of its first size: from one that is too tight no fit finds back."""
-    return [_times(limit, looser) for looser in LOOSER]
-
-
-def _times(change: Change, factor: float) -> Change:
-    """A change with so many times its finite free values."""
-    return change.at({n: factor * v for n, v in change.parameters.items() if n in change.free and np.isfinite(v)})
+    first = {n: v for n, v in limit.parameters.items() if n in limit.free and np.isfinite(v)}
+    return [limit.at({n: looser * v for n, v in first.items()}) for looser in LOOSER]
 
 
 def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
     round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
     same = {} if place.late else alike(round_, place.change)
-    chosen, whole = {suspect: [change] for suspect, change in same.items()}, dict[Suspect, Change]()
+    chosen = {suspect: [change] for suspect, change in same.items()}
     most = len(chosen) + (LATE if place.late else EXCHANGED)
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
             chosen.setdefault(p.block.suspect, [p.change])
-            if p.gain >= place.gain and not place.late:
-                whole.setdefault(p.block.suspect, p.change)
     far = [s for s in place.limits if s not in {place.change.suspect, *chosen}]
     for suspect in far[: 0 if place.late else BEYOND]:
         chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
@@ -186,15 +177,9 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         if any(r.suspect == suspect for r in out):
             continue
         quick = place.best(begun, suspect in same)
-        if quick is None:
+        if quick is None or quick.evidence <= alone.evidence:
             continue
         close = place.close(quick)
-        if not close and suspect in whole:
-            again = place.best([_times(whole[suspect], factor) for factor in ELSEWHERE])
-            if again is not None and again.evidence > quick.evidence:
-                quick, close = again, True
-        if quick.evidence <= alone.evidence:
-            continue
         scored = yardstick.refined(quick) if close else quick
         if scored is not None:
             out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored)))
