@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import synthetic
+from realitygap.cli.main import app
 from realitygap.compare.traces import read_traces
 from realitygap.files.errors import InputError
 from realitygap.report import write_figures, write_page
@@ -18,6 +19,8 @@ from realitygap.report.spread import spread
 from realitygap.report.thesis import grounds, improvements
 from realitygap.trace.trace import Trace
 from signals import there
+from synthetic_tosses import write_tosses
+from typer.testing import CliRunner
 
 JOINTS = ("hip", "knee", "ankle", "toe")
 
@@ -172,6 +175,14 @@ def test_figures_for_one_joint_and_for_many(tmp_path: Path, joints: int) -> None
     synthetic.write_folder(tmp_path, joints=names, cells=[synthetic.cell()], error=lambda _: 0.01)
     boxes = next(f for f in write_figures(tmp_path) if f.name == "boxes-position-swing.svg").read_text()
     assert all(n in boxes for n in names)
+
+
+def test_a_body_without_joints_has_curves_of_its_position(tmp_path: Path) -> None:
+    scenario = write_tosses(tmp_path, 0.3)
+    done = CliRunner().invoke(app, ["run", str(scenario), "-e", "mujoco", "-o", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert "could not be made" not in done.output
+    assert list((tmp_path / "out" / "figures").glob("curves-*.svg"))
 
 
 def test_the_thesis_own_differences_are_those_of_its_tables() -> None:

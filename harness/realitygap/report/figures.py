@@ -160,7 +160,7 @@ def _curves(one: Drawing, traces: dict[str, CellTraces], sets: Sequence["BoxSet"
 
     first = next(iter(traces.values()))
     named = series(first.simulated, first)
-    signal = next((s for s in SIGNALS if s in named), None)
+    signal = next((s for s in SIGNALS if named.get(s)), None)  # a free body has positions of no joints
     if signal is None:
         return None
     joints = list(named[signal])
