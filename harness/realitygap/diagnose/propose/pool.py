@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.propose.condition import Condition, conditions
+from realitygap.diagnose.propose.condition import conditions
 from realitygap.diagnose.propose.design import Goal, chosen
 from realitygap.diagnose.propose.evolve import Part
 from realitygap.diagnose.propose.excitation import Excitation, period_of
@@ -18,6 +18,7 @@ from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.safe import Tried, asks_beyond, left_in_engines
 from realitygap.diagnose.propose.segments import Builder
+from realitygap.diagnose.propose.telling import evenly
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
 
@@ -88,7 +89,7 @@ def pool_of(result: Proposal, spec: ProposeSpec, inside: Within | None = None) -
     off = () if _may_release(problem, spec) else ("release",)
     kinds: list[SegmentKind] = [k for k in get_args(SegmentKind) if k not in (*spec.forbid, *off)]
     most = ON_FEET if problem.plant.model.floating else TRIED
-    ways = list(product(builders(result), _few(conditions(problem, spec), most)))
+    ways = list(product(builders(result), evenly(conditions(problem, spec), most)))
     out, todo = [list[Excitation]() for _ in ways], [kinds for _ in ways]
     for pace in PACES:
         tried = [
@@ -101,11 +102,6 @@ def pool_of(result: Proposal, spec: ProposeSpec, inside: Within | None = None) -
             out[k] += [m for m in of if id(m) in good]
             todo[k] = list(dict.fromkeys(m.segments[0].kind for m in of if id(m) not in good))
     return [replace(m, name=f"{m.name}_{k}") for k, m in enumerate(m for of in out for m in of)]
-
-
-def _few(every: Sequence[Condition], most: int) -> list[Condition]:
-    """So many of the conditions, from the scenario's own on as far apart as they are listed."""
-    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(int))]
 
 
 def stands(result: Proposal) -> bool:

@@ -8,6 +8,7 @@ are.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from realitygap.diagnose.likelihood.whitening import channels, stacked
 from realitygap.diagnose.propose.explanations import Open
 from realitygap.diagnose.propose.safe import simulated
 from realitygap.robot.drive import Array
+
+Item = TypeVar("Item")
 
 MOST = 2000
 """So many pieces of one joint are looked at with all derivatives at most, and of more joints as many fewer, as a step
@@ -39,10 +42,15 @@ def telling(simulations: Simulations, open_: Open, cases: Sequence[int], floors:
     if len(cases) <= number:
         return list(cases)
     if not open_.questions:  # listed by direction and kind
-        return [cases[k] for k in np.linspace(0, len(cases) - 1, number).round().astype(int)]
+        return evenly(cases, number)
     apart = _apart(simulations, open_, cases, floors)
     best = np.argsort(np.argsort(-apart, axis=1), axis=1).min(axis=0)  # its rank in the question that it tells best
     return [cases[k] for k in np.sort(np.argsort(best, kind="stable")[:number])]
+
+
+def evenly(every: Sequence[Item], most: int) -> list[Item]:
+    """So many of them, from the first one on as far apart as they are listed."""
+    return [every[k] for k in np.unique(np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(int))]
 
 
 def _apart(simulations: Simulations, open_: Open, cases: Sequence[int], floors: Floors) -> Array:
