@@ -23,8 +23,15 @@ class Workers:
         self._temporary = temporary
         self._own = threading.local()
         self._all: set[Worker] = set()
+        self._ready: list[Worker] = []
         self._closed = False
         self._lock = threading.Lock()
+
+    def begin(self, number: int) -> None:
+        """Start so many processes for threads that are yet to ask: they load their packages meanwhile."""
+        with self._lock:
+            self._ready += [Worker(self._temporary) for _ in range(number)]
+            self._all.update(self._ready)
 
     def own(self) -> Worker:
         """The process of this thread, started where there is none.
@@ -37,7 +44,7 @@ class Workers:
             if self._closed:
                 raise Closed
             if worker is None or not worker.alive:
-                worker = self._own.worker = Worker(self._temporary)
+                worker = self._own.worker = self._ready.pop() if self._ready else Worker(self._temporary)
                 self._all.add(worker)
         return worker
 

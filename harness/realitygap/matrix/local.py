@@ -22,7 +22,7 @@ LONG = 600.0
 
 
 class Local:
-    """Processes of this machine, which start with the first work and stay until `close`.
+    """Processes of this machine, which start with the first work, or before it, and stay until `close`.
 
     Args:
         jobs: how many.
@@ -32,6 +32,10 @@ class Local:
     def __init__(self, jobs: int, temporary: Path) -> None:
         self.jobs = jobs
         self._workers, self._pool = Workers(temporary), ThreadPoolExecutor(jobs)
+
+    def begin(self, number: int) -> None:
+        """Start so many of the processes now: they load their packages while the work is being planned."""
+        self._workers.begin(min(number, self.jobs))
 
     def cells(
         self,

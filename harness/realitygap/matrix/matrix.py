@@ -64,13 +64,16 @@ def results(
     Raises:
         InputError: for a matrix that cannot be run; nothing is written then.
     """
-    warnings, tasks = _planned(matrix, progress)
-    _say_notes(tasks, progress)
     with ExitStack() as stack:
+        here = stack.enter_context(local(settings.jobs))
+        if settings.scheduler is None:
+            here.begin(len(matrix.scenarios) * len(matrix.engine_names()))  # there is at least a cell of each
+        warnings, tasks = _planned(matrix, progress)
+        _say_notes(tasks, progress)
         stack.enter_context(made(out))
         aside = stack.enter_context(laid_aside(tasks, out))
         tasks = aside.tasks
-        here = stack.enter_context(local(settings.jobs))
+        stack.callback(here.close)  # before the folders go that they read and write to
         if settings.keep:
             place = settings.place(out)
             undone = work(aside, here, place, settings, matrix.matrix.time_limit, progress)

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from realitygap.recording.delay import delay, moving_commands
 from realitygap.recording.outliers import told
 from realitygap.recording.quantum import quantum
 from realitygap.recording.recording import Recording
+from realitygap.trace.first_order import first_order
 from realitygap.trace.trace import Array
 
 STRETCH = 0.15  # s: over which the travel by velocity and by position are compared
@@ -86,7 +86,7 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     q = np.interp(even, time, position)
     v = np.interp(even, time, velocity)
     span = max(1, round(STRETCH / float(even[1] - even[0])))
-    travel: Array = np.asarray(cumulative_trapezoid(v, even, initial=0), dtype=float)
+    travel: Array = float(even[1] - even[0]) * np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1])))
     by_velocity = travel[span:] - travel[:-span]
     step = float(quantum(position[:, None])[0])
     if np.abs(q[span:] - q[:-span]).max(initial=0.0) <= 20.0 * step or not by_velocity.any():
@@ -116,12 +116,10 @@ def low_pass(value: Array, constant: float, period: float) -> Array:
     """A first-order low-pass of time constant `constant` [s], exact for input that is linear between samples."""
     if constant < 1e-9:
         return value
-    from scipy.signal import lfilter  # loads all of statistics, which takes long, and few need it
-
     decay = float(np.exp(-period / constant))
     lead = constant / period * (1.0 - decay)
-    out, _ = lfilter([1.0 - lead, lead - decay], [1.0, -decay], value, zi=[lead * value[0]])  # out[0] = value[0]
-    return np.asarray(out)
+    driven = (1.0 - lead) * value[1:] + (lead - decay) * value[:-1]
+    return np.concatenate([value[:1], first_order(driven, decay, float(value[0]))])
 
 
 def repeated_readings(recording: Recording) -> Fault | None:

@@ -12,6 +12,7 @@ from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.profile import Told
 from realitygap.simulate.steps import Held, Steps
+from realitygap.trace.first_order import first_order
 from realitygap.trace.trace import Trace
 
 
@@ -163,17 +164,9 @@ def sensed(velocity: Array, lag: Array, h: float | Array, before: Array | None =
     """
     if not lag.any() or not len(velocity):
         return velocity
-    from scipy.signal import lfilter  # loads all of statistics, which takes long, and few need it
-
     out = velocity.copy()
     first = velocity[0] if before is None else before
     for j in np.flatnonzero(lag > 0):
         keep = np.exp(-np.asarray(h) / lag[j])
-        if keep.ndim == 0:
-            out[:, j] = lfilter([1 - keep], [1.0, -keep], velocity[:, j], zi=[keep * first[j]])[0]
-            continue
-        state = first[j]
-        for k in range(len(velocity)):
-            state = keep[k] * state + (1 - keep[k]) * velocity[k, j]
-            out[k, j] = state
+        out[:, j] = first_order((1 - keep) * velocity[:, j], keep, float(first[j]))
     return out

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import norm, t
+from scipy.special import ndtri, stdtrit
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -47,7 +47,7 @@ def deviations(problem: Problem, change: Change) -> dict[str, float]:
     rows = [row for j in change.suspect.indices if problem.judged[j] for row in _seen(problem, j)]
     if len(rows) < 2:
         return {}
-    wider = float(t.ppf(0.975, len(rows) - 1) / norm.ppf(0.975))
+    wider = float(stdtrit(len(rows) - 1, 0.975) / ndtri(0.975))
     scale, time = np.std([row[:2] for row in rows], axis=0, ddof=1) * wider / np.sqrt(len(rows))
     period = max(float(np.median(np.diff(case.measured.time))) for case in problem.cases)
     return {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from realitygap.robot.drive import Array
 from realitygap.robot.plant import Plant
 from realitygap.simulate.experiment import Experiment
+from realitygap.trace.first_order import first_order
 
 CORRELATION = 0.15
 """Correlation time of what disturbs a joint, and of what a model leaves unexplained [s]: that of the residuals of the
@@ -54,5 +54,4 @@ def coloured(steps: int, h: float, seed: int) -> Array:
     """Random numbers of unit variance and a correlation time, the same for the same seed. Shape (steps,)."""
     keep = np.exp(-h / CORRELATION)
     white = np.random.default_rng(seed).standard_normal(steps) * np.sqrt(1 - keep**2)
-    steps_back = np.array([np.ones(steps), np.full(steps, -keep)])  # each number less what is kept of the one before
-    return np.asarray(solve_banded((1, 0), steps_back, white))
+    return first_order(white, keep)

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from functools import partial
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Suspect
@@ -109,7 +109,7 @@ def untold(problem: Problem, scored: Scored, sure: Collection[Suspect] = ()) -> 
     out = set[Suspect]()
     for suspect, at in _places(problem, scored, endless=True).items():
         apart = float(away[at] @ np.linalg.solve(covariance[np.ix_(at, at)], away[at]))
-        if apart <= float(chi2.ppf(HINTED if suspect in sure else TOLD, len(at))):
+        if apart <= float(chdtri(len(at), 1.0 - (HINTED if suspect in sure else TOLD))):
             out.add(suspect)
     return out
 
