@@ -27,6 +27,7 @@ from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import CLEAR, Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
+from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.round import told_change
 from realitygap.diagnose.search.search import Found, search
 from realitygap.files.errors import spared
@@ -255,11 +256,22 @@ def _closest(simulations: Simulations, found: Found, changes: Sequence[Change]) 
             continue
         after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
         if after < before:
-            needs = f"a name needs {found.limit:.1f}"
-            promised = f"it promises {p.gain:.1f} in evidence over something else; {needs}"
-            reason = promised if p.gain < found.limit else f"{promised}, and fitted it gains less than that"
-            out.append(Closest(p.change, before, after, reason))
+            out.append(Closest(p.change, before, after, _short_of(found, p)))
     return out
+
+
+def _short_of(found: Found, promise: Promise) -> str:
+    """Why what promised most was not named."""
+    promised = f"it promises {promise.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
+    if promise.gain < found.limit:
+        return promised
+    gain, least = found.short.get(promise.change.suspect, (-np.inf, found.limit))
+    if gain < found.limit:
+        return f"{promised}, and fitted it gains less than that"
+    return (
+        f"{promised}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
+        "of the recordings scatter, and from what laws leave"
+    )
 
 
 def _sensor_faults(problem: Problem) -> list[str]:

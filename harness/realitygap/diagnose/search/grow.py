@@ -92,10 +92,12 @@ def _best(
         if scored.fit.changes:
             round_.say(f"  {'; '.join(told_change(c) for c in new or scored.fit.changes)}: {gain:+.1f}")
         more = len(scored.fit.changes) > len(here)
-        if round_.earned(scored, round_.now, needs) and (gain > round_.little(scored) or not more):
+        least = max(round_.asked(scored, round_.now, needs), round_.little(scored) if more else -np.inf)
+        if gain >= least:
             better.append((scored.evidence - needs, scored))
         else:
             failed.add(move)
+            round_.short.update((c.suspect, (gain, least)) for c in new)
     most = max((spare for spare, _ in better), default=0.0)
     equal = [scored for spare, scored in better if spare > max(most - EQUAL, round_.now.evidence)]
     return min(equal, key=lambda s: len(s.fit.names), default=None)

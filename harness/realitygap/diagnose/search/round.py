@@ -59,6 +59,7 @@ class Round:
         nothing: the scenario's own model.
         say: told what is found.
         patience: how long to look for something better than what was found.
+        known: responses beside a model near by, which are taken for those beside this one.
 
     Attributes:
         explained: the evidence that the accepted model has more than the scenario's own.
@@ -70,6 +71,7 @@ class Round:
         lines: the straight-line model of all blocks.
         straight: what straight lines promise of each, best first.
         promised: what promises most where straight lines lead, best first.
+        short: of what was fitted and gains too little, what it gains and what it would have to.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class Round:
         nothing: Fit,
         say: Say,
         patience: Patience = FOREVER,
+        known: Sequence[Block] = (),
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
         self._patience = patience
@@ -93,9 +96,13 @@ class Round:
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self._at = (start if done is None else yardstick.elsewhere(done)).fit
         self._nothing = nothing
-        self.blocks: list[Block] = []
+        accepted, possible = [c.suspect for c in at.changes], set(yardstick.possible(self._at, everyone))
+        beside = [b for b in known if b.suspect in possible and not any(clash(b.suspect, a) for a in accepted)]
+        self.blocks: list[Block] = beside
         self.told: Scored | None = None
-        self._stand(everyone)
+        self.short: dict[Suspect, tuple[float, float]] = {}
+        there = {b.suspect for b in beside}
+        self._stand([s for s in everyone if s not in there])
 
     def widened(self, everyone: Sequence[Suspect]) -> None:
         """Look at more suspects, from the same fit. Evidence is compared on a yardstick with the imperfections of all
@@ -198,16 +205,18 @@ class Round:
         return every * reached(self.yardstick.channels, (self.now, self._bare), change)
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
-        """Whether a model gains enough over one with less in it: what is needed, and, where it is not much more, more
-        than stretches of the recordings scatter by.
+        """Whether a model gains enough over one with less in it."""
+        return more.evidence - fewer.evidence >= self.asked(more, fewer, needs)
+
+    def asked(self, more: Scored, fewer: Scored, needs: float) -> float:
+        """What a model has to gain over one with less in it: what is needed, and, where it gains not much more, what
+        stretches of the recordings scatter by.
         """
         gain, watched = more.evidence - fewer.evidence, self.yardstick.channels
-        if not needs <= gain < MUCH * needs:
-            return gain >= needs
         many = int(stretches(watched).max()) + 1 >= PARTS
-        if not many and gain >= DOUBTFUL * needs:
-            return True
-        return gain >= (SCATTER if many else ERRORS) * compare(watched, more, fewer)[1]
+        if not needs <= gain < (MUCH if many else DOUBTFUL) * needs:
+            return needs
+        return max(needs, (SCATTER if many else ERRORS) * compare(watched, more, fewer)[1])
 
     def led(self, other: Scored) -> None:
         """Fit the accepted model anew from where another one led, and keep that where it has more evidence: what

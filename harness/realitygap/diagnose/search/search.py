@@ -47,6 +47,7 @@ class Found:
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
         promised: what was closest and not taken, best first.
+        short: what it gains where it was fitted, and what it would have to gain.
         cut: whether the search was ended while it may have found more.
     """
 
@@ -61,6 +62,7 @@ class Found:
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
     promised: list[Promise] = field(default_factory=list)
+    short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
     cut: bool = False
 
 
@@ -94,7 +96,10 @@ def search(
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
-            round_ = Round(simulations, at, looked_at, limit, nothing, say, patience)
+            known = (
+                round_.blocks if round_.late else ()
+            )  # nothing is added any more, and what could replace is asked anew
+            round_ = Round(simulations, at, looked_at, limit, nothing, say, patience, known)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
@@ -145,6 +150,7 @@ def search(
         without=last.without,
         rivals=last.rivals,
         promised=round_.promised,
+        short=round_.short,
         cut=cut,
     )
 
