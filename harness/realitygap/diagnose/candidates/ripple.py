@@ -14,8 +14,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.fft import next_fast_len, rfft
 from scipy.ndimage import median_filter
+from scipy.signal import czt
 from scipy.special import gammainccinv
 
 from realitygap.robot.drive import Array
@@ -83,16 +83,14 @@ def power(angle: Array, residual: Array, grid: Array) -> Array:
     Shape (p, k), less than one.
     """
     step = float(grid[1] - grid[0])
-    most = 1.0 / max(NARROW * float(grid[-1]) / (2.0 * math.pi), LEAST / float(np.ptp(angle)))  # of a bin [rad]
-    length = next_fast_len(math.ceil(2.0 * math.pi / (step * most)), real=True)
-    wide = 2.0 * math.pi / (step * length)  # a step of the grid is one frequency of so many bins
+    wide = 1.0 / max(NARROW * float(grid[-1]) / (2.0 * math.pi), LEAST / float(np.ptp(angle)))  # of a bin [rad]
     bins = np.floor((angle - angle.min()) / wide).astype(int)
     plain, _ = np.linalg.qr(np.column_stack([np.ones(len(bins)), bins - bins.mean()]))
     rest = residual - plain @ (plain.T @ residual)
     columns = np.column_stack([np.ones(len(angle)), plain, rest])
     sums = np.array([np.bincount(bins, column) for column in columns.T])
     at, twice = np.rint(grid / step).astype(int), np.rint(2.0 * grid / step).astype(int)
-    waves = rfft(sums, length).conj()  # sums of exp(i·k·step·angle), from the first bin
+    waves = czt(sums, int(twice[-1]) + 1, np.exp(1j * step * wide))  # sums of exp(i·k·step·angle), from the first bin
     once, double = waves[:, at], waves[0, twice]
     number = float(len(angle))
     cosine = 0.5 * (number + double.real) - (once[1:3].real ** 2).sum(axis=0)
