@@ -12,9 +12,10 @@ again takes what could stand in the place of what was found. Searches of one joi
 within two minutes of one core. A real arm with six joints lacks something everywhere, and goes on for a quarter of an
 hour to find what hardly shows: this has nearly all that its held-out runs gain (score 0.111; a third longer, 0.107).
 """
-EACH = 1 / 6
-"""The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and two for a round of all
-that could be seen beside it. What else it found in twice the time made the runs that were kept back no better."""
+EACH = 1 / 4
+"""The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and three for a round of all
+that could be seen beside it. In two thirds of that a search found no load-dependent friction; in a third more another
+found a payload that nobody put there, and the runs that were kept back were no better."""
 STEPS = 96e6
 """Engine steps that make a minute of two slow cores, times the joints that each moves: on an SO-101 a step takes 7.5 µs
 there. They are counted, and not the time, for a search to be the same on every machine."""

@@ -101,6 +101,7 @@ class Round:
         self.blocks: list[Block] = beside
         self.told: Scored | None = None
         self.short: dict[Suspect, tuple[float, float]] = {}
+        self._looks = 0.0
         there = {b.suspect for b in beside}
         self._stand([s for s in everyone if s not in there])
 
@@ -114,8 +115,9 @@ class Round:
 
     def _stand(self, more: Sequence[Suspect]) -> None:
         """Where the round stands, with the responses of more suspects."""
-        yardstick, say = self.yardstick, self.say
+        yardstick, say, before = self.yardstick, self.say, self.simulations.steps
         self.blocks = [*self.blocks, *yardstick.responses(self._at, more)]
+        self._looks += self.simulations.steps - before
         yardstick.stand_at(self._at, self.blocks)
         self.told, self.now = yardstick.score(self._at), yardstick.settled(self._at)
         self._led, self._began = False, self.now.evidence
@@ -167,6 +169,11 @@ class Round:
     def late(self) -> bool:
         """Whether to look for nothing better than what was found."""
         return self._patience.over(self.simulations.steps)
+
+    @property
+    def last(self) -> bool:
+        """Whether there is no time to look at all anew."""
+        return self._patience.over(self.simulations.steps + self._looks)
 
     def spare(self, scored: Scored) -> float:
         """The evidence of a model beyond what its findings have to gain."""

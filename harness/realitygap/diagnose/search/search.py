@@ -96,9 +96,7 @@ def search(
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
-            known = (
-                round_.blocks if round_.late else ()
-            )  # nothing is added any more, and what could replace is asked anew
+            known = round_.blocks if round_.last else ()  # what is tried now promised most before
             round_ = Round(simulations, at, looked_at, limit, nothing, say, patience, known)
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
