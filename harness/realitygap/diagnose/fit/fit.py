@@ -9,7 +9,7 @@ what it can from a fitted model near by, and a quick one stops early.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -17,6 +17,7 @@ from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.responses import at_once, own_joint, residual, residuals, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric
@@ -107,17 +108,19 @@ def fit(
         return None
     bolted = at_once(simulations.problem) and not simulations.problem.plant.model.floating
     own = metric.whitening.channels if bolted and not whole else None
-    x, (slopes, here) = space.first, _slopes(simulations, None if anew else known, space, train, coarse, own)
+    x, many, failed = space.first, len(space.first) >= CHEAP, 0
+    slopes, here = _slopes(simulations, None if anew and not many else known, space, train, coarse, own)
+    if anew and many:
+        slopes, here = along_axes(simulations, space, x, now, slopes, metric, train, coarse, own), True
     cost, box = _cost(metric, space, x, now), FIRST
-    many, failed = len(x) >= CHEAP, 0
     patience = PATIENCE if many else 0
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, promised = _step(metric, space, x, now, slopes, box)
         if promised >= 2.0 * LITTLE:
             there = residual_near(simulations, near, space.at(x + step), train, coarse)
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
-            box *= 2.0 if gain > TRUE * promised else 1.0 if gain > FALSE * promised else SHORTER
-            good = gain > FALSE * promised
+            good, went = gain > FALSE * promised, float(np.max(np.abs(step) / np.maximum(np.abs(x), AWAY)))
+            box = 2.0 * box if gain > TRUE * promised else box if good else SHORTER * min(box, went)
             if there is not None and good:
                 slopes, here = slopes + secant(slopes, step, there - now), False
             if there is not None and gain > 0.0:
@@ -130,13 +133,36 @@ def fit(
         if many and not whole:
             break
         if not here:
-            slopes, here = slope(simulations, space, x, train, coarse, own), True
+            if many:
+                slopes = along_axes(simulations, space, x, now, slopes, metric, train, coarse, own)
+            else:
+                slopes = slope(simulations, space, x, train, coarse, own)
+            here = True
             box, failed = box / SHORTER ** max(failed - 1, 0), 0
     if whole:
         slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
         now = residual(simulations, space.at(x), train)
     alone = here and own is None
     return None if now is None else Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), alone)
+
+
+def stretched(
+    simulations: Simulations,
+    before: Sequence[Change],
+    found: Fit,
+    times: float,
+    train: Sequence[int],
+    coarse: Sequence[float],
+) -> Fit | None:
+    """A fit that many times as far from where it began; None where that cannot be simulated."""
+    space = Space(simulations.problem, found.changes)
+    began = np.array([before[i].parameters[name] for i, name in space.names]) / space.scale
+    low, high = space.bounds()
+    x = np.clip(began + times * (space.first - began), low, high)
+    there = residual_near(simulations, found, space.at(x), train, coarse)
+    if there is None:
+        return None
+    return replace(found, changes=space.at(x), residual=there, prior=space.prior(x), here=False)
 
 
 def residual_near(

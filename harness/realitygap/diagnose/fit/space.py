@@ -14,6 +14,8 @@ from realitygap.robot.drive import Array
 STEP, CONTACT_STEP = 0.05, 0.15
 """Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
 body, where contacts that come and go make small differences tell nothing but that."""
+LITTLE = 0.3
+"""The same of a value that is less than this part of its size."""
 TURNED = 0.3
 """How far a wave is turned by that step at most, where the joint was furthest from zero [rad]."""
 SLAB = 4.0
@@ -77,12 +79,15 @@ class Space:
             values[i][name] = float(min(max(v, low), high))
         return tuple(c.at(v) for c, v in zip(self.changes, values, strict=True))
 
+    def unit(self, x: Array) -> Array:
+        """How far each scaled value is moved for a derivative. Shape (p,)."""
+        return np.asarray(np.minimum(self.step * np.maximum(np.abs(x), LITTLE), self.furthest))
+
     def steps(self, x: Array) -> list[tuple[Array, float]]:
         """A moved vector for every value, and how far it moved."""
         out = []
         high = self.bounds()[1]
-        for k in range(len(x)):
-            step = min(self.step * max(abs(x[k]), 0.3), float(self.furthest[k]))
+        for k, step in enumerate(self.unit(x).tolist()):
             if x[k] + step > high[k]:
                 step = -step
             moved = x.copy()
