@@ -12,10 +12,10 @@ again takes what could stand in the place of what was found. Searches of one joi
 within two minutes of one core. A real arm with six joints lacks something everywhere, and goes on for a quarter of an
 hour to find what hardly shows: this has nearly all that its held-out runs gain (score 0.163 before, 0.114 after, and
 0.1125 to 0.117 when it looks a third longer)."""
-EACH = 1 / 4
-"""The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and three for a round of all
-that could be seen beside it. In two thirds of that a search found no load-dependent friction. A third more is for the
-patient: runs that were kept back came out better by a fifth, for ten minutes instead of six and a half."""
+EACH = 1 / 5
+"""The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and two or three for a round
+of all that could be seen beside it, in which load-dependent friction was found on each of three ways that rounding led
+a search. What a quarter more finds beside that is a little at the ground and in the offsets."""
 STEPS = 96e6
 """Engine steps that make a minute of two slow cores, times the joints that each moves: on an SO-101 a step takes 7.5 µs
 there. They are counted, and not the time, for a search to be the same on every machine."""
