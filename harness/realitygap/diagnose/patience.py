@@ -10,8 +10,8 @@ MINUTES = 2.25
 """About how long a robot of up to thirteen joints looks for more on two slow cores where nobody says otherwise; as long
 again takes what could stand in the place of what was found. Searches of one joint end within 40 s and of two links
 within two minutes of one core. A real arm with six joints lacks something everywhere, and goes on for a quarter of an
-hour to find what hardly shows: this has nearly all that its held-out runs gain (score 0.163 before, 0.114 after, and
-0.1125 to 0.117 when it looks a third longer)."""
+hour to find what hardly shows: this has nearly all that its held-out runs gain (score 0.163 before, 0.113 after, and
+0.1125 to 0.117 when it looked a third longer)."""
 EACH = 1 / 5
 """The same for every joint of a robot with many: a humanoid needs a minute for a plain fit and two or three for a round
 of all that could be seen beside it, in which load-dependent friction was found on each of three ways that rounding led
