@@ -5,7 +5,7 @@ import time
 import pytest
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.patience import FOREVER, Patience
+from realitygap.diagnose.patience import FEWEST, FOREVER, Patience
 
 
 def test_steps_count_as_they_are_asked_for_however_many_take_them(problem: Problem) -> None:
@@ -27,7 +27,8 @@ def test_more_is_looked_for_until_the_steps_or_the_time_are_over() -> None:
     assert not ordinary.over(0.99 * ordinary.steps)
     assert ordinary.over(1.01 * ordinary.steps)
     assert Patience.of(6, None, now - 3600.0).over(0.0), "an engine may be slow"
-    assert Patience.of(0, None, now).steps == ordinary.steps, "a body without joints"
+    assert Patience.of(0, None, now).steps == Patience.of(FEWEST, None, now).steps, "a body without joints"
+    assert Patience.of(1, None, now).steps > ordinary.steps, "what is around a step counts, too"
     assert Patience.of(20, None, now).steps * 20 > ordinary.steps * 6, "a humanoid takes longer"
 
 
