@@ -2,8 +2,9 @@
 
 Gauss-Newton steps within a box that grows and shrinks with its success (Moré 1983). What the values do to the traces is
 simulated anew only where a step does not do what it promised: a derivative costs as many simulations as there are
-values, a step costs one. A whole fit ends with the derivatives of where it is; one that only has to be compared takes
-what it can from a fitted model near by, and a quick one stops early.
+values, a step costs one. Of many values it is taken along the axes of the fit (`axes`). A whole fit ends with the
+derivatives of where it is; one that only has to be compared takes what it can from a fitted model near by, and a quick
+one stops early.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ class Fit:
         slope: change of the residual per size of each value. Shape (m, p).
         size: of every value, in its unit. Shape (p,).
         prior: how far each value is from where its prior expects it, in standard deviations. Shape (p,).
-        here: whether the slope is of these values, each moved alone, not of others near by.
+        here: whether the slope is of these values, not of others near by, and what each does is told by all samples.
     """
 
     changes: tuple[Change, ...]
