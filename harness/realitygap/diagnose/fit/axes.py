@@ -76,8 +76,7 @@ def along_axes(
         Shape (m, p); what could not be simulated is as it was known.
     """
     unit = space.unit(x)
-    white = metric(np.column_stack([slopes * unit, residual]))
-    white = np.vstack([white, np.column_stack([np.diag(space.prior_slope(x) * unit), space.prior(x)])])
+    white = space.with_prior(x, metric(np.column_stack([slopes * unit, residual])), unit)
     blocks = [
         _Block(values, inside, _moves(space, x, white[:, [*values, -1]], values))
         for values, inside in _blocks(simulations, space, own)

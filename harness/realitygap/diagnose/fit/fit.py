@@ -176,8 +176,7 @@ def residual_near(
 
 def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array, box: float) -> tuple[Array, float]:
     """The best step within a box and the bounds, and what it promises: how much less the cost would be."""
-    white = metric(np.column_stack([slopes, residual]))
-    white = np.vstack([white, np.column_stack([np.diag(space.prior_slope(x)), space.prior(x)])])
+    white = space.with_prior(x, metric(np.column_stack([slopes, residual])))
     low, high = space.bounds()
     reach = box * np.maximum(np.abs(x), AWAY)
     step = nearest(white, np.maximum(low - x, -reach), np.minimum(high - x, reach))

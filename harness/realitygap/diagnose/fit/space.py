@@ -15,7 +15,7 @@ STEP, CONTACT_STEP = 0.05, 0.15
 """Step of a numerical derivative, as a part of the parameter's size: of a robot that is bolted down, and of a free
 body, where contacts that come and go make small differences tell nothing but that."""
 LITTLE = 0.3
-"""The same of a value that is less than this part of its size."""
+"""A value that is less than this part of its size is moved as far as one that is this part of it."""
 TURNED = 0.3
 """How far a wave is turned by that step at most, where the joint was furthest from zero [rad]."""
 SLAB = 4.0
@@ -71,6 +71,17 @@ class Space:
     def prior_slope(self, x: Array) -> Array:
         """The derivative of that. Shape (p,)."""
         return np.asarray(np.where(self.positive, self.expected / np.maximum(x, LEAST), 1.0) / self.width)
+
+    def with_prior(self, x: Array, white: Array, unit: Array | float = 1.0) -> Array:
+        """Whitened slopes and residual, with rows of what priors say. Shape (r, p + 1) -> (r + p, p + 1).
+
+        Args:
+            x: the scaled values.
+            white: the change of the whitened residual per unit of each value, and the residual.
+            unit: of the values. Shape (p,) or one for all.
+        """
+        prior = np.column_stack([np.diag(self.prior_slope(x) * unit), self.prior(x)])
+        return np.vstack([white, prior])
 
     def at(self, x: Array) -> tuple[Change, ...]:
         """The changes at scaled values."""
