@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -27,10 +28,41 @@ command_line.main([])
 """
 
 
-def test_a_signal_that_became_an_error_of_an_import_is_told_as_the_signal() -> None:
+def test_a_signal_that_became_another_error_is_told_as_the_signal() -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 143
     assert done.stderr == "realitygap: ended by SIGTERM; nothing was written\n"
+
+
+SWALLOWED = """
+import os, signal, sys, time
+import realitygap.cli.main as command_line
+import typer
+
+app = typer.Typer()
+
+@app.command()
+def slow() -> None:
+    sys.path.insert(0, sys.argv[1])
+    import tries_others
+    time.sleep(5)
+    print("went on")
+
+command_line.app = app
+command_line.main([])
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_in_an_import_is_heard_after_it(number: int, tmp_path: Path) -> None:
+    """Modules whose import takes any error for a module that is not installed would take a signal for one, too."""
+    (tmp_path / "tries_others.py").write_text(
+        f"import os\ntry:\n    os.kill(os.getpid(), {int(number)})\nexcept BaseException:\n    pass\n"
+    )
+    command = [sys.executable, "-c", SWALLOWED, str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (128 + number, "")
+    assert done.stderr.endswith("; nothing was written\n")
 
 
 LATE = """

@@ -8,6 +8,10 @@ from contextlib import contextmanager
 from types import FrameType
 
 WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "ended by SIGTERM"}
+IMPORTS = "<frozen importlib._bootstrap>"
+"""The file of the interpreter's frames while a module is imported."""
+SOON = 0.02
+"""Seconds after which a signal that came in an import is heard again."""
 
 
 class Interrupted(BaseException):
@@ -29,10 +33,13 @@ class Interrupted(BaseException):
 
 
 class _Held:
-    """How many blocks hold signals back, the signal that came meanwhile, and the last that was told at once."""
+    """How many blocks hold signals back, the signal that came meanwhile, the one that waits for the end of an import,
+    and the last that was told at once.
+    """
 
     blocks = 0
     came: int | None = None
+    later: int | None = None
     told: int | None = None
 
 
@@ -42,11 +49,13 @@ def listening() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    _Held.blocks, _Held.came, _Held.told = 0, None, None
+    _Held.blocks, _Held.came, _Held.later, _Held.told = 0, None, None, None
     before = {number: signal.signal(number, _heard) for number in WORDS}
+    before[signal.SIGALRM] = signal.signal(signal.SIGALRM, _heard_again)
     try:
         yield
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
         atexit.register(_deaf)
@@ -58,16 +67,31 @@ def _deaf() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def _heard(number: int, _: FrameType | None) -> None:
+def _heard(number: int, frame: FrameType | None) -> None:
     if _Held.blocks:
         _Held.came = number
+    elif _importing(frame):  # modules that try one another out take any error for one that is not installed
+        _Held.later = number
+        signal.setitimer(signal.ITIMER_REAL, SOON)
     else:
         _Held.told = number
         raise Interrupted(number)
 
 
+def _heard_again(_: int, frame: FrameType | None) -> None:
+    if _Held.later is not None:
+        number, _Held.later = _Held.later, None
+        _heard(number, frame)
+
+
+def _importing(frame: FrameType | None) -> bool:
+    while frame is not None and frame.f_code.co_filename != IMPORTS:
+        frame = frame.f_back
+    return frame is not None
+
+
 def interruption() -> Interrupted | None:
-    """What was told and became another error on its way, as in the import of a compiled module; None if no signal."""
+    """What was told and became another error on its way, as in a compiled module; None if no signal."""
     return None if _Held.told is None else Interrupted(_Held.told)
 
 
