@@ -21,6 +21,7 @@ BAD: dict[str, tuple[Callable[[pd.DataFrame], pd.DataFrame], str]] = {
     "no column": (lambda t: t.drop(columns="speed"), "column speed is missing"),
     "a word": (lambda t: t.assign(torque=t["torque"].astype(object).where(t.index != 1, "much")), "row 3 has torque"),
     "no rows": (lambda t: t.iloc[:0], "has no rows"),
+    "one name twice": (lambda t: t.assign(o=0.0).rename(columns={"o": "torque"}), "more than one column torque"),
 }
 
 

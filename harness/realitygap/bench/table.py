@@ -8,6 +8,7 @@ import pandas as pd
 from realitygap_engines.errors import in_a_line
 
 from realitygap.files.errors import InputError
+from realitygap.files.text_table import once, text_table
 
 
 def read_table(
@@ -26,7 +27,7 @@ def read_table(
             counted as in the file, the header being row 1.
     """
     try:
-        table = pd.read_parquet(path) if path.suffix == ".parquet" else pd.read_csv(path, comment="#")
+        table = pd.read_parquet(path) if path.suffix == ".parquet" else text_table(path, comment="#")
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error}); expected a table") from None
     except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
@@ -36,6 +37,7 @@ def read_table(
     for column in wanted:
         if column not in table.columns:
             raise InputError(f"{path}: column {column} is missing; found {', '.join(map(str, table.columns))}")
+        once(path, column, table.attrs)
     if table.empty:
         raise InputError(f"{path}: has no rows; expected one row per measurement")
     first = 2 + (0 if path.suffix == ".parquet" else _comments(path))

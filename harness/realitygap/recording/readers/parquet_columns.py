@@ -1,12 +1,13 @@
 """The columns of a Parquet file, each read when it is asked for: a long recording is never there as a table."""
 
 from pathlib import Path
-from typing import ClassVar
+from typing import Any
 
 import pandas as pd
 import pyarrow.parquet as pq
 
 from realitygap.files.errors import InputError
+from realitygap.files.text_table import TWICE, twice
 
 LARGEST = 2e8
 """Values of a table: three hours of twenty joints with four signals at 200 Hz, and 1.6 GB."""
@@ -17,13 +18,11 @@ class ParquetColumns:
 
     Attributes:
         columns: their names, without white space around them.
-        attrs: in which line the rows begin, as a table of text tells it.
+        attrs: in which line the rows begin and which names stand twice, as a table of text tells it.
 
     Raises:
         InputError: for more values than a few bytes should say, and for a file that is damaged.
     """
-
-    attrs: ClassVar[dict[str, int]] = {"first_line": 2}
 
     def __init__(self, path: Path, plain: Path) -> None:
         self._path, self._file = path, pq.ParquetFile(plain)
@@ -35,6 +34,7 @@ class ParquetColumns:
                 f"{path}: holds {about.num_rows} rows of {about.num_columns} columns, expected at most {LARGEST:.2g} "
                 "values: cut the recording, or leave columns out"
             )
+        self.attrs: dict[str, Any] = {"first_line": 2, TWICE: twice(map(str, self._file.schema_arrow.names))}
         self._places = {str(name).strip(): name for name in self._file.schema_arrow.names}
         self.columns = list(self._places)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from realitygap.files.errors import InputError
+from realitygap.files.text_table import once, text_table
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
@@ -100,7 +101,7 @@ def load(path: Path) -> Frame:
 
 def _of_text(path: Path) -> pd.DataFrame:
     dialect = dialect_of(path)
-    frame: pd.DataFrame = pd.read_csv(path, **dialect.arguments())
+    frame = text_table(path, **dialect.arguments())
     frame.columns = [str(name).strip() for name in frame.columns]
     spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
     frame = frame.drop(columns=spare) if spare else frame  # every line ended with a separator
@@ -283,6 +284,7 @@ class Table:
             raise InputError(
                 f"{self.path}: has no column {name}, named by recordings.columns.{key}; it has {self._listing()}"
             )
+        once(self.path, name, self.frame.attrs)
         column = self.frame[name]
         if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
             return self._finite(name, np.asarray(column, dtype=np.float64))

@@ -1,0 +1,62 @@
+"""Tables whose header and rows do not agree: no column is shifted, and none is chosen by chance."""
+
+from pathlib import Path
+
+import bags
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from bags import FILE
+from realitygap.files.errors import InputError
+from realitygap.recording import read_recording
+from realitygap.robot.drive import Array
+from realitygap.scenario.schema import Scenario
+from signals import Signals
+
+TIME = np.arange(50) * 0.01
+NAMES = ["time", "command", "position", "velocity"]
+VALUES = np.column_stack([TIME, TIME + 1, 2 * TIME, np.ones(50)])
+
+
+def scenario(columns: dict[str, str] | None = None) -> Scenario:
+    return bags.scenario(None, "command", "fixed", "position", columns=columns or {})
+
+
+def text(names: list[str], values: Array, *, before: str = "", after: str = "", point: str = ".") -> str:
+    """A table with commas between the cells, and more before and after every row."""
+    rows = [before + ",".join(f"{v:.3f}".replace(".", point) for v in row) + after for row in values]
+    return "\n".join([",".join(names), *rows]) + "\n"
+
+
+def test_separators_at_the_ends_of_rows_alone_shift_no_column(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text(text(NAMES, VALUES, after=","))
+    trace = Signals(read_recording(path, scenario(), ["elbow"], file=FILE).trace)
+    np.testing.assert_allclose(trace.time, TIME, atol=1e-12)
+    np.testing.assert_allclose(trace.position[:, 0], 2 * TIME, atol=1e-12)
+
+
+@pytest.mark.parametrize(("before", "point"), [("7,", "."), ("", ",")])
+def test_rows_with_more_cells_than_names_are_told(before: str, point: str, tmp_path: Path) -> None:
+    """Names of rows without a name above them, and a decimal comma where commas separate."""
+    path = tmp_path / "run.csv"
+    path.write_text(text(NAMES, VALUES, before=before, point=point))
+    with pytest.raises(InputError, match=r"run\.csv: is not a table \(its rows have more cells than its header"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+@pytest.mark.parametrize("again", ["position", " position"])
+def test_a_column_that_stands_twice_is_told_where_it_is_asked_for(again: str, suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"run{suffix}"
+    names, values = [*NAMES, again], np.column_stack([VALUES, TIME])
+    if suffix == ".csv":
+        path.write_text(text(names, values))
+    else:
+        pq.write_table(pa.table([pa.array(column) for column in values.T], names=names), path)
+    with pytest.raises(InputError, match=r"has more than one column position; expected one: rename or remove"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)
+    elsewhere = scenario({"position": "velocity", "velocity": "command"})
+    trace = Signals(read_recording(path, elsewhere, ["elbow"], file=FILE).trace)
+    np.testing.assert_array_equal(trace.position[:, 0], np.ones(50))
