@@ -36,9 +36,29 @@ def test_macros_arguments_and_packages_are_expanded(robot: Path) -> None:
 
 def test_what_cannot_be_expanded_is_one_sentence(robot: Path) -> None:
     pytest.importorskip("xacro")
-    with pytest.raises(ModelError, match=r"cannot be expanded .*package r_description was not found") as e:
+    with pytest.raises(ModelError, match=r"robot.urdf.xacro: package r_description was not found; say") as e:
+        read_model(robot, floating=False)
+    assert str(e.value).count("r_description") == 1
+    robot.write_text(ROBOT.replace("$(find r_description)/link.xacro", "${nothing}"))
+    with pytest.raises(ModelError, match=r"cannot be expanded .*'nothing' is not defined") as e:
         read_model(robot, floating=False)
     assert "\n" not in str(e.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "target"),
+    [
+        ("robot.urdf.xacro", "robot.urdf"),
+        ("robot.xacro", "robot.urdf"),
+        ("robot.v2.urdf.xacro", "robot.v2.urdf"),
+        ("robot.urdf", "robot_expanded.urdf"),
+    ],
+)
+def test_what_is_told_to_type_writes_over_no_source(name: str, target: str, tmp_path: Path) -> None:
+    """A shell empties the file behind `>` before xacro reads it."""
+    (tmp_path / name).write_text(ROBOT.replace("$(find r_description)/link.xacro", "${nothing}"))
+    with pytest.raises(ModelError, match=f"expand it first: xacro {name} > {target}($| )"):
+        read_model(tmp_path / name, floating=False)
 
 
 def test_without_the_package_the_sentence_says_how(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:

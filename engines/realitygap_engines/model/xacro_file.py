@@ -27,7 +27,8 @@ def expanded(path: Path, packages: Mapping[str, Path]) -> bytes:
     Raises:
         ModelError: where xacro is not installed, or cannot expand the file.
     """
-    by_hand = f"expand it first: xacro {path.name} > {path.name.split('.')[0]}.urdf"
+    name = path.stem.removesuffix(".urdf") + (".urdf" if path.suffix == ".xacro" else "_expanded.urdf")
+    by_hand = f"expand it first: xacro {path.name} > {name}"
     if importlib.util.find_spec("xacro") is None:
         raise ModelError(f"{path}: is a xacro file, not a URDF; {by_hand} (or: pip install xacro)")
     import xacro
@@ -38,7 +39,7 @@ def expanded(path: Path, packages: Mapping[str, Path]) -> bytes:
             if place.is_dir():
                 return str(place)
         if importlib.util.find_spec("ament_index_python") is None:
-            raise LookupError(f"package {name} was not found; say where it lies under robot: packages:")
+            raise ModelError(f"{path}: package {name} was not found; say where it lies under robot: packages:")
         from ament_index_python.packages import get_package_share_directory
 
         return str(get_package_share_directory(name))
@@ -47,6 +48,8 @@ def expanded(path: Path, packages: Mapping[str, Path]) -> bytes:
         with _finding(folder):
             return bytes(xacro.process_file(str(path)).toxml(encoding="utf-8"))
     except Exception as error:  # xacro raises what its expressions raise, too
+        if isinstance(within := getattr(error, "exc", None), ModelError):
+            raise within from None
         what = " ".join(str(error).split()) or type(error).__name__
         raise ModelError(f"{path}: is a xacro file that cannot be expanded ({what}); {by_hand}") from None
 
