@@ -25,6 +25,11 @@ COMMANDS = {
         "--out: arm.urdf/a cannot",
     ),
     "out of JUnit": (["run", "scenario.yaml", "--junit", "arm.urdf/j.xml"], "--junit: arm.urdf cannot be made"),
+    "JUnit is a folder": (["run", "scenario.yaml", "--junit", "results"], "--junit: results is a folder; expected the"),
+    "out is a link to nothing": (
+        ["run", "scenario.yaml", "--out", "broken"],
+        "is a link to nothing; expected a folder",
+    ),
     "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
     "no results": (["report", "none"], "none: found no gaps.csv"),
     "results that are no table": (
@@ -53,6 +58,7 @@ def test_commands_refuse(
     monkeypatch.chdir(case)
     (case / "results").mkdir()
     (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
+    (case / "broken").symlink_to(case / "nothing")
     before = sorted(case.rglob("*"))
     assert refused(*arguments) == 2
     assert sentence in one_sentence(capfd.readouterr())

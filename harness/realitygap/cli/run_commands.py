@@ -29,11 +29,11 @@ def run(
     from realitygap.cli import results
     from realitygap.compare.budget import parse_budget
     from realitygap.files.progress import Progress
-    from realitygap.files.whole import check_writable
+    from realitygap.files.whole import check_writable_file
 
     budget = parse_budget(max_gap or [])
     if junit is not None:
-        check_writable(junit.parent, "--junit")
+        check_writable_file(junit, "--junit")
     folder = folder_for(out, scenario.resolve().parent.name)
     _judged(
         results.run(
@@ -68,12 +68,12 @@ def matrix(
     from realitygap.compare.budget import parse_budget
     from realitygap.files.interrupted import leaving
     from realitygap.files.progress import Progress
-    from realitygap.files.whole import check_writable
+    from realitygap.files.whole import check_writable_file
     from realitygap.matrix.matrix import Settings
 
     budget = parse_budget(max_gap or [])
     if junit is not None:
-        check_writable(junit.parent, "--junit")
+        check_writable_file(junit, "--junit")
     folder = folder_for(out, f"{matrix.resolve().parent.name}_{matrix.stem}")
     settings = Settings(jobs, scheduler, cells, retry_crashed=retry_crashed)
     with leaving("cells that are done are kept, and the same command goes on from there"):

@@ -17,10 +17,11 @@ def check_writable(folder: Path, option: str = "--out") -> None:
         InputError: where a file is in the way or the place takes no files.
     """
     place = folder.absolute()
-    while not place.exists():
+    while not place.exists() and not place.is_symlink():
         place = place.parent
     if not place.is_dir():
-        raise InputError(f"{option}: {folder} cannot be made because {place} is a file; expected a folder")
+        what = "a file" if place.exists() else "a link to nothing"
+        raise InputError(f"{option}: {folder} cannot be made because {place} is {what}; expected a folder")
     try:
         tempfile.TemporaryFile(dir=place).close()  # permissions do not tell of read-only disks or of /proc
     except OSError as error:
@@ -28,6 +29,17 @@ def check_writable(folder: Path, option: str = "--out") -> None:
             f"{option}: {folder} cannot be written, {place} takes no files ({error.strerror}); expected a folder to "
             "write to"
         ) from None
+
+
+def check_writable_file(file: Path, option: str) -> None:
+    """The same for one file.
+
+    Raises:
+        InputError: where a folder is in its place, or its folder cannot be written.
+    """
+    if file.is_dir():
+        raise InputError(f"{option}: {file} is a folder; expected the name of a file")
+    check_writable(file.parent, option)
 
 
 @contextlib.contextmanager
