@@ -88,6 +88,7 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(robot__start={"knee": 0.1}),
         "robot.start: found joint 'knee'; the robot has",
     ),
+    "start of no keyframes": (changed(robot__start="keyframe"), "robot.start: found keyframe, but the motion has none"),
     "start is nan": (changed(robot__start={"elbow": float("nan")}), "robot.start.elbow: found nan"),
     "nothing to do": (changed(recordings=None, motion=None), "recordings.runs: found none"),
     "environment": (changed(robot__urdf="${NOT_SET}/arm.urdf"), "the environment variable NOT_SET is not set"),

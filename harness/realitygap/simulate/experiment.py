@@ -257,6 +257,8 @@ def _start(experiment: Experiment) -> State:
     elif wanted in ("recording", "keyframe") and scenario.motion is not None and scenario.motion.keyframes is not None:
         goals = experiment.commands.value[min(1, len(experiment.commands.value) - 1)]
         position = np.nan_to_num(goals) + plant.drive["offset"]  # a servo holds its reading there
+    elif wanted == "keyframe":
+        raise InputError("robot.start: found keyframe, but the motion has none; expected recording, zero or angles")
     elif isinstance(wanted, dict):
         names = plant.model.joint_names
         for joint, angle in wanted.items():
