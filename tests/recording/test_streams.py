@@ -201,6 +201,20 @@ def test_signals_that_were_never_measured_are_left_out(tmp_path: Path, write_bag
     assert read_recording(path, scenario(), ["a", "b"], file=FILE).trace.velocity is None
 
 
+def test_a_joint_that_a_message_names_twice_is_told_where_it_is_asked_for(
+    tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    path = write_bag(tmp_path / "run", "mcap", two_joints(name=["b", "a", "b"], position=[1.0, 2.0, 3.0]))
+    with pytest.raises(InputError, match="message 1: names joint b twice: b, a, b; expected every joint once"):
+        read_recording(path, scenario(), ["a", "b"], file=FILE)
+
+
+def test_an_episode_of_a_bag_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    path = write_bag(tmp_path / "run", "mcap", two_joints())
+    with pytest.raises(InputError, match=r"found episode 3 of .*run; expected a LeRobot data set's folder"):
+        read_recording(path, scenario(episode=3), ["a", "b"], file=FILE)
+
+
 def test_names_and_values_of_different_length(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints(position=[1.0]))
     with pytest.raises(InputError, match="message 1: names 2 joints and holds 1 values of position"):

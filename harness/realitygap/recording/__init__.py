@@ -68,7 +68,11 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
         InputError: for a file that cannot be read, a topic, column or joint that is not there, or values that make no
             sense; the sentence says what was found.
     """
-    module = import_module(f"realitygap.recording.readers.{reader_of(path)}")
+    reader = reader_of(path)
+    episode = scenario.recordings.episode if scenario.recordings else None
+    if episode is not None and reader != READERS[DATASET]:
+        raise InputError(f"{file}: recordings: found episode {episode} of {path}; expected a LeRobot data set's folder")
+    module = import_module(f"realitygap.recording.readers.{reader}")
     request = request_of(scenario, tuple(joints), file)
     streams: Streams = module.read(path, request)
     return part_of(assemble(path, streams, request), request)

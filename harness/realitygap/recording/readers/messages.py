@@ -111,6 +111,9 @@ class JointMessages:
     def _order(self, names: tuple[str, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         if names not in self._orders:
             where = {name: i for i, name in enumerate(names)}
+            again = next((joint for joint in self.joints if names.count(joint) > 1), None)
+            if again is not None:
+                raise Refused(f"names joint {again} twice: {', '.join(names)}; expected every joint once")
             present = np.array([joint in where for joint in self.joints])
             if present.any() and not present.all() and not self._partial:
                 missing = ", ".join(j for j in self.joints if j not in where)
