@@ -112,10 +112,8 @@ def find_mesh(path: Path, link: str, filename: str, packages: Mapping[str, Path]
     for place in places:
         if place.is_file():
             return place
-    raise ModelError(
-        f"{path}: mesh {filename} of link {link} was not found; expected it at {places[0]} "
-        "(say where a package lies under robot: packages:)"
-    )
+    hint = " (say where a package lies under robot: packages:)" if filename.startswith("package://") else ""
+    raise ModelError(f"{path}: mesh {filename} of link {link} was not found; expected it at {places[0]}{hint}")
 
 
 def _hull(points: Array) -> Array:
