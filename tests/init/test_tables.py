@@ -30,6 +30,7 @@ def test_tables_with_other_column_names(tmp_path: Path) -> None:
         ("time", "pos_meas{n}", "pos_des{n}", "tau_meas{n}"),
         ("t [s]", "q_{n}", "q_cmd_{n}", "tau_{n}"),
         ("timestamp", "actual_q_{z}", "target_q_{z}", "actual_torque_{z}"),
+        ("__time", "/joint_states/{j}/position", "/joint_commands/{j}/position", "/joint_states/{j}/effort"),
         ("Time", "{J}Position", "{J}PositionCommand", "{J}Torque"),
         ("stamp", "{j}.angle_rad", "{j}.goal", "{j}.torque_nm"),
         ("time_s", "joint_{n}_position", "joint_{n}_target", "joint_{n}_effort"),

@@ -82,8 +82,13 @@ def _in_order(found: Mapping[int, str], joints: Sequence[str]) -> dict[str, str]
     return None
 
 
-COMMAND = {"command", "commanded", "cmd", "goal", "target", "desired", "des", "reference", "ref", "setpoint", "sp"}
-MEASURED = {"measured", "meas", "actual", "act", "present", "state", "feedback", "fb", "encoder", "enc", "real"}
+COMMAND = {
+    *("command", "commands", "commanded", "cmd", "goal", "goals", "target", "targets", "desired", "des"),
+    *("reference", "references", "ref", "setpoint", "setpoints", "sp"),
+}
+MEASURED = {
+    *("measured", "meas", "actual", "act", "present", "state", "states", "feedback", "fb", "encoder", "enc", "real"),
+}
 QUANTITIES: dict[str, set[str]] = {
     "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints"},
     "velocity": {"velocity", "velocities", "vel", "qd", "dq", "qdot", "speed", "omega"},
