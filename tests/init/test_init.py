@@ -9,6 +9,7 @@ import pytest
 from first_scenario import EPOCH, STATE, arm, messages, read_all
 from jsonschema import Draft202012Validator
 from lerobot_sets import data_set, motion
+from realitygap.check import check
 from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
 from realitygap.init.draft import init, parse_packages
@@ -125,6 +126,15 @@ def test_every_episode_of_a_data_set_is_a_run(version: str, tmp_path: Path) -> N
     for k, recording in enumerate(recordings):
         np.testing.assert_allclose(Signals(recording.trace).position, motion(k)[0], atol=2e-6)
     assert any("units: degrees (they fit" in line for line in draft.guessed)
+
+
+def test_degrees_of_a_data_set_are_told_as_it_says_them(tmp_path: Path) -> None:
+    urdf = arm(tmp_path / "arm.urdf", ("elbow", "gripper"))
+    draft = init(urdf, [data_set(tmp_path / "set")], tmp_path / "out")
+    found = check(load_scenario(draft.path).override({"recordings.dataset.units": "radians"}))
+    degrees = [m for m in found if m.kind == "degrees" and m.key == "recordings.dataset.units"]
+    assert degrees
+    assert all("expected rad, or `units: degrees` under recordings.dataset" in m.sentence for m in degrees)
 
 
 def test_units_and_names_of_a_data_set_are_guessed(tmp_path: Path) -> None:

@@ -211,7 +211,7 @@ def test_a_joint_that_a_message_names_twice_is_told_where_it_is_asked_for(
 
 def test_an_episode_of_a_bag_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     path = write_bag(tmp_path / "run", "mcap", two_joints())
-    with pytest.raises(InputError, match=r"found episode 3 of .*run; expected a LeRobot data set's folder"):
+    with pytest.raises(InputError, match=r"found episode 3 of .*run; expected a data set with meta/info\.json"):
         read_recording(path, scenario(episode=3), ["a", "b"], file=FILE)
 
 

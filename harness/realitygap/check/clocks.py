@@ -47,8 +47,8 @@ def time_unit(o: Observed) -> list[Mistake]:
                 f"the samples of {o.name} are {o.period:.3g} s apart, as those of no recorded motion{seen * fits}: "
                 f"times in {name}, as it seems; expected seconds; divide the times by {factor:g}"
             )
-            table = o.recording.receive_time is None
-            sentence += f", or say `units: {{time: {name.replace('µ', 'u')}}}` under recordings.columns" * table
+            if o.holder == "table":
+                sentence += f", or say `units: {{time: {name.replace('µ', 'u')}}}` under recordings.columns"
             return [Mistake("milliseconds", "certain" if certain else "likely", o.joints, sentence, key, (o.name,))]
     fits = 1 / 3000.0 < by_velocity < 3e-3 and len(slopes) > 0
     if o.period <= FAST or (fits and o.period <= 100 * FAST):

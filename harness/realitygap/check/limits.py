@@ -17,6 +17,12 @@ DEGREES = FACTORS["degrees"]
 TURN = 2.0 * np.pi
 LEEWAY = 0.35
 """rad: a zero may be this far off, and a stop is not where the URDF has it."""
+POSITION = {
+    "bag": ("recordings.state", ""),
+    "table": ("recordings.columns.position", ", or `units: {position: deg}` under recordings.columns"),
+    "data set": ("recordings.dataset.units", ", or `units: degrees` under recordings.dataset"),
+}
+"""Where a scenario says what positions are, and how it says degrees, by what holds them."""
 TOO_FAST = 5.0
 """A joint is this much faster than its servo runs free only in another unit: loads drag it to twice that."""
 
@@ -65,10 +71,8 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
                 out.append(Mistake("degrees", "likely", (joint.name,), sentence, "robot.urdf", (o.name,)))
             continue
         sentence = f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
-        table = o.recording.receive_time is None
-        key = "recordings.columns.position" if table else "recordings.state"
-        sentence += ", or `units: {position: deg}` under recordings.columns" * table
-        out.append(Mistake("degrees", "certain", (joint.name,), sentence, key, (o.name,)))
+        key, or_say = POSITION[o.holder]
+        out.append(Mistake("degrees", "certain", (joint.name,), sentence + or_say, key, (o.name,)))
     return out
 
 

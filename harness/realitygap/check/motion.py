@@ -218,7 +218,6 @@ def _by_other(o: Observed, other: Observed, joints: list[int]) -> float:
 
 def _key(o: Observed, signal: str) -> str:
     """The line of the scenario that says where a signal is."""
-    table = o.recording.receive_time is None
     if signal == "command":
         return "motion.recorded"
-    return f"recordings.columns.{signal}" if table else "recordings.state"
+    return "recordings.state" if o.holder == "bag" else f"recordings.columns.{signal}"

@@ -58,6 +58,13 @@ class Observed:
         """Names in the order of all columns."""
         return self.recording.trace.joints
 
+    @property
+    def holder(self) -> str:
+        """What holds the recording: `bag`, `table` or `data set`."""
+        if self.recording.episode is not None:
+            return "data set"
+        return "table" if self.recording.receive_time is None else "bag"
+
     @cached_property
     def period(self) -> float:
         """The usual time between two measurements [s]."""

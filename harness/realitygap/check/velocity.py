@@ -104,7 +104,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         return []
     fit, moves, told = found
     share, slope = np.nan_to_num(fit.share), np.nan_to_num(fit.slope)
-    key = "recordings.columns.velocity" if o.recording.receive_time is None else "recordings.state"
+    key = "recordings.state" if o.holder == "bag" else "recordings.columns.velocity"
     out: list[Mistake] = []
     lost: list[int] = []
     for j in np.flatnonzero(judged & moves):
@@ -112,7 +112,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         if not told[j]:
             sentence = (
                 f"the velocity of {joint} never changes while its position moves; expected its derivative, or none: "
-                f"{NO_VELOCITY['bag' if o.recording.receive_time is not None else 'table']}"
+                f"{NO_VELOCITY['bag' if o.holder == 'bag' else 'table']}"
             )
             out.append(Mistake("velocity", "certain", (joint,), sentence, key, (o.name,)))
             continue

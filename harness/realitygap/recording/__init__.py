@@ -71,7 +71,9 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
     reader = reader_of(path)
     episode = scenario.recordings.episode if scenario.recordings else None
     if episode is not None and reader != READERS[DATASET]:
-        raise InputError(f"{file}: recordings: found episode {episode} of {path}; expected a LeRobot data set's folder")
+        raise InputError(
+            f"{file}: recordings: found episode {episode} of {path}; expected a data set with meta/info.json"
+        )
     module = import_module(f"realitygap.recording.readers.{reader}")
     request = request_of(scenario, tuple(joints), file)
     streams: Streams = module.read(path, request)
