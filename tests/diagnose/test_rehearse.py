@@ -225,6 +225,12 @@ def test_a_rehearsal_says_what_it_planted_and_what_it_saw(
     assert to_json(result) == content
 
 
+def test_an_engine_that_plays_the_robot_itself_is_told_by_its_name(simulations: Simulations) -> None:
+    result = rehearse(simulations, [], 5.0, lambda _: None)
+    assert result.robot == "mujoco"
+    assert any(note.startswith("MuJoCo plays the robot itself") for note in result.notes)
+
+
 def test_a_search_counts_only_where_all_larger_sizes_were_right(problem: Problem) -> None:
     first = suspects(problem)[0]
 

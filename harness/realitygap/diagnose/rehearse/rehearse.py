@@ -28,6 +28,7 @@ from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
+from realitygap.page.style import engine_label
 from realitygap.robot.effects import EFFECTS
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
@@ -162,7 +163,7 @@ def _quiet(problem: Problem, others: Sequence[str], floors: Floors) -> Rehearsal
         try:
             still = plant_recordings(problem, floors, [], engine)
         except (Diverged, Failed, Unsupported) as error:
-            notes.append(f"{engine} could not play the robot: {error}")
+            notes.append(f"{engine_label(engine)} could not play the robot: {error}")
             continue
         with Simulations(still, 1) as own:
             answers = own.of([], range(len(still.cases)))
@@ -170,12 +171,14 @@ def _quiet(problem: Problem, others: Sequence[str], floors: Floors) -> Rehearsal
         quiet = [float(np.mean([every[i] for i in problem.of(use)])) for use in USES]
         if engine != problem.engine and max(quiet) > CLEAR**2:
             notes.append(
-                f"{engine} and {problem.engine} differ by {np.sqrt(max(quiet)):.2g} floors in this scenario with "
-                "nothing planted, which would hide what is planted"
+                f"{engine_label(engine)} and {engine_label(problem.engine)} differ by {np.sqrt(max(quiet)):.2g} floors "
+                "in this scenario with nothing planted, which would hide what is planted"
             )
             continue
         if engine == problem.engine:
-            notes.append(f"{engine} plays the robot itself, with a finer step: real robots differ more than that")
+            notes.append(
+                f"{engine_label(engine)} plays the robot itself, with a finer step: real robots differ more than that"
+            )
         return Rehearsal(problem, engine, (quiet[0], quiet[1]), floors, notes=notes)
     raise InputError(f"{problem.file.path}: cannot be rehearsed: {'; '.join(notes)}")
 
