@@ -11,6 +11,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.held_out import CHOSE, Verdict, _asked, _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.result.workflow import _against, _against_all
 from realitygap.diagnose.search.evidence import Scored
@@ -70,8 +71,20 @@ def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
         told = _asked(simulations, alone, friction.suspect)
         assert told.widens == widens
         assert ("widens the held-out gap, from" in _against(friction.suspect, told)) == widens
-        against = _against_all(simulations, found, fit.changes, Verdict(50.0, 1.0))
+        against = _against_all(simulations, found, fit.changes, Verdict(50.0, 1.0), [])
         assert ("widens the held-out gap" in against) == widens
+
+
+def test_what_takes_every_signal_further_off_is_not_named(simulations: Simulations, found: Found) -> None:
+    position, velocity = InUnits("position", "deg", 1.08, 1.33), InUnits("velocity", "deg/s", 17.8, 17.9)
+    changes = found.without[found.best.fit.changes[1].suspect].fit.changes
+
+    def against(*units: InUnits) -> str:
+        return _against_all(simulations, found, changes, Verdict(50.0, 1.0), units)
+
+    assert "takes position and velocity of held-out runs further off" in against(position, velocity)
+    assert not against(position, replace(velocity, after=17.7))
+    assert not against()
 
 
 def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulations, found: Found) -> None:

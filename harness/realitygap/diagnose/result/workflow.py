@@ -22,7 +22,7 @@ from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, rms, 
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.steps import in_steps, steps
-from realitygap.diagnose.judge.worsened import in_units, worsened
+from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import CLEAR, Closest, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
@@ -138,17 +138,17 @@ def diagnose(
     notes += why_not
     if found.cut:
         notes.append(CUT)
+    judge = problem.of("held_out")
+    before, after = _signals(simulations, []), _signals(simulations, changes)
     judged = predicted(simulations, found.floors, changes)
-    against = _against_all(simulations, found, changes, judged)
+    against = _against_all(simulations, found, changes, judged, in_units(problem, judge, before, after))
     if against:
         notes.append(against)
-        changes, proofs = (), {}
+        changes, proofs, after = (), {}, before
     if not problem.repeated and not any(case.recorded > 1 for case in problem.cases):
         notes.append(NOT_REPEATED)
     every = range(len(problem.cases))
-    before, after = _signals(simulations, []), _signals(simulations, changes)
     gaps = costs(simulations, found.floors, [], every), costs(simulations, found.floors, changes, every)
-    judge = problem.of("held_out")
     result = Diagnosis(
         problem=problem,
         engines=engines,
@@ -192,8 +192,12 @@ def _searched(
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
 
 
-def _against_all(simulations: Simulations, found: Found, changes: Sequence[Change], judged: Verdict) -> str:
-    """Why held-out runs speak against all that was found; empty where they do not."""
+def _against_all(
+    simulations: Simulations, found: Found, changes: Sequence[Change], judged: Verdict, units: Sequence[InUnits]
+) -> str:
+    """Why held-out runs speak against all that was found; empty where they do not. A push that comes and goes was a
+    constant effort: with its floors, which grew, the gap shrank by a tenth, and every signal was further off.
+    """
     if judged.worse:
         return (
             f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f} in "
@@ -205,6 +209,8 @@ def _against_all(simulations: Simulations, found: Found, changes: Sequence[Chang
             f"what was found widens the held-out gap, from {without:.4g} to {with_:.4g} floors, however much more "
             "probable it makes these runs: not named"
         )
+    if changes and units and all(u.after > u.before for u in units):
+        return f"what was found takes {' and '.join(u.signal for u in units)} of held-out runs further off: not named"
     return ""
 
 
