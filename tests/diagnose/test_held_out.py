@@ -82,7 +82,7 @@ def test_what_takes_every_signal_further_off_is_not_named(simulations: Simulatio
     def against(*units: InUnits) -> str:
         return _against_all(simulations, found, changes, Verdict(50.0, 1.0), units)
 
-    assert "takes position and velocity of held-out runs further off" in against(position, velocity)
+    assert "takes position, velocity of held-out runs further off" in against(position, velocity)
     assert not against(position, replace(velocity, after=17.7))
     assert not against()
 

@@ -210,7 +210,7 @@ def _against_all(
             "probable it makes these runs: not named"
         )
     if changes and units and all(u.after > u.before for u in units):
-        return f"what was found takes {' and '.join(u.signal for u in units)} of held-out runs further off: not named"
+        return f"what was found takes {', '.join(u.signal for u in units)} of held-out runs further off: not named"
     return ""
 
 
