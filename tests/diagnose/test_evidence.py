@@ -68,6 +68,22 @@ def test_the_laws_of_a_machine_are_alike() -> None:
     assert beside[1] > alone[1] + 3.0
 
 
+def test_a_load_that_is_known_worse_than_a_drawing_has_it_has_to_be_earned() -> None:
+    """The same recordings take friction for twice as imperfect as it is, and what a link weighs not."""
+    rng = np.random.default_rng(8)
+    n, q = 4000, 2
+    responses = rng.standard_normal((n, q))
+    residual = NOISE * rng.standard_normal(n) + responses @ np.full(q, 1.5)
+    told = {
+        law: scored(residual, np.zeros((n, 0)), responses, (law,) * q).imperfect[law] for law in ("friction", "load")
+    }
+    assert told == {"friction": 2.0, "load": 1.0}
+    far = responses @ np.full(q, 6.0)
+    assert scored(NOISE * rng.standard_normal(n) + far, np.zeros((n, 0)), responses, ("load",) * q).imperfect == {
+        "load": 2.0
+    }
+
+
 def test_moves_are_looked_for_where_laws_are_better_than_a_machines() -> None:
     rng = np.random.default_rng(9)
     channel = Channel(0, "position", 0, 0.01 * np.arange(50, dtype=np.float64), NOISE, np.zeros(50))
