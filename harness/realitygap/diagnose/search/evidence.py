@@ -40,8 +40,8 @@ WORSE = {"load": -3.0}
 """The same of laws that are worse than ordinary, by kind. Friction changes with heat and wear, a drive with its supply;
 what a link weighs does not, and a drawing has it to 5 %. Where 8 % had not to be earned, what a carriage that is 10 %
 heavier leaves passed for that; and, with laws that are alike, a viscous friction and a rotor's inertia of an STS3215
-(held out 0.073 rad, and less than half with this) and a fifth of what a UR10e lacks. Where all kinds had to be, masses
-stood in for what the friction of a UR10e is off by: its payload came out 14 % low, with the load alone 0.1 % high."""
+did (held out 0.073 rad, and 0.032 with this), and held-out gaps of a UR10e were a third wider. Where all kinds had to
+be, masses stood in for what its friction is off by: the payload came out 14 % low, with the load alone 0.1 % high."""
 SWEEPS = 2
 """How often the scale of each kind of law is chosen beside those of the others."""
 PASSES = 2
