@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import realitygap_engines as engines
 from realitygap.cli.main import main
+from realitygap.cli.options import named_after
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = (
@@ -29,6 +30,13 @@ def test_help_names_every_command(capfd: pytest.CaptureFixture[str]) -> None:
     assert re.findall(r"^  (\w+) {2,}\w", said("--help", capfd=capfd).partition("Commands:")[2], re.MULTILINE) == list(
         COMMANDS
     )
+
+
+def test_results_of_two_scenarios_of_a_folder_stay_apart() -> None:
+    """A folder's own one is called as the folder is."""
+    names = {file: named_after(ROOT / "scenarios" / "ur10e" / file) for file in ("scenario.yaml", "loaded.yaml")}
+    assert names == {"scenario.yaml": "ur10e", "loaded.yaml": "ur10e_loaded"}
+    assert named_after(ROOT / "arm_diagnosis" / "diagnosis.json") == "arm_diagnosis"
 
 
 def test_without_a_command_there_is_help(capfd: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from realitygap.cli.options import Jobs, Out, folder_for, say
+from realitygap.cli.options import Jobs, Out, folder_for, named_after, say
 
 if TYPE_CHECKING:
     from realitygap.bench.summary import Summary
@@ -70,7 +70,7 @@ def _do(procedure: Callable[[Path, Path], Summary], file: Path, out: Path | None
     from realitygap.bench.page import write_page
     from realitygap.files.result_folder import written_whole
 
-    folder = folder_for(out, f"{file.resolve().parent.name}_{file.stem}")
+    folder = folder_for(out, named_after(file))
     with written_whole(folder) as aside:
         summary = procedure(file, aside)
         page = write_page(summary, f"{file.resolve().parent.name} {file.stem}", aside)

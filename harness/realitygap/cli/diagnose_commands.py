@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Jobs, Out, folder_for, say
+from realitygap.cli.options import Engines, Jobs, Out, folder_for, named_after, say
 
 
 def diagnose(
@@ -20,7 +20,7 @@ def diagnose(
             "--minutes",
             min=0.0,
             help="how long to look for more by the clock; what was found by then is proven; inf: to the end",
-            show_default="as many simulations as take about 3, or a third for every joint",
+            show_default="as many simulations as take about 2.25, or a fifth for every joint",
         ),
     ] = None,
 ) -> None:
@@ -30,7 +30,7 @@ def diagnose(
     """
     from realitygap.diagnose.data.processes import started
 
-    folder = folder_for(out, f"{scenario.resolve().parent.name}_diagnosis")
+    folder = folder_for(out, f"{named_after(scenario)}_diagnosis")
     with started(jobs if scenario.is_file() else 1) as ahead:  # they load their packages while this one loads its own
         from realitygap.diagnose.result.workflow import run_diagnosis, summary
         from realitygap.files.progress import Progress
@@ -60,7 +60,7 @@ def rehearse(
     from realitygap.diagnose.rehearse.rehearse import run_rehearsal
     from realitygap.files.progress import Progress
 
-    folder = folder_for(out, f"{scenario.resolve().parent.name}_rehearsal")
+    folder = folder_for(out, f"{named_after(scenario)}_rehearsal")
     result = run_rehearsal(scenario, engine or [], Progress(), budget, jobs)
     write_rehearsal(result, folder)
     say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])
@@ -82,7 +82,7 @@ def propose(
     from realitygap.diagnose.propose.propose import run_proposal
     from realitygap.files.progress import Progress
 
-    folder = folder_for(out, f"{(path if path.is_dir() else path.parent).resolve().name}_proposal")
+    folder = folder_for(out, f"{path.resolve().name if path.is_dir() else named_after(path)}_proposal")
     result = run_proposal(path, engine or [], seconds, motions, Progress(), jobs)
     write_proposal(result, folder)
     if result.ended is not None:

@@ -33,6 +33,18 @@ def folder_for(out: Path | None, name: str = "") -> Path:
     return folder
 
 
+ALONE = ("scenario", "diagnosis")
+"""Names of files that their folder is known by."""
+
+
+def named_after(file: Path) -> str:
+    """What results of a file are called: as its folder, and as itself where that could hold others beside it, so that
+    two of a folder stay apart.
+    """
+    folder = file.resolve().parent.name
+    return folder if file.stem in ALONE else f"{folder}_{file.stem}"
+
+
 def say(lines: Iterable[str]) -> None:
     """Lines on standard output."""
     for line in lines:
