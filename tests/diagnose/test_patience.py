@@ -1,11 +1,12 @@
 """How long a diagnosis looks for more: so many engine steps of the bundled demo (synthetic), however fast they are."""
 
 import time
+from dataclasses import replace
 
 import pytest
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.patience import FEWEST, FOREVER, Patience
+from realitygap.diagnose.patience import AGAIN, FEWEST, FOREVER, Patience
 
 
 def test_steps_count_as_they_are_asked_for_however_many_take_them(problem: Problem) -> None:
@@ -30,6 +31,12 @@ def test_more_is_looked_for_until_the_steps_or_the_time_are_over() -> None:
     assert Patience.of(0, None, now).steps == Patience.of(FEWEST, None, now).steps, "a body without joints"
     assert Patience.of(1, None, now).steps > ordinary.steps, "what is around a step counts, too"
     assert Patience.of(20, None, now).steps * 20 > ordinary.steps * 6, "a humanoid takes longer"
+
+
+def test_a_round_that_explains_much_again_costs_nothing_of_it() -> None:
+    ordinary = Patience.of(6, None, time.monotonic())
+    assert ordinary.beside(1e6, (AGAIN + 0.01) * 900.0, 900.0) == replace(ordinary, steps=ordinary.steps + 1e6)
+    assert ordinary.beside(1e6, (AGAIN - 0.01) * 900.0, 900.0) == ordinary
 
 
 def test_minutes_that_are_asked_for_are_of_the_clock() -> None:

@@ -62,6 +62,7 @@ class Round:
         known: responses beside a model near by, which are taken for those beside this one.
 
     Attributes:
+        patience: the same, which grows where a round explains much (`patience.AGAIN`).
         explained: the evidence that the accepted model has more than the scenario's own.
         yardstick: what models are compared on.
         told: the accepted model, fitted as if laws were exact, which tells its values best; None where it was moved to.
@@ -86,7 +87,7 @@ class Round:
         known: Sequence[Block] = (),
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
-        self._patience = patience
+        self.patience = patience
         self.yardstick = yardstick = Yardstick(simulations, at.changes)
         first = residual(simulations, at.changes, yardstick.train)
         if first is None:
@@ -168,12 +169,12 @@ class Round:
     @property
     def late(self) -> bool:
         """Whether to look for nothing better than what was found."""
-        return self._patience.over(self.simulations.steps)
+        return self.patience.over(self.simulations.steps)
 
     @property
     def last(self) -> bool:
         """Whether there is no time to look at all anew."""
-        return self._patience.over(self.simulations.steps + self._looks)
+        return self.patience.over(self.simulations.steps + self._looks)
 
     def spare(self, scored: Scored) -> float:
         """The evidence of a model beyond what its findings have to gain."""

@@ -98,6 +98,7 @@ def search(
         if number > 0 and not stays:
             known = round_.blocks if round_.last else ()  # what is tried now promised most before
             round_ = Round(simulations, at, looked_at, limit, nothing, say, patience, known)
+        began, explained = simulations.steps, round_.explained
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
@@ -127,6 +128,9 @@ def search(
             again = following is not None
         if following is None:
             break
+        if not first:
+            gained = following.evidence - round_.now.evidence
+            round_.patience = patience = round_.patience.beside(simulations.steps - began, gained, explained)
         say("; ".join(told_change(c) for c in following.fit.changes))
         if many and not dropped:
             following = _further(round_, following, kept, failed)
