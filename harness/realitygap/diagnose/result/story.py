@@ -180,9 +180,7 @@ def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]
         if len(alike) == 1 or len(found) <= MANY:
             groups.append(("", [member]))
         elif member is alike[0]:
-            first = alike[0]
-            at = f"{first['name']} at {len(alike)} {first['sits_at']}s"
-            groups.append((f"{at}, in one step: {first['before']} → {first['after']} floors", alike))
+            groups.append((f"{member['name']} at {len(alike)} {member['sits_at']}s", alike))
     return groups
 
 
