@@ -47,7 +47,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     low, high = min(k["low"] for k in known), max(k["high"] for k in known)
     assert f"coulomb friction 2 joints torque 0.200 to {known[0]['value']:.3f} N·m" in words
     assert f"all within {low:.3f} to {high:.3f} N·m 0.276 N·m" in words, "the intervals, and what the model had"
-    assert "coulomb friction at 2 joints, in one step : 3.00 → 1.05 floors coulomb friction at elbow" in words
+    assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
     assert text.count("<details>") == 4, "places, both findings together, and each"
 

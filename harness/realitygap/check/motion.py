@@ -85,7 +85,7 @@ def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:
         f"the position of {joint} is {slope:.3g} times its command (explains {share:.1%}): the {who} is not in {rad} "
         f"but {max(factor, 1 / factor):.3g} times as large, as it seems; expected both in {rad}"
     )
-    return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, _key(o, who), (o.name,))
+    return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, o.line(who), (o.name,))
 
 
 def _flipped(o: Observed, either: Following, along: Following, j: int) -> Mistake | None:
@@ -109,9 +109,7 @@ def _flipped(o: Observed, either: Following, along: Following, j: int) -> Mistak
         "as the URDF's axis"
     )
     who = "position" if opposed(o)[j] else "command"
-    return Mistake(
-        "flipped_sign", "certain" if certain else "likely", (o.joints[j],), sentence, _key(o, who), (o.name,)
-    )
+    return Mistake("flipped_sign", "certain" if certain else "likely", (o.joints[j],), sentence, o.line(who), (o.name,))
 
 
 def _pace(o: Observed, j: int) -> float:
@@ -165,7 +163,7 @@ def _swapped(o: Observed, along: Following, chosen: Mask, done: set[str]) -> lis
         f"these follow one another's command: {pairs} (explains {gains}); expected every joint to follow its own, "
         "under its own name"
     )
-    return [Mistake("swapped_joints", "certain", names, sentence, _key(o, "command"), (o.name,))]
+    return [Mistake("swapped_joints", "certain", names, sentence, o.line("command"), (o.name,))]
 
 
 def _returns(source: dict[int, int], start: int) -> bool:
@@ -214,10 +212,3 @@ def _by_other(o: Observed, other: Observed, joints: list[int]) -> float:
     index = np.clip(np.searchsorted(other.clock - other.clock[0], clock, side="right") - 1, 0, len(other.clock) - 1)
     _, fit = following(other.command[index][:, joints], o.position[: len(clock)][:, joints], o.step)
     return float(np.nan_to_num(np.diag(fit.share)).mean())
-
-
-def _key(o: Observed, signal: str) -> str:
-    """The line of the scenario that says where a signal is."""
-    if signal == "command":
-        return "motion.recorded"
-    return "recordings.state" if o.holder == "bag" else f"recordings.columns.{signal}"

@@ -65,6 +65,12 @@ class Observed:
             return "data set"
         return "table" if self.recording.receive_time is None else "bag"
 
+    def line(self, signal: str) -> str:
+        """The line of the scenario that says where a signal is."""
+        if signal == "command":
+            return "motion.recorded"
+        return "recordings.state" if self.holder == "bag" else f"recordings.columns.{signal}"
+
     @cached_property
     def period(self) -> float:
         """The usual time between two measurements [s]."""

@@ -104,7 +104,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         return []
     fit, moves, told = found
     share, slope = np.nan_to_num(fit.share), np.nan_to_num(fit.slope)
-    key = "recordings.state" if o.holder == "bag" else "recordings.columns.velocity"
+    key = o.line("velocity")
     out: list[Mistake] = []
     lost: list[int] = []
     for j in np.flatnonzero(judged & moves):
