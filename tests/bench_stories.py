@@ -82,7 +82,7 @@ def held_out(story: str, result: Diagnosis) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     with Simulations(result.problem, 1) as simulations:
         for engine in engines.available():
-            before, after = (errors(result, simulations, changes, engine) for changes in ((), result.changes))
+            before, after = (errors(result, simulations, changes, engine) for changes in ((), result.mended))
             if before is None or after is None:
                 rows.append({"story": story, "quantity": "cannot be simulated", "engine": engine})
                 continue

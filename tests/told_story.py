@@ -9,11 +9,12 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.closest import Closest
 from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import Worsened, in_units
-from realitygap.diagnose.result.diagnosis import Closest, Diagnosis
+from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.judge.gaps import Shown
+from realitygap.diagnose.library import Diagnosed
 from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
@@ -173,3 +174,31 @@ def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis],
     assert "40.0 rad/s²" in words
     assert list(result.to_json()["findings"][0]["parameters"]) == ["acceleration"]
     assert any("acceleration 40" in line and "speed" not in line for line in summary(result))
+
+
+def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    result = told("explained")
+    gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 5.2),), ("gain",))
+    result = replace(
+        result, adjusted=(gain,), shown={**result.shown, gain.suspect: Shown(1.05, 1.01, {"dart": (1.2, 1.1)})}
+    )
+    _, page, words = page_of(result, tmp_path)
+    assert not page.open, "an element is left open"
+    assert "with it, and controller gain at elbow adjusted as far as laws are ordinarily off, the gap" in words
+    assert "Adjusted besides: 1.05 → 1.01 floors" in words
+    assert "controller gain elbow gain 5.20 duty/rad" in words
+    assert "1. coulomb friction at elbow" in words
+    assert "2. " not in words.split("Adjusted besides")[0].split("What was found")[1], "it is no finding"
+    content = Diagnosed(result, result.to_json())
+    assert [f.effect for f in content.findings] == ["coulomb_friction"]
+    assert [(f.effect, f.held_out, f.engines) for f in content.adjusted] == [
+        ("controller_gain", (1.05, 1.01), {"dart": (1.2, 1.1)})
+    ]
+    lines = summary(result)
+    at = lines.index("  adjusted, as far as laws are ordinarily off; held out 1.05 -> 1.01")
+    assert lines[at + 1].startswith("    controller_gain at elbow: gain 5.2 ")
+    assert lines[at + 2] == "    dart: 1.2 -> 1.1"
+    revised = content.revised.save(tmp_path / "revised").read_text(encoding="utf-8")
+    assert "effect: controller_gain" in revised

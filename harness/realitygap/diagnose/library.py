@@ -56,7 +56,9 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Revised:
-    """The mended model: the scenario with the findings in it, in its URDF where that can say them."""
+    """The mended model: the scenario with the findings in it, and what its laws are off by, in its URDF where that can
+    say them.
+    """
 
     diagnosis: Diagnosis
 
@@ -76,7 +78,7 @@ class Revised:
         if place.resolve() == own.parent.resolve():
             raise InputError(f"save: {folder} is the folder of {own.name}, which would be replaced; expected another")
         check_writable(place, "save")
-        return write_revised(self.diagnosis.problem, self.diagnosis.changes, place)
+        return write_revised(self.diagnosis.problem, self.diagnosis.mended, place)
 
 
 @dataclass(frozen=True, repr=False)
@@ -104,6 +106,11 @@ class Diagnosed:
     def findings(self) -> tuple[Finding, ...]:
         """What is missing, in the order in which it was found."""
         return tuple(_finding(told) for told in self.content["findings"])
+
+    @property
+    def adjusted(self) -> tuple[Finding, ...]:
+        """What the laws of the named model are off by, as ordinary laws are: no findings, but in the mended model."""
+        return tuple(_finding(told) for told in self.content["adjusted"])
 
     @property
     def gap(self) -> dict[str, Pair]:
@@ -160,7 +167,7 @@ def diagnose(
 
 
 def _finding(told: dict[str, Any]) -> Finding:
-    parameters = told["parameters"]
+    parameters, rivals = told["parameters"], told.get("cannot_tell_from", ())
     return Finding(
         effect=told["effect"],
         target=told["target"] if isinstance(told["target"], str) else tuple(told["target"]),
@@ -169,7 +176,7 @@ def _finding(told: dict[str, Any]) -> Finding:
         units={n: p["unit"] for n, p in parameters.items()},
         held_out=_pair(told["held_out"]),
         engines={name: _pair(gap) for name, gap in told["engines"].items()},
-        cannot_tell_from=tuple(f"{r['effect']} at {_shown(r['target'])}: {r['why']}" for r in told["cannot_tell_from"]),
+        cannot_tell_from=tuple(f"{r['effect']} at {_shown(r['target'])}: {r['why']}" for r in rivals),
     )
 
 

@@ -23,6 +23,12 @@ def in_steps(ordered: Sequence[Suspect]) -> list[list[Suspect]]:
     return list(out.values())
 
 
+def steps_of(found: Found, ordered: Sequence[Suspect]) -> list[list[Suspect]]:
+    """What was found by steps, in its order: the last one is what its laws are off by, where that was told."""
+    beside = [s for s in ordered if s in found.adjusted]
+    return [*in_steps([s for s in ordered if s not in found.adjusted]), *([beside] if beside else [])]
+
+
 def steps(found: Found, ordered: Sequence[Suspect]) -> list[tuple[Change, ...]]:
     """The models without any finding and after each step, each with its own values: those of the step after it, moved
     to where the training runs are likelier without what that one adds.
@@ -32,7 +38,7 @@ def steps(found: Found, ordered: Sequence[Suspect]) -> list[tuple[Change, ...]]:
     gain.
     """
     known = found.best.fit
-    *prefixes, every = accumulate(in_steps(ordered), initial=list[Suspect]())
+    *prefixes, every = accumulate(steps_of(found, ordered), initial=list[Suspect]())
     out = [_in_order(known.changes, every)]
     for prefix in reversed(prefixes):
         fewer = [c for c in out[0] if c.suspect in prefix]

@@ -12,6 +12,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.advice import experiment
+from realitygap.diagnose.judge.closest import Closest
 from realitygap.diagnose.judge.gaps import Shown, rms
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import Place
@@ -33,16 +34,6 @@ MOST = 3
 
 
 @dataclass(frozen=True)
-class Closest:
-    """A candidate that was not named: its values, the gap on training runs with it, and why it was refused."""
-
-    change: Change
-    before: float
-    after: float
-    why: str
-
-
-@dataclass(frozen=True)
 class Diagnosis:
     """All that a diagnosis found, for the file, the page and the revised model.
 
@@ -51,6 +42,7 @@ class Diagnosis:
         engines: the searching one first.
         found: by the search.
         changes: the findings, what explains most first.
+        adjusted: what the laws of the named model are off by, which is no finding; the mended model has it too.
         floors: under which gaps are said.
         costs: mean squared gap in floors of every case, of the scenario's model and of the mended one.
         shown: the held-out gap before and after each finding, by engine.
@@ -77,6 +69,12 @@ class Diagnosis:
     after: dict[int, dict[str, Array]]
     notes: list[str] = field(default_factory=list)
     deviations: dict[Suspect, dict[str, float]] = field(default_factory=dict)
+    adjusted: tuple[Change, ...] = ()
+
+    @property
+    def mended(self) -> tuple[Change, ...]:
+        """The changes of the mended model: the findings, and what its laws are off by."""
+        return (*self.changes, *self.adjusted)
 
     def gap(self, use: str) -> tuple[float, float]:
         """The gap before and after on `train` or `held_out` motions, in floors."""
@@ -121,6 +119,7 @@ class Diagnosis:
             "verdict": self.verdict,
             "where": [_place(p) for p in self.where],
             "findings": [self._finding(c) for c in self.changes],
+            "adjusted": [self._told(c) for c in self.adjusted],
             "gap": {
                 use: dict(zip(("before", "after"), map(_round, self.gap(use)), strict=True))
                 for use in ("train", "held_out")
@@ -176,8 +175,30 @@ class Diagnosis:
 
     def _finding(self, change: Change) -> dict[str, Any]:
         suspect = change.suspect
-        parameters: dict[str, Any] = {} if suspect.table is None else self._table(change)
-        for p in suspect.kind.parameters if suspect.table is None else ():
+        rivals = self.found.rivals.get(suspect, [])
+        best = _name(rivals[0].suspect) | {"behind": _round(rivals[0].behind)} if rivals else None
+        return self._told(change) | {
+            "cannot_tell_from": [_name(r.suspect) | {"why": why(r)} for r in self.rivals[suspect]],
+            "evidence": _round(self.found.gains.get(suspect, float("nan"))),
+            "next_best": best,
+        }
+
+    def _told(self, change: Change) -> dict[str, Any]:
+        """What a change is, its values, and the held-out gap before and after its step."""
+        shown = self.shown[change.suspect]
+        return _name(change.suspect) | {
+            "parameters": self._parameters(change),
+            "held_out": {"before": _round(shown.before), "after": _round(shown.after)},
+            "engines": {e: {"before": _round(a), "after": _round(b)} for e, (a, b) in shown.engines.items()},
+        }
+
+    def _parameters(self, change: Change) -> dict[str, Any]:
+        """The parameters of a change, each with its 95 % interval and unit."""
+        suspect = change.suspect
+        if suspect.table is not None:
+            return self._table(change)
+        parameters: dict[str, Any] = {}
+        for p in suspect.kind.parameters:
             value = change.parameters[p.name]
             if not np.isfinite(value):  # a limit that is not there
                 continue
@@ -189,17 +210,7 @@ class Diagnosis:
                 "high": _round(high, 5),
                 "unit": unit,
             }
-        shown = self.shown[suspect]
-        rivals = self.found.rivals.get(suspect, [])
-        best = _name(rivals[0].suspect) | {"behind": _round(rivals[0].behind)} if rivals else None
-        return _name(suspect) | {
-            "parameters": parameters,
-            "cannot_tell_from": [_name(r.suspect) | {"why": why(r)} for r in self.rivals[suspect]],
-            "evidence": _round(self.found.gains.get(suspect, float("nan"))),
-            "next_best": best,
-            "held_out": {"before": _round(shown.before), "after": _round(shown.after)},
-            "engines": {e: {"before": _round(a), "after": _round(b)} for e, (a, b) in shown.engines.items()},
-        }
+        return parameters
 
 
 def why(rival: Rival) -> str:

@@ -12,9 +12,10 @@ from markupsafe import Markup
 from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.closest import Closest
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
-from realitygap.diagnose.result.diagnosis import Closest, Diagnosis, why
+from realitygap.diagnose.result.diagnosis import CLEAR, Diagnosis, why
 from realitygap.diagnose.result.revise import BODY, mended_name
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_table import draw_table, value_rows
@@ -77,14 +78,16 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "sentence": verdict(result),
         "gaps": gaps,
         "mended": bool(changes),
+        "above": max(result.gap(use)[1] for use in USES) > CLEAR,
         "robot": mended_name(problem.file.resolve(problem.file.scenario.robot.urdf, "robot.urdf")),
-        "bodies": any(c.suspect.effect in BODY for c in changes),
+        "bodies": any(c.suspect.effect in BODY for c in result.mended),
         "cut": result.found.cut,
         "where": [_place(p) for p in result.where],
         "first": FIRST,
         "findings": findings,
         "groups": _groups(findings),
         "table": _table(findings) if len(findings) > MANY else [],
+        "adjusted": _adjusted(result),
         "curves": _curves(result),
         "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
         "apart": [
@@ -133,22 +136,11 @@ def _place(place: Place) -> dict[str, str]:
 def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     content = result.to_json()["findings"][result.changes.index(change)]
     effect, suspect = change.suspect.kind, change.suspect
-    parameters = [] if suspect.table is None else value_rows(result, change)
     values: dict[str, _Value] = {}
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
         own = own_reach(result.problem, suspect, p) if p.absent is None else None
         values[p.name.replace("_", " ")] = _Value(told["value"], told["low"], told["high"], unit, own)
-        known = p.name in change.free or told["low"] < told["high"]
-        spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
-        parameters.append(
-            (
-                p.name.replace("_", " "),
-                quantity(told["value"], unit),
-                spread,
-                model_value(result.problem, suspect, p),
-            )
-        )
     done = result.shown[suspect]
     searched = f"{engine_label(result.engines[0])} (searched)"
     pairs = [Pair(searched, done.before, done.after)]
@@ -161,7 +153,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "sits_at": effect.sits_at,
         "said": lacks(result, change),
         "better": better(result, change),
-        "parameters": parameters,
+        "parameters": _parameters(result, change, content["parameters"]),
         "values": values,
         "page": effect.page,
         "before": number(done.before),
@@ -170,6 +162,33 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "drawing": Markup(draw_table(result, change)) if suspect.table is not None else "",
         "missing": missing,
     }
+
+
+def _parameters(result: Diagnosis, change: Change, content: dict[str, Any]) -> list[tuple[str, str, str, str]]:
+    """A row per parameter: its name, its value, its 95 % interval, and what the model had."""
+    suspect, problem = change.suspect, result.problem
+    rows = [] if suspect.table is None else value_rows(result, change)
+    for p in (p for p in suspect.kind.parameters if p.name in content):
+        unit, told = unit_there(problem, suspect, p), content[p.name]
+        known = p.name in change.free or told["low"] < told["high"]
+        spread = interval(told["low"], told["high"], unit) if known else NOT_FITTED
+        name = p.name.replace("_", " ")
+        rows.append((name, quantity(told["value"], unit), spread, model_value(problem, suspect, p)))
+    return rows
+
+
+def _adjusted(result: Diagnosis) -> dict[str, Any]:
+    """What laws are off by: a row for every value that was fitted, and the held-out gap before and after them all."""
+    rows = [
+        (name_label(c.suspect), target_label(c.suspect), *row)
+        for c, told in zip(result.adjusted, result.to_json()["adjusted"], strict=True)
+        for row in _parameters(result, c, told["parameters"])
+        if row[2] != NOT_FITTED
+    ]
+    if not rows:
+        return {}
+    done = result.shown[result.adjusted[0].suspect]
+    return {"rows": rows, "before": number(done.before), "after": number(done.after)}
 
 
 def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:

@@ -125,6 +125,11 @@ def _grouped(changes: Sequence[Change]) -> str:
     return f"{listed(told)} {'are' if len(changes) > 1 else 'is'} missing or wrong"
 
 
+def adjusted_label(adjusted: Sequence[Change]) -> str:
+    """What laws are off by as part of a sentence: `base tilt`, or `5 values` of more than one."""
+    return suspect_label(adjusted[0].suspect) if len(adjusted) == 1 else f"{len(adjusted)} other values"
+
+
 def places(where: Sequence[Suspect]) -> str:
     """How many joints, or links, several findings of one effect are at: two types of servo are many joints."""
     return f"{len({i for suspect in where for i in suspect.indices})} {where[0].kind.sits_at}s"
@@ -150,7 +155,12 @@ def verdict(result: Diagnosis) -> str:
     what = _grouped(changes) if len(changes) > MANY else listed([lacks(result, c) for c in changes])
     how = _moved(before, after)
     text = f"{what[0].upper()}{what[1:]}: {'' if how.startswith('falls') else 'but '}"
-    text += f"with {'it' if len(changes) == 1 else 'them'} the gap on held-out motions {how} times the floor"
+    beside = (
+        f", and {adjusted_label(result.adjusted)} adjusted as far as laws are ordinarily off,"
+        if result.adjusted
+        else ""
+    )
+    text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
         return f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"

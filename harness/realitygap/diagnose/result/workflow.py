@@ -18,16 +18,17 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, rms, shown
+from realitygap.diagnose.judge.adjust import adjusted
+from realitygap.diagnose.judge.closest import closest
+from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
-from realitygap.diagnose.judge.steps import in_steps, steps
+from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
-from realitygap.diagnose.result.diagnosis import CLEAR, Closest, Diagnosis
+from realitygap.diagnose.result.diagnosis import CLEAR, Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.round import told_change
 from realitygap.diagnose.search.search import Found, search
 from realitygap.files.errors import spared
@@ -46,9 +47,6 @@ CUT = (
     "the search was ended after the simulations or the time that it had: more may be missing than what was found; "
     "--minutes inf looks to the end"
 )
-SHOWN = 3
-"""Candidates that were not named and are shown."""
-
 Say = Callable[[str], None]
 
 
@@ -153,7 +151,8 @@ def diagnose(
         problem=problem,
         engines=engines,
         found=found,
-        changes=changes,
+        changes=tuple(c for c in changes if c.suspect not in found.adjusted),
+        adjusted=tuple(c for c in changes if c.suspect in found.adjusted),
         floors=found.floors,
         costs=gaps,
         shown=proofs,
@@ -163,7 +162,7 @@ def diagnose(
         worsened=worsened(problem, found.floors, judge, before, after) if changes else [],
         units=in_units(problem, judge, before, after),
         faults=_sensor_faults(problem),
-        closest=_closest(simulations, found, changes),
+        closest=closest(simulations, found, changes),
         before=before,
         after=after,
         notes=notes,
@@ -188,6 +187,7 @@ def _searched(
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     found, vague = certain_of(simulations, found, keep)
+    found = adjusted(simulations, found, keep, {*against, *vague})
     why_not = [_against(s, told) for s, told in against.items()]
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
 
@@ -236,48 +236,20 @@ def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
 
 
 def _ordered(found: Found, told: Sequence[Change]) -> tuple[Change, ...]:
-    """The findings by steps, what the recordings told first, then what explains most."""
+    """What was found by steps: what the recordings told first, then what explains most, what laws are off by last."""
     first: list[Suspect] = [c.suspect for c in told]
 
     def place(change: Change) -> tuple[bool, float]:
         return change.suspect not in first, -found.gains.get(change.suspect, np.inf)
 
     by_suspect = {c.suspect: c for c in sorted(found.best.fit.changes, key=place)}
-    return tuple(by_suspect[s] for step in in_steps(list(by_suspect)) for s in step)
+    return tuple(by_suspect[s] for step in steps_of(found, list(by_suspect)) for s in step)
 
 
 def _signals(simulations: Simulations, changes: Sequence[Change]) -> dict[int, dict[str, Array]]:
     every = range(len(simulations.problem.cases))
     answers = simulations.of(changes, every)
     return {c: a for c, a in zip(every, answers, strict=True) if a is not None}
-
-
-def _closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -> list[Closest]:
-    """The candidates that promised most and were not named, with the gap on training runs that they leave."""
-    train = simulations.problem.of("train")
-    out: list[Closest] = []
-    before = rms(costs(simulations, found.floors, changes, train), train)
-    for p in found.promised:
-        if len(out) == SHOWN or p.gain <= 0 or any(p.change.suspect == c.change.suspect for c in out):
-            continue
-        after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
-        if after < before:
-            out.append(Closest(p.change, before, after, _short_of(found, p)))
-    return out
-
-
-def _short_of(found: Found, promise: Promise) -> str:
-    """Why what promised most was not named."""
-    promised = f"it promises {promise.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
-    if promise.gain < found.limit:
-        return promised
-    gain, least = found.short.get(promise.change.suspect, (-np.inf, found.limit))
-    if gain < found.limit:
-        return f"{promised}, and fitted it gains less than that"
-    return (
-        f"{promised}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
-        "of the recordings scatter, and from what laws leave"
-    )
 
 
 def _sensor_faults(problem: Problem) -> list[str]:
@@ -292,7 +264,7 @@ def _sensor_faults(problem: Problem) -> list[str]:
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
     """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result."""
     if result.changes:
-        write_revised(result.problem, result.changes, out / "revised")
+        write_revised(result.problem, result.mended, out / "revised")
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
     failures: list[str] = []
@@ -311,6 +283,29 @@ def _largest(told: dict[str, Any]) -> str:
     return f"{np.max(np.abs(told['value'])):.4g} {told['unit']}"
 
 
+def _values(change: Change, told: dict[str, Any]) -> str:
+    """A change with its values."""
+    if change.suspect.table is None:
+        values = ", ".join(_parameter(n, p) for n, p in told["parameters"].items())
+    else:
+        values = f"{len(change.values)} values up to {_largest(told['parameters']['values'])}"
+    return f"{change.suspect}: {values}"
+
+
+def _moved(told: dict[str, float]) -> str:
+    """A gap before and after."""
+    return f"{told['before']:g} -> {told['after']:g}"
+
+
+def _adjusted(result: Diagnosis, content: Sequence[dict[str, Any]]) -> list[str]:
+    """What laws are off by, and the gap before and after all of it, in every engine."""
+    if not content:
+        return []
+    lines = [f"  adjusted, as far as laws are ordinarily off; held out {_moved(content[0]['held_out'])}"]
+    lines += [f"    {_values(change, told)}" for change, told in zip(result.adjusted, content, strict=True)]
+    return lines + [f"    {engine}: {_moved(gap)}" for engine, gap in content[0]["engines"].items()]
+
+
 def summary(result: Diagnosis) -> list[str]:
     """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
     content = result.to_json()
@@ -318,16 +313,11 @@ def summary(result: Diagnosis) -> list[str]:
     lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
     lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.changes]
     for finding, change in zip(content["findings"], result.changes, strict=True):
-        if change.suspect.table is None:
-            values = ", ".join(_parameter(n, p) for n, p in finding["parameters"].items())
-        else:
-            values = f"{len(change.values)} values up to {_largest(finding['parameters']['values'])}"
-        shown_ = finding["held_out"]
-        lines.append(f"  {change.suspect}: {values}; held out {shown_['before']:g} -> {shown_['after']:g}")
-        for engine, pair in finding["engines"].items():
-            lines.append(f"    {engine}: {pair['before']:g} -> {pair['after']:g}")
+        lines.append(f"  {_values(change, finding)}; held out {_moved(finding['held_out'])}")
+        lines += [f"    {engine}: {_moved(gap)}" for engine, gap in finding["engines"].items()]
         for rival in finding["cannot_tell_from"]:
             lines.append(f"    cannot be told from {rival['effect']} at {rival['target']}: {rival['why']}")
+    lines += _adjusted(result, content["adjusted"])
     if not result.changes:
         lines += [
             f"  closest: {told_change(c.change)}: training gap {c.before:.3g} -> {c.after:.3g}; {c.why}"

@@ -11,7 +11,7 @@ from realitygap.diagnose.candidates.suspects import plain_first
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import at_once, residual
+from realitygap.diagnose.fit.responses import Block, at_once, residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.evidence import Scored
@@ -49,6 +49,8 @@ class Found:
         promised: what was closest and not taken, best first.
         short: what it gains where it was fitted, and what it would have to gain.
         cut: whether the search was ended while it may have found more.
+        blocks: the responses of what could still be added, in the last round.
+        adjusted: what of the best model is no finding, but what its laws are off by (`judge.adjust`).
     """
 
     base: Scored
@@ -64,6 +66,8 @@ class Found:
     promised: list[Promise] = field(default_factory=list)
     short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
     cut: bool = False
+    blocks: Sequence[Block] = ()
+    adjusted: tuple[Suspect, ...] = ()
 
 
 def search(
@@ -154,6 +158,7 @@ def search(
         promised=round_.promised,
         short=round_.short,
         cut=cut,
+        blocks=round_.blocks,
     )
 
 

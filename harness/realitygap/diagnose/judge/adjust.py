@@ -1,0 +1,111 @@
+"""What the laws of the named model are off by: values that no finding is needed for, and that the mended model has.
+
+No law is exact, and what one is ordinarily off by is no name. But it is seen: of a linear drive whose friction differs
+by 3 N between its directions, as friction does, that is known to a tenth, and the force is a third nearer with it. The
+likelihood counts such faults as noise that lasts; here they are told, as few as explain what exact laws would ask for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
+from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.responses import Block, single
+from realitygap.diagnose.judge.gaps import held_out_gap
+from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.imperfections import SHARE
+from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.round import linear_at
+from realitygap.diagnose.search.search import Found
+
+SILENT = 1e-6
+"""What answers less than this share of what else an effect does is numerics."""
+
+
+def adjusted(simulations: Simulations, found: Found, told: Collection[Suspect], refused: Collection[Suspect]) -> Found:
+    """What was found with the laws of its model adjusted beside it (`Found.adjusted`), all values fitted together; as
+    it was where nothing beyond what the recordings `told` was named, or where held-out runs, which are asked once, do
+    not speak for that: they have to be more probable with it, and the gap that is shown smaller.
+
+    Each of them explains as much as a name would have to if laws were exact. `refused` is what held-out runs or
+    intervals spoke against.
+    """
+    before = found.best.fit
+    named = {c.suspect for c in before.changes}
+    fitted = _beside(found, _faults(found, refused)) if named.difference(told) else None
+    if fitted is None:
+        return found
+    after, floors = fitted.fit.changes, found.floors
+    if predicted(simulations, floors, after, before.changes).gain <= 0.0:
+        return found
+    if held_out_gap(simulations, floors, after) >= held_out_gap(simulations, floors, before.changes):
+        return found
+    return replace(
+        found,
+        best=fitted,
+        cautious=found.yardstick.cautious(fitted.fit),
+        floors=measure(simulations, after),
+        adjusted=tuple(c.suspect for c in after if c.suspect not in named),
+    )
+
+
+def _beside(found: Found, faults: Sequence[Change]) -> Scored | None:
+    """The model with what laws are off by, without what explains too little once all is fitted; None where that is all
+    of it, or cannot be simulated.
+    """
+    before, here = found.best.fit, list(faults)
+    while here:
+        fitted = found.yardstick.fit([*before.changes, *here], before, "compared")
+        if fitted is None:
+            return None
+        worth = _worth(found, fitted)
+        kept = [c for c in fitted.fit.changes if worth.get(c.suspect, 0.0) >= found.limit]
+        if len(kept) == len(here):
+            return fitted
+        here = kept
+    return None
+
+
+def _worth(found: Found, fitted: Scored) -> dict[Suspect, float]:
+    """What each change that is new would gain in evidence if laws were exact, as a straight line says, and no more than
+    by how much stretches of the recordings tell it.
+    """
+    fit, exact = fitted.fit, found.yardstick.plain(fitted.fit)
+    named, plant = {c.suspect for c in found.best.fit.changes}, found.yardstick.problem.plant
+    out = {}
+    for k, change in enumerate(fit.changes):
+        if change.suspect not in named:
+            none = neutral(plant, change.suspect)
+            own = [i for i, (number, _) in enumerate(fit.names) if number == k]
+            away = np.array([(fit.value[i] - none[fit.names[i][1]]) / fit.size[i] for i in own])
+            out[change.suspect] = 0.5 * float(away @ np.linalg.solve(exact.covariance[np.ix_(own, own)], away))
+    return out
+
+
+def _faults(found: Found, refused: Collection[Suspect]) -> Sequence[Change]:
+    """What laws are off by, as few of them as explain what exact laws would ask for, each as much as a name has to."""
+    exact = found.yardstick.plain(found.best.fit)
+    blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in refused]
+    return [_seen(p) for p in linear_at(exact, blocks).several(found.limit)]
+
+
+def _seen(promise: Promise) -> Change:
+    """A change of which only what answers is free: a slide that tilts about its own axis does nothing."""
+    start, sizes = promise.block.start, np.linalg.norm(promise.block.columns, axis=0)
+    moved = {n for k, size in enumerate(sizes) if size > SILENT * sizes.max() for n in start.moved(k)}
+    change = promise.change
+    return replace(change, free=tuple(n for n in change.free if n in moved))
+
+
+def _of_a_law(block: Block) -> bool:
+    """Whether a response is that of what a law may be off by: friction, load or drive at one place, without a shape."""
+    suspect = block.suspect
+    alone = suspect.kind.sits_at != "joint" or single(suspect)
+    return alone and block.start.kind == "linear" and suspect.kind.law in SHARE and suspect.effect not in ALWAYS_FREE

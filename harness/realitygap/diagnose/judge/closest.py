@@ -1,0 +1,57 @@
+"""What came closest and was not named, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.gaps import costs, rms
+from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.search import Found
+
+SHOWN = 3
+"""Candidates that were not named and are shown."""
+
+
+@dataclass(frozen=True)
+class Closest:
+    """A candidate that was not named: its values, the gap on training runs with it, and why it was refused."""
+
+    change: Change
+    before: float
+    after: float
+    why: str
+
+
+def closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -> list[Closest]:
+    """The candidates that promised most and were not named, with the gap on training runs that they leave."""
+    train = simulations.problem.of("train")
+    out: list[Closest] = []
+    before = rms(costs(simulations, found.floors, changes, train), train)
+    for p in found.promised:
+        suspect = p.change.suspect
+        known = suspect in found.adjusted or any(suspect == c.change.suspect for c in out)
+        if len(out) == SHOWN or p.gain <= 0 or known:
+            continue
+        after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
+        if after < before:
+            out.append(Closest(p.change, before, after, _short_of(found, p)))
+    return out
+
+
+def _short_of(found: Found, promise: Promise) -> str:
+    """Why what promised most was not named."""
+    promised = f"it promises {promise.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
+    if promise.gain < found.limit:
+        return promised
+    gain, least = found.short.get(promise.change.suspect, (-np.inf, found.limit))
+    if gain < found.limit:
+        return f"{promised}, and fitted it gains less than that"
+    return (
+        f"{promised}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
+        "of the recordings scatter, and from what laws leave"
+    )

@@ -1,0 +1,87 @@
+"""What laws of the bundled demo (synthetic) are off by is adjusted, and no finding."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from demo_problem import DEMO, FRICTION, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.data.problem import Problem, build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.adjust import _seen, adjusted
+from realitygap.diagnose.judge.gaps import held_out_gap, shown
+from realitygap.diagnose.judge.steps import steps
+from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.scenario.file import load_scenario
+
+GAIN = 5.048
+"""Of the recorded servos [duty/rad]."""
+
+
+def found_in(simulations: Simulations) -> Found:
+    """The missing friction, and what stands beside it."""
+    problem = simulations.problem
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    yardstick = Yardstick(simulations, [friction])
+    still, best = residual(simulations, [], yardstick.train), yardstick.fit([friction])
+    assert still is not None
+    assert best is not None
+    beside = [suspect_of(problem, e, j) for e in ("controller_gain", "viscous_friction") for j in ("shoulder", "elbow")]
+    blocks = yardstick.responses(best.fit, beside)
+    return Found(yardstick.score(Fit((), still)), best, best, 6.0, {}, yardstick.floors, yardstick, blocks=blocks)
+
+
+@pytest.fixture(scope="module")
+def off(simulations: Simulations) -> Iterator[Found]:
+    """The same in a model whose gains are 4 % too high."""
+    file = load_scenario(DEMO).override({"servos.drive.gain": 1.04 * GAIN})
+    with Simulations(build_problem(file, "mujoco"), 2) as own:
+        yield found_in(own)
+
+
+def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(off: Found) -> None:
+    simulations, (friction,) = off.yardstick.simulations, off.best.fit.changes
+    done = adjusted(simulations, off, [], [])
+    gains = [c for c in done.best.fit.changes if c.suspect in done.adjusted]
+    assert [(c.suspect.effect, c.suspect.target) for c in gains] == [
+        ("controller_gain", "shoulder"),
+        ("controller_gain", "elbow"),
+    ]
+    assert [c.parameters["gain"] for c in gains] == pytest.approx([GAIN, GAIN], rel=0.01)
+    (found,) = (c for c in done.best.fit.changes if c.suspect == friction.suspect)
+    assert abs(found.parameters["torque"] - FRICTION) < abs(friction.parameters["torque"] - FRICTION)
+    assert held_out_gap(simulations, done.floors, done.best.fit.changes) < 0.5 * held_out_gap(
+        simulations, done.floors, off.best.fit.changes
+    )
+    models = steps(done, [friction.suspect, *done.adjusted])
+    assert [len(m) for m in models] == [0, 1, 3], "all of them are one step, the last"
+    of = shown(simulations, done.floors, models, ["mujoco"])
+    assert of[gains[0].suspect] == of[gains[1].suspect]
+    assert of[gains[0].suspect].before == of[friction.suspect].after
+
+
+def test_what_was_refused_is_not_adjusted_and_nothing_where_nothing_was_named(off: Found) -> None:
+    simulations, told = off.yardstick.simulations, [c.suspect for c in off.best.fit.changes]
+    assert adjusted(simulations, off, told, []) is off
+    shoulder = suspect_of(off.yardstick.problem, "controller_gain", "shoulder")
+    assert shoulder not in adjusted(simulations, off, [], [shoulder]).adjusted
+
+
+def test_exact_laws_are_left_as_they_are(simulations: Simulations) -> None:
+    found = found_in(simulations)
+    assert adjusted(simulations, found, [], []) is found
+
+
+def test_what_answers_nothing_is_not_fitted(problem: Problem, simulations: Simulations) -> None:
+    tilt = suspect_of(problem, "base_tilt", "base")
+    still = residual(simulations, [], problem.of("train"))
+    assert still is not None
+    (block, *_) = Yardstick(simulations, []).responses(Fit((), still), [tilt])
+    assert _seen(Promise(block, (0.1, 0.2), 9.0)).free == ("roll", "pitch")
+    deaf = block.columns.copy()
+    deaf[:, 0] *= 1e-9
+    assert _seen(Promise(replace(block, columns=deaf), (0.1, 0.2), 9.0)).free == ("pitch",)
