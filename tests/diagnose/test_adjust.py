@@ -45,7 +45,7 @@ def off(simulations: Simulations) -> Iterator[Found]:
 
 def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(off: Found) -> None:
     simulations, (friction,) = off.yardstick.simulations, off.best.fit.changes
-    done = adjusted(simulations, off, [], [])
+    done = adjusted(simulations, off, [])
     gains = [c for c in done.best.fit.changes if c.suspect in done.adjusted]
     assert [(c.suspect.effect, c.suspect.target) for c in gains] == [
         ("controller_gain", "shoulder"),
@@ -64,16 +64,15 @@ def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(of
     assert of[gains[0].suspect].before == of[friction.suspect].after
 
 
-def test_what_was_refused_is_not_adjusted_and_nothing_where_nothing_was_named(off: Found) -> None:
-    simulations, told = off.yardstick.simulations, [c.suspect for c in off.best.fit.changes]
-    assert adjusted(simulations, off, told, []) is off
+def test_what_was_refused_is_not_adjusted(off: Found) -> None:
+    simulations = off.yardstick.simulations
     shoulder = suspect_of(off.yardstick.problem, "controller_gain", "shoulder")
-    assert shoulder not in adjusted(simulations, off, [], [shoulder]).adjusted
+    assert shoulder not in adjusted(simulations, off, [shoulder]).adjusted
 
 
 def test_exact_laws_are_left_as_they_are(simulations: Simulations) -> None:
     found = found_in(simulations)
-    assert adjusted(simulations, found, [], []) is found
+    assert adjusted(simulations, found, []) is found
 
 
 def test_what_answers_nothing_is_not_fitted(problem: Problem, simulations: Simulations) -> None:

@@ -200,5 +200,9 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     at = lines.index("  adjusted, as far as laws are ordinarily off; held out 1.05 -> 1.01")
     assert lines[at + 1].startswith("    controller_gain at elbow: gain 5.2 ")
     assert lines[at + 2] == "    dart: 1.2 -> 1.1"
+    nothing = replace(told("unexplained"), adjusted=(gain,), shown=result.shown)
+    assert nothing.verdict == "unexplained", "what laws are off by is no name"
+    said = " With controller gain at elbow adjusted as far as laws are ordinarily off it stays at 3.0."
+    assert story_text.verdict(nothing).endswith(said)
     revised = content.revised.save(tmp_path / "revised").read_text(encoding="utf-8")
     assert "effect: controller_gain" in revised

@@ -16,7 +16,7 @@ from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import Block, single
-from realitygap.diagnose.judge.gaps import held_out_gap
+from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
@@ -29,23 +29,28 @@ SILENT = 1e-6
 """What answers less than this share of what else an effect does is numerics."""
 
 
-def adjusted(simulations: Simulations, found: Found, told: Collection[Suspect], refused: Collection[Suspect]) -> Found:
+def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect]) -> Found:
     """What was found with the laws of its model adjusted beside it (`Found.adjusted`), all values fitted together; as
-    it was where nothing beyond what the recordings `told` was named, or where held-out runs, which are asked once, do
-    not speak for that: they have to be more probable with it, and the gap that is shown smaller.
+    it was where nothing is left to explain, or where held-out runs, which are asked once, do not speak for that: they
+    have to be more probable with it, and the gap that is shown smaller.
 
     Each of them explains as much as a name would have to if laws were exact. `refused` is what held-out runs or
     intervals spoke against.
     """
     before = found.best.fit
     named = {c.suspect for c in before.changes}
-    fitted = _beside(found, _faults(found, refused)) if named.difference(told) else None
+    train, floors = simulations.problem.of("train"), found.floors
+    gaps = (
+        rms(costs(simulations, floors, before.changes, train), train),
+        held_out_gap(simulations, floors, before.changes),
+    )
+    fitted = _beside(found, _faults(found, refused)) if max(gaps) > CLEAR else None
     if fitted is None:
         return found
-    after, floors = fitted.fit.changes, found.floors
+    after = fitted.fit.changes
     if predicted(simulations, floors, after, before.changes).gain <= 0.0:
         return found
-    if held_out_gap(simulations, floors, after) >= held_out_gap(simulations, floors, before.changes):
+    if held_out_gap(simulations, floors, after) >= gaps[1]:
         return found
     return replace(
         found,

@@ -13,6 +13,8 @@ from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
 
+CLEAR = 1.3
+"""A gap up to this many floors leaves nothing to name: floors are known to some 30 % from two or three repetitions."""
 WORST = 1e6
 """The gap in floors of a motion that cannot be simulated."""
 

@@ -19,11 +19,10 @@ from realitygap.diagnose.candidates.told import velocity_filters
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.gaps import cost
+from realitygap.diagnose.judge.gaps import CLEAR, cost
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
 from realitygap.diagnose.rehearse.visible import Confusable, Visible, confusables, visible
-from realitygap.diagnose.result.diagnosis import CLEAR
 from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError

@@ -13,7 +13,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.advice import experiment
 from realitygap.diagnose.judge.closest import Closest
-from realitygap.diagnose.judge.gaps import Shown, rms
+from realitygap.diagnose.judge.gaps import CLEAR, Shown, rms
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.worsened import InUnits, Worsened
@@ -24,8 +24,6 @@ from realitygap.robot.drive import Array
 
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
-CLEAR = 1.3
-"""A gap up to this many floors leaves nothing to name: floors are known to some 30 % from two or three repetitions."""
 LAW = 0.1
 """What findings leave of a gap is that of laws that are only nearly right up to this share: they are known to 5 to 10 %
 (Coulomb friction scatters by 4 to 10 % over angle and direction; Armstrong-Hélouvry et al. 1994)."""

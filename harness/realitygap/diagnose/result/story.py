@@ -13,9 +13,10 @@ from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.closest import Closest
+from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
-from realitygap.diagnose.result.diagnosis import CLEAR, Diagnosis, why
+from realitygap.diagnose.result.diagnosis import Diagnosis, why
 from realitygap.diagnose.result.revise import BODY, mended_name
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_table import draw_table, value_rows
@@ -77,7 +78,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "verdict": result.verdict,
         "sentence": verdict(result),
         "gaps": gaps,
-        "mended": bool(changes),
+        "mended": bool(result.mended),
         "above": max(result.gap(use)[1] for use in USES) > CLEAR,
         "robot": mended_name(problem.file.resolve(problem.file.scenario.robot.urdf, "robot.urdf")),
         "bodies": any(c.suspect.effect in BODY for c in result.mended),
@@ -246,7 +247,7 @@ def _runs(result: Diagnosis) -> list[Pair]:
         Pair(
             result.problem.cases[i].name,
             float(np.sqrt(before[i])),
-            float(np.sqrt(after[i])) if result.changes else None,
+            float(np.sqrt(after[i])) if result.mended else None,
             "held out" if use == "held_out" else "training",
         )
         for use in USES
@@ -302,7 +303,7 @@ def _curve(result: Diagnosis, case: int, signal: str, j: int, when: tuple[str, .
         time=c.measured.time,
         measured=c.value(signal)[:, j] * scale,
         before=result.before[case][signal][:, j] * scale,
-        after=result.after[case][signal][:, j] * scale if result.changes else None,
+        after=result.after[case][signal][:, j] * scale if result.mended else None,
         sigma=result.floors.sigma(case, signal)[:, j] * scale,
         unit=unit,
         signal=signal,

@@ -125,9 +125,10 @@ def _grouped(changes: Sequence[Change]) -> str:
     return f"{listed(told)} {'are' if len(changes) > 1 else 'is'} missing or wrong"
 
 
-def adjusted_label(adjusted: Sequence[Change]) -> str:
-    """What laws are off by as part of a sentence: `base tilt`, or `5 values` of more than one."""
-    return suspect_label(adjusted[0].suspect) if len(adjusted) == 1 else f"{len(adjusted)} other values"
+def _adjusted(changes: Sequence[Change]) -> str:
+    """What laws are off by as part of a sentence: `base tilt adjusted`, or `5 other values adjusted`."""
+    label = suspect_label(changes[0].suspect) if len(changes) == 1 else f"{len(changes)} other values"
+    return f"{label} adjusted as far as laws are ordinarily off"
 
 
 def places(where: Sequence[Suspect]) -> str:
@@ -145,26 +146,29 @@ def verdict(result: Diagnosis) -> str:
             f"(the gap on held-out motions is {number(before, 2)} times the floor)."
         )
     if result.verdict == "unexplained":
-        text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
-        if result.found.cut:
-            return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough."
-        return (
-            f"Something is missing that no effect explains: {text}, and no effect explains it better than something "
-            "else would."
-        )
+        return _unexplained(result)
     what = _grouped(changes) if len(changes) > MANY else listed([lacks(result, c) for c in changes])
     how = _moved(before, after)
     text = f"{what[0].upper()}{what[1:]}: {'' if how.startswith('falls') else 'but '}"
-    beside = (
-        f", and {adjusted_label(result.adjusted)} adjusted as far as laws are ordinarily off,"
-        if result.adjusted
-        else ""
-    )
+    beside = f", and {_adjusted(result.adjusted)}," if result.adjusted else ""
     text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
         return f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"
     return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
+
+
+def _unexplained(result: Diagnosis) -> str:
+    """The verdict where nothing was named and there is a gap."""
+    before, after = result.gap("held_out")
+    text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
+    rest = f" With {_adjusted(result.adjusted)} it {_moved(before, after)}." if result.adjusted else ""
+    if result.found.cut:
+        return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough.{rest}"
+    return (
+        f"Something is missing that no effect explains: {text}, and no effect explains it better than something else "
+        f"would.{rest}"
+    )
 
 
 def _moved(before: float, after: float) -> str:

@@ -20,13 +20,13 @@ from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.adjust import adjusted
 from realitygap.diagnose.judge.closest import closest
-from realitygap.diagnose.judge.gaps import artefacts, costs, held_out_gap, shown
+from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
-from realitygap.diagnose.result.diagnosis import CLEAR, Diagnosis
+from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.round import told_change
@@ -187,7 +187,7 @@ def _searched(
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     found, vague = certain_of(simulations, found, keep)
-    found = adjusted(simulations, found, keep, {*against, *vague})
+    found = adjusted(simulations, found, {*against, *vague})
     why_not = [_against(s, told) for s, told in against.items()]
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
 
@@ -263,7 +263,7 @@ def _sensor_faults(problem: Problem) -> list[str]:
 
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
     """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result."""
-    if result.changes:
+    if result.mended:
         write_revised(result.problem, result.mended, out / "revised")
     text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
     write_whole(out / "diagnosis.json", text + "\n")
@@ -311,7 +311,7 @@ def summary(result: Diagnosis) -> list[str]:
     content = result.to_json()
     before, after = result.gap("held_out")
     lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
-    lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.changes]
+    lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.mended]
     for finding, change in zip(content["findings"], result.changes, strict=True):
         lines.append(f"  {_values(change, finding)}; held out {_moved(finding['held_out'])}")
         lines += [f"    {engine}: {_moved(gap)}" for engine, gap in finding["engines"].items()]
