@@ -75,6 +75,19 @@ def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
         assert ("widens the held-out gap" in against) == widens
 
 
+def test_held_out_runs_have_to_speak_for_what_was_found_beyond_how_they_scatter(
+    simulations: Simulations, found: Found
+) -> None:
+    changes = found.without[found.best.fit.changes[1].suspect].fit.changes
+    said = {v: _against_all(simulations, found, changes, v, []) for v in (Verdict(8.2, 5.7), Verdict(-8.2, 0.1))}
+    assert [text.partition(" in evidence")[0] for text in said.values()] == [
+        "what was found on training runs makes held-out runs more probable by 8.2 ± 5.7",
+        "what was found on training runs makes held-out runs less probable by 8.2 ± 0.1",
+    ]
+    for told in (Verdict(8.2, 4.0), Verdict(0.0, 0.0)):
+        assert not _against_all(simulations, found, changes, told, [])
+
+
 def test_what_takes_every_signal_further_off_is_not_named(simulations: Simulations, found: Found) -> None:
     position, velocity = InUnits("position", "deg", 1.08, 1.33), InUnits("velocity", "deg/s", 17.8, 17.9)
     changes = found.without[found.best.fit.changes[1].suspect].fit.changes

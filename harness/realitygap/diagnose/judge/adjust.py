@@ -48,9 +48,8 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     if fitted is None:
         return found
     after = fitted.fit.changes
-    if predicted(simulations, floors, after, before.changes).gain <= 0.0:
-        return found
-    if held_out_gap(simulations, floors, after) >= gaps[1]:
+    spoken_for = not predicted(simulations, floors, after, before.changes).worse
+    if not spoken_for or held_out_gap(simulations, floors, after) >= gaps[1]:
         return found
     return replace(
         found,

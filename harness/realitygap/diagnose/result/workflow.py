@@ -199,10 +199,8 @@ def _against_all(
     constant effort: with its floors, which grew, the gap shrank by a tenth, and every signal was further off.
     """
     if judged.worse:
-        return (
-            f"what was found on training runs makes held-out runs less probable, by {-judged.gain:.1f} in "
-            "evidence: not named"
-        )
+        how = f"{'more' if judged.gain > 0.0 else 'less'} probable by {abs(judged.gain):.1f} ± {judged.error:.1f}"
+        return f"what was found on training runs makes held-out runs {how} in evidence: not named"
     without, with_ = (held_out_gap(simulations, found.floors, c) for c in ((), changes))
     if with_ > max(without, CLEAR):
         return (
