@@ -1,5 +1,5 @@
 """`python -m realitygap`: the command line."""
 
-from realitygap.cli.main import main
+from realitygap.cli.entry import main
 
 main()

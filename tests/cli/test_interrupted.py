@@ -1,13 +1,17 @@
 """A signal ends a command with its own status and sentence, wherever it falls."""
 
+import os
 import pickle
 import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
+
+ROOT = Path(__file__).parents[2]
 
 SCRIPT = """
 import os, signal, time, typer
@@ -96,3 +100,17 @@ def test_a_worker_whose_question_is_cut_short_ends_in_silence(length: int) -> No
     worker = [sys.executable, "-m", "realitygap.diagnose.data.worker"]
     done = subprocess.run(worker, input=question, capture_output=True, timeout=60, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("command", ["-m realitygap", "the installed one"])
+def test_a_signal_while_the_command_is_imported_ends_it_quietly(number: int, command: str, tmp_path: Path) -> None:
+    """The first package that the command needs is one here that is interrupted while it is imported."""
+    (tmp_path / "typer.py").write_text(f"import os, time\nos.kill(os.getpid(), {int(number)})\ntime.sleep(5)\n")
+    module, name = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]["realitygap"].split(":")
+    script = ["-c", f"from {module} import {name}; {name}()"]  # as pip writes it
+    words = [sys.executable, *(command.split() if command.startswith("-m") else script), "engines"]
+    path = os.pathsep.join([str(tmp_path), *map(str, sys.path)])
+    done = subprocess.run(words, env={**os.environ, "PYTHONPATH": path}, capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (128 + number, b"")
+    assert done.stderr in (b"realitygap: interrupted\n", b"realitygap: ended by SIGTERM\n")
