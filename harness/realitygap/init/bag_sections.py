@@ -1,28 +1,37 @@
 """The first scenario of bags: which topic is what."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
 from realitygap.init.roles import Roles, roles_of
 from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
+from realitygap.scenario.joint_names import JOINT, name_patterns
 
 
 def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
     """Motion, recordings and runs of bags that are built like the first one. Joints that its state does not name, while
-    it does others, are held.
+    it does others, are held. Where it names none, names that differ by what stands before or behind them are theirs.
 
     Raises:
         InputError: for a bag that holds none of the robot's joints, or no pose of a robot without joints.
     """
     contents = probe(paths[0], joints)
-    roles = roles_of(contents)
+    roles, patterns = roles_of(contents), _patterns(contents, joints)
+    names = {joint: joint for joint in joints}
+    if joints and roles.state is None and patterns:
+        names = {joint: patterns[0].replace(JOINT, joint) for joint in joints}
+        contents = probe(paths[0], list(names.values()))
+        roles = roles_of(contents)
+    else:
+        patterns = []
     if joints and roles.state is None:
         raise InputError(
             f"{contents.path}: no topic holds the positions of {', '.join(joints)} of {urdf}; it has "
             f"{contents.listing}{_others(contents)}; expected a JointState with the joints' names as in the URDF: "
-            "rename one or the other"
+            "rename one or the other, or write a scenario whose recordings.joints tells their names"
         )
     if not joints and not contents.poses:
         raise InputError(
@@ -32,15 +41,27 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
     moving = next(iter(contents.poses + contents.imus), None)
     told = _told(contents, roles, joints)
     return Sections(
-        _motion(roles),
-        _recordings(contents, roles),
+        _motion(replace(roles, order=tuple(joint for name in roles.order for joint in joints if names[joint] == name))),
+        [*_names(patterns), *_recordings(contents, roles)],
         runs_of(paths, out),
         roles.meaning,
         moving,
         told=told,
         followed=_followed(roles),
-        held=tuple(joint for joint in joints if roles.state is not None and joint not in roles.state.stream.joints),
+        held=tuple(j for j in joints if roles.state is not None and names[j] not in roles.state.stream.joints),
     )
+
+
+def _patterns(contents: Contents, joints: Sequence[str]) -> list[str]:
+    """The names, with `*` for the joint's own, that topics have for all of the joints."""
+    return list(dict.fromkeys(p for names in contents.others.values() for p in name_patterns(names, joints)))
+
+
+def _names(patterns: Sequence[str]) -> list[str]:
+    if not patterns:
+        return []
+    more = f"; there is also {', '.join(patterns[1:])}" if patterns[1:] else ""
+    return [f'  joints: {{"*": {quoted(patterns[0])}}}  # GUESS: so the recording names the joints{more}']
 
 
 def _others(contents: Contents) -> str:

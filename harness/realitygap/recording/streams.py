@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.scenario.effort import effort_factors
+from realitygap.scenario.joint_names import recorded_names
 from realitygap.scenario.schema import EffortStream, Motion, Recordings, Scenario, Stream
 from realitygap.scenario.servos import DcServo, RecordedSupply
 from realitygap.trace.trace import Array
@@ -66,6 +67,15 @@ class Request:
     joints: tuple[str, ...]
     supply: str | None = None
     base: bool = True
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the recording calls the joints, in their order.
+
+        Raises:
+            InputError: for a pattern that matches no joint, or a name that two joints get.
+        """
+        return recorded_names(self.recordings.joints, self.joints, self.file)
 
     @property
     def effort_topic(self) -> str | None:

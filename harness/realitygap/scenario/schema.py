@@ -208,6 +208,11 @@ class Recordings(Section):
     effort: Literal["none", "motor", "joint"] | EffortStream = Field(
         default="none", description="whether the state's effort was measured, and what it measures"
     )
+    joints: dict[str, str] = Field(
+        default={},
+        description="the names that bags and tables have for joints, where they are others, by patterns over joint "
+        'names (the first that matches); `*` in a name is the joint\'s own: `{"*": "left_arm/*"}`',
+    )
     columns: Columns = Field(default=Columns(), description="for tables")
     dataset: DataSet = Field(default=DataSet(), description="for LeRobot data sets")
     episode: Episode | None = Field(default=None, description="of a data set, where a run does not say its own")

@@ -33,6 +33,10 @@ def read(path: Path, request: Request) -> Streams:
         raise InputError(
             f"{request.file}: recordings.columns.units: are those of tables; expected dataset: {{units: …}}"
         )
+    if request.recordings.joints:
+        raise InputError(
+            f"{request.file}: recordings.joints: are names of bags and tables; expected dataset: {{joints: …}}"
+        )
     folder = open_folder(path)
     episode = folder.episode(request.recordings.episode, f"{request.file}: recordings: episode")
     names = {signal: name for signal in FEATURES if (name := _feature(folder, request, signal)) is not None}

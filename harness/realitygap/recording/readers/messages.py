@@ -45,7 +45,7 @@ class JointMessages:
     """Messages with joint names and arrays, as in sensor_msgs/JointState, brought to one order of joints.
 
     A message that names none of the joints belongs to another publisher and is passed over; with `partial`, a message
-    may name some of them, as commands do.
+    may name some of them, as commands do. `other` are the names in messages that were passed over.
     """
 
     def __init__(self, joints: tuple[str, ...], layout: Layout, *, partial: bool) -> None:
@@ -60,7 +60,7 @@ class JointMessages:
         self._kept = 0
         self._present: list[NDArray[np.bool_]] = []  # (k, n) each, as the rows
         self._orders: dict[tuple[str, ...], tuple[NDArray[np.intp], NDArray[np.bool_]]] = {}
-        self._other: set[str] = set()
+        self.other: set[str] = set()
         self._passed = 0
 
     def take(self, message: Any) -> bool:
@@ -75,7 +75,7 @@ class JointMessages:
         """Keep what messages with the same names say, values (count, m) by signal; False where they name no joint."""
         order, present = self._order(names)
         if not present.any():
-            self._other.update(names)
+            self.other.update(names)
             self._passed += count
             return False
         for signal, value in values.items():
@@ -117,7 +117,10 @@ class JointMessages:
             present = np.array([joint in where for joint in self.joints])
             if present.any() and not present.all() and not self._partial:
                 missing = ", ".join(j for j in self.joints if j not in where)
-                raise Refused(f"has no joint {missing}; it has {', '.join(names)}; {NOT_RECORDED}")
+                raise Refused(
+                    f"has no joint {missing}; it has {', '.join(names)}; {NOT_RECORDED}, and recordings.joints tells "
+                    "its name here"
+                )
             order = np.array([where.get(joint, 0) for joint in self.joints], dtype=np.intp)
             self._orders[names] = order, present
         return self._orders[names]
@@ -142,10 +145,7 @@ class JointMessages:
         wanted = ", ".join(self.joints)
         if not self._passed:
             return "holds no messages"
-        return (
-            f"has no joint {wanted}; it has {', '.join(sorted(self._other)) or 'none'}; expected names as in the URDF: "
-            "rename one or the other"
-        )
+        return f"has no joint {wanted}; it has {', '.join(sorted(self.other)) or 'none'}"
 
     @property
     def note(self) -> str:

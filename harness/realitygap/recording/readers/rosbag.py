@@ -25,6 +25,7 @@ from realitygap.recording.readers.ros_control import NoNames, collector_of
 from realitygap.recording.readers.trajectory import Trajectories
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario import schema as scenario
+from realitygap.scenario.joint_names import hint
 from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
@@ -70,18 +71,22 @@ def read(path: Path, request: Request) -> Streams:
                 topic.taking.finish()
     empty = [t for t in topics if not t.taking.received]
     if empty:
-        raise InputError(f"{path}: {empty[0].name}: {empty[0].collector.nothing}")
+        collector = empty[0].collector
+        others = collector.other if isinstance(collector, JointMessages | Trajectories) else ()
+        expected = f"; expected names as in the URDF, or {hint(others, request.joints)}" if others else ""
+        raise InputError(f"{path}: {empty[0].name}: {collector.nothing}{expected}")
     clock = choose_clock({t.name: (np.array(t.taking.stamps), np.array(t.taking.received)) for t in topics})
     roles: dict[str, Any] = {}
     notes = [clock.note]
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)
         if isinstance(topic.collector, Trajectories):
-            roles[topic.role] = _followed(f"{path}: {topic.name}", topic.collector, time, keep, roles.get("state"))
+            source = f"{path}: {topic.name}"
+            roles[topic.role] = _followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
             notes += [f"{topic.name}: {note}"] if note else []
             continue
         signals, present = topic.collector.arrays()
-        joints = topic.collector.joints if isinstance(topic.collector, JointMessages) else ()
+        joints = request.joints if isinstance(topic.collector, JointMessages) else ()
         if len(keep) < len(clock.chosen[topic.name]) or (np.diff(keep) < 0).any():
             signals = {name: value[keep] for name, value in signals.items()}
             present = None if present is None else present[keep]
@@ -91,7 +96,12 @@ def read(path: Path, request: Request) -> Streams:
 
 
 def _followed(
-    source: str, collector: Trajectories, time: Array, keep: NDArray[np.int64], state: Samples | None
+    source: str,
+    joints: tuple[str, ...],
+    collector: Trajectories,
+    time: Array,
+    keep: NDArray[np.int64],
+    state: Samples | None,
 ) -> Samples:
     """The commands that a controller makes of trajectories."""
     measured = None
@@ -103,7 +113,7 @@ def _followed(
 
     end = float(time[-1] if state is None else state.time[-1])
     times, values = collector.sampled(time, keep, measured, end)
-    return Samples(source, times, {"position": values}, collector.joints)
+    return Samples(source, times, {"position": values}, joints)
 
 
 def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str]]:
@@ -158,15 +168,16 @@ def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request:
 def _joint_collector(bag: "Bag", path: Path, role: str, topic: str, request: Request) -> Collector | None:
     """What takes the messages of a topic of joint values; None for a type that has none."""
     kind = bag.types[topic]
+    named = dict(zip(request.joints, request.names, strict=True))
     asked = {"state": request.recordings.state, "command": request.motion, "effort": request.recordings.effort}[role]
     try:
         return collector_of(
             kind,
             bag.fields(kind),
-            request.joints,
+            request.names,
             role=role,
             stream=asked if isinstance(asked, scenario.Stream) else None,
-            given=tuple(getattr(asked, "joints", None) or ()),
+            given=tuple(named.get(joint, joint) for joint in getattr(asked, "joints", None) or ()),
             signal={"state": "position", "command": request.command_signal, "effort": "effort"}[role],
         )
     except NoNames:

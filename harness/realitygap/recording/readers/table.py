@@ -120,6 +120,7 @@ class Table:
         self.frame = frame
         self.request = request
         self.columns: Columns = request.recordings.columns
+        self.names = dict(zip(request.joints, request.names, strict=True))
         self.notes: tuple[str, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
 
     def times(self) -> Array:
@@ -257,7 +258,7 @@ class Table:
             return None
         missing = [joint for joint, name in zip(joints, found, strict=True) if name is None]
         options = [base] if len(joints) == 1 else []
-        options += [form.format(base, missing[0]) for form in FORMS]
+        options += [form.format(base, self.names[missing[0]]) for form in FORMS]
         named = signal == "command" and stem is not None
         elsewhere = f"as motion.recorded names {stem}" if named else f"or the names in recordings.columns.{signal}"
         if signal == "position" and len(joints) > 1:
@@ -271,7 +272,7 @@ class Table:
         """The column of one joint's signal."""
         if len(self.request.joints) == 1 and stem in self.frame:
             return stem
-        return column_of(stem, joint, self.frame.columns)
+        return column_of(stem, self.names[joint], self.frame.columns)
 
     def _columns(self, names: list[str], key: str, count: int) -> Array:
         if len(names) != count:

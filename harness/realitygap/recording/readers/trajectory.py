@@ -38,14 +38,14 @@ class Trajectories:
         self.joints = joints
         self.note = ""
         self._goals: list[dict[int, _Goal]] = []
-        self._other: set[str] = set()
+        self.other: set[str] = set()
 
     def take(self, message: Any) -> bool:
         """Keep a trajectory; False where it names none of the joints or has no points, as one that stops."""
         names = list(message.joint_names)
         own = {self.joints.index(name): k for k, name in enumerate(names) if name in self.joints}
         if not own or not message.points:
-            self._other.update(names)
+            self.other.update(names)
             return False
         points = message.points
         after = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in points])
@@ -71,10 +71,10 @@ class Trajectories:
     @property
     def nothing(self) -> str:
         """Why nothing was kept."""
-        if not self._other:
+        if not self.other:
             return "holds no messages"
         wanted = ", ".join(self.joints)
-        return f"has no trajectory of {wanted}; it has {', '.join(sorted(self._other))}; expected names as in the URDF"
+        return f"has no trajectory of {wanted}; it has {', '.join(sorted(self.other))}"
 
     def sampled(
         self, start: Array, keep: NDArray[np.int64], measured: Callable[[int, float], float] | None, end: float
