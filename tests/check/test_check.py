@@ -1,11 +1,15 @@
 """What the other commands ask of the checks: an error, warnings, what is accepted, where physics is not to blame."""
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import lerobot_sets
 import numpy as np
+import pandas as pd
 import pytest
+import yaml
 from realitygap.check import Mistake, accepted, blamed_joints, certain, check
 from realitygap.check.mistake import merged
 from realitygap.cli.main import main
@@ -160,11 +164,54 @@ def test_a_velocity_that_was_never_measured_is_no_mistake(team: Team, tmp_path: 
     assert check(load_scenario(without.write(tmp_path))) == []
 
 
-def test_a_velocity_that_is_always_zero_is_told_with_how_to_leave_it_out(team: Team, tmp_path: Path) -> None:
-    still = team.copy()
-    for table in still.tables.values():
+def as_data_set(file: Path) -> Path:
+    """A scenario of tables with their columns in a LeRobot data set instead; velocities, positions and commands."""
+    folder, data = file.parent / "set", yaml.safe_load(file.read_text())
+    features, rows = {}, []
+    names = ("observation.state", "position"), ("observation.velocity", "velocity"), ("action", "command")
+    for k, run in enumerate(data["recordings"]["runs"]):
+        frame = pd.read_csv(file.parent / run["path"])
+        out = {"episode_index": k, "timestamp": frame["time"]}
+        for feature, signal in names:
+            columns = [c for c in frame.columns if c.startswith(f"{signal}_")]
+            out[feature] = list(np.degrees(frame[columns].to_numpy()))
+            labels = [c.removeprefix(f"{signal}_") for c in columns]
+            features[feature] = {"dtype": "float32", "shape": [len(columns)], "names": labels}
+        lerobot_sets.table(pd.DataFrame(out), folder / f"data/chunk-000/episode_{k:06d}.parquet")
+        rows.append({"episode_index": k, "tasks": [], "length": len(frame)})
+        run.update(path="set", episode=k)
+    layout = {"codebase_version": "v2.1", "fps": 100, "data_path": lerobot_sets.LAYOUTS["v2.1"], "features": features}
+    lerobot_sets.write(folder / "meta/info.json", json.dumps(layout))
+    lerobot_sets.write(folder / "meta/episodes.jsonl", "\n".join(map(json.dumps, rows)))
+    data["recordings"] |= {"effort": "none"}
+    data["motion"] = {"recorded": "action"}
+    file.write_text(yaml.safe_dump(data))
+    return file
+
+
+@pytest.mark.parametrize("kind", ["table", "data set"])
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (0.0, "expected its derivative, or none: `velocity: none` under recordings.columns leaves it out"),
+        (180 / np.pi, {"table": "expected rad/s, or `units: {velocity: deg}` under recordings.columns",
+                       "data set": "expected rad/s where positions are in recordings.dataset.units: `velocity: none` "
+                                   "under recordings.columns leaves it out"}),
+    ],
+)  # fmt: skip
+def test_a_velocity_that_is_none_or_in_another_unit_is_told_with_the_key_that_mends_it(
+    factor: float, said: str | dict[str, str], kind: str, team: Team, tmp_path: Path
+) -> None:
+    wrong = team.copy()
+    for table in wrong.tables.values():
         assert table.velocity is not None
-        table.velocity[:, 1] = 0.0
-    (found,) = check(load_scenario(still.write(tmp_path)))
-    assert (found.kind, found.certainty) == ("velocity", "certain")
-    assert "remove recordings.columns.velocity, and rename a column that is called velocity" in found.sentence
+        table.velocity[:, 1] *= factor
+    path = wrong.write(tmp_path)
+    file = load_scenario(as_data_set(path) if kind == "data set" else path)
+    (found,) = check(file)
+    assert (found.joints, found.certainty, found.key) == (("elbow",), "certain", "recordings.columns.velocity")
+    assert found.sentence.endswith(said if isinstance(said, str) else said[kind])
+    assert check(file.override({"recordings.columns.velocity": "none"})) == []
+    if factor and kind == "table":
+        units = {"*": "rad", "elbow": "deg"}
+        assert check(file.override({"recordings.columns.units": {"velocity": dict(reversed(units.items()))}})) == []

@@ -23,8 +23,10 @@ NOTHING = 0.25
 """What one that does not belong to it may explain by chance: as two motions of the same robot do."""
 NO_VELOCITY = {
     "bag": "recordings.state: {topic: TOPIC, names: name, position: position} leaves it out",
-    "table": "remove recordings.columns.velocity, and rename a column that is called velocity, to leave it out",
+    "table": "`velocity: none` under recordings.columns leaves it out",
+    "data set": "`velocity: none` under recordings.columns leaves it out",
 }
+"""What to do about a velocity that is none, by what holds it."""
 SENSOR = 3.0
 """A scale further from 1 is not a sensor's."""
 
@@ -112,7 +114,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         if not told[j]:
             sentence = (
                 f"the velocity of {joint} never changes while its position moves; expected its derivative, or none: "
-                f"{NO_VELOCITY['bag' if o.holder == 'bag' else 'table']}"
+                f"{NO_VELOCITY[o.holder]}"
             )
             out.append(Mistake("velocity", "certain", (joint,), sentence, key, (o.name,)))
             continue
@@ -121,12 +123,12 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
             continue
         factor = factor_of(o, int(j), float(a), weakest=0.5)
         if factor is not None:
-            wrong = f"{unit(o, int(j))}/s"
+            kind, times = factor
             sentence = (
                 f"the velocity of {joint} is {abs(a):.3g} times the derivative of its position (explains {own:.1%}): "
-                f"a factor of {factor[1]:.3g}, as of a unit; expected {wrong}"
+                f"a factor of {times:.3g}, as of a unit; expected {unit(o, int(j))}/s{_told_units(o, kind, times)}"
             )
-            out.append(Mistake(factor[0], "certain", (joint,), sentence, key, (o.name,)))
+            out.append(Mistake(kind, "certain", (joint,), sentence, key, (o.name,)))
         elif a < 0:
             sentence = (
                 f"the velocity of {joint} is {a:.2f} times the derivative of its position (explains {own:.1%}): its "
@@ -140,6 +142,14 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
             )
             out.append(Mistake("velocity", "likely", (joint,), sentence, key, (o.name,)))
     return out + _of_others(o, share, slope, lost, key)
+
+
+def _told_units(o: Observed, kind: str, times: float) -> str:
+    """How a scenario says the unit of a velocity that is so many times too large, or does without it."""
+    if o.holder == "data set":
+        return f" where positions are in recordings.dataset.units: {NO_VELOCITY[o.holder]}"
+    said = o.holder == "table" and kind == "degrees" and times > 1.0
+    return ", or `units: {velocity: deg}` under recordings.columns" if said else ""
 
 
 def _of_others(o: Observed, share: Array, slope: Array, lost: list[int], key: str) -> list[Mistake]:
@@ -162,7 +172,7 @@ def _of_others(o: Observed, share: Array, slope: Array, lost: list[int], key: st
         if j not in swapped and share[j, j] < NOTHING:
             sentence = (
                 f"the derivative of its position explains {share[j, j]:.1%} of the velocity of {o.joints[j]}; expected "
-                "more than 95 %: a velocity of another joint, another time, or none"
+                f"more than 95 %: a velocity of another joint, another time, or none: {NO_VELOCITY[o.holder]}"
             )
             out.append(Mistake("velocity", "likely", (o.joints[j],), sentence, key, (o.name,)))
     return out

@@ -110,6 +110,10 @@ Length = Literal["rad", "deg", "m", "mm"]
 Lengths = Length | dict[str, Length]
 
 
+LEFT_OUT = "none"
+"""In place of a column: that signal is not taken."""
+
+
 class Units(Section):
     """The units of a table's columns, for all joints or by joint pattern; velocities are per s."""
 
@@ -130,7 +134,9 @@ class Columns(Section):
         default="command", description="the command [rad or m, or what `motion.as` says]"
     )
     position: str | dict[str, str] = Field(default="position", description="measured position [rad or m]")
-    velocity: str | dict[str, str] = Field(default="velocity", description="measured velocity [rad/s or m/s]")
+    velocity: str | dict[str, str] = Field(
+        default="velocity", description="measured velocity [rad/s or m/s]; `none` leaves one out that is wrong"
+    )
     effort: str | dict[str, str] = Field(
         default="effort", description="measured effort, in the unit that `effort` states"
     )

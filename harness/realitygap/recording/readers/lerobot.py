@@ -9,6 +9,7 @@ from realitygap.files.errors import InputError
 from realitygap.recording.readers.lerobot_folder import DataFolder, EpisodeRows, open_folder
 from realitygap.recording.readers.lerobot_units import scale_of
 from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.scenario.schema import LEFT_OUT
 from realitygap.trace.trace import Array
 
 FEATURES = {
@@ -70,6 +71,8 @@ def _feature(folder: DataFolder, request: Request, signal: str) -> str | None:
         stated, key = motion.recorded, "motion.recorded"
     if isinstance(stated, dict):
         raise InputError(f"{request.file}: {key}: found a mapping, expected a feature of {folder.path} with all joints")
+    if signal == "velocity" and stated == LEFT_OUT:
+        return None
     name = stated or FEATURES[signal]
     if name in folder.features:
         return name

@@ -18,7 +18,7 @@ from realitygap.recording.readers.parquet_columns import ParquetColumns
 from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
-from realitygap.scenario.schema import Columns
+from realitygap.scenario.schema import LEFT_OUT, Columns
 from realitygap.trace.trace import Array
 
 Frame = pd.DataFrame | ParquetColumns
@@ -147,12 +147,13 @@ class Table:
 
     def state(self) -> dict[str, Array]:
         """Position and, where it is there, velocity and effort."""
+        stated = self.columns.model_fields_set
+        left_out = self.columns.velocity == LEFT_OUT
+        velocity = None if left_out else self._joints("velocity", required="velocity" in stated)
         found = {
             "position": self._si("position", self._joints("position", required=True)),
-            "velocity": self._si(
-                "velocity", self._joints("velocity", required="velocity" in self.columns.model_fields_set)
-            ),
-            "effort": self._joints("effort", required="effort" in self.columns.model_fields_set),
+            "velocity": self._si("velocity", velocity),
+            "effort": self._joints("effort", required="effort" in stated),
         }
         return {name: value for name, value in found.items() if value is not None}
 
