@@ -9,6 +9,7 @@ from realitygap.check.asked import asked_efforts
 from realitygap.check.clocks import clock_offset, no_overlap, time_unit
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
+from realitygap.check.few import few_samples
 from realitygap.check.limits import angle_mistakes, limit_mistakes
 from realitygap.check.links import link_mistakes
 from realitygap.check.load import load_mistakes
@@ -48,7 +49,7 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
         found += load_mistakes(observed)
     if not whole and not any(m.certainty == "certain" for m in found):
         found += repetition_mistakes(observed, _joints(found))
-    return merged([*whole, *found])
+    return merged([*whole, *found, *(m for o in observed for m in few_samples(o))])
 
 
 def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:

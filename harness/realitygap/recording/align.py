@@ -127,6 +127,8 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     if end - start < 0.9 * min(lengths):
         return False
     time = a.time[(a.time >= start) & (a.time <= end)]
+    if not len(time):  # of a few samples, none may be at a time that both have
+        return False
     x = held_at(reference.command_time, reference.command, time)
     y = held_at(other.command_time, other.command, time + late)
     if np.mean(np.isnan(x) != np.isnan(y)) > 0.02:  # the servos are off at other times
