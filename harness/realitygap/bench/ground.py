@@ -31,6 +31,7 @@ from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.file import load_scenario, resolve_path
 from realitygap.scenario.section import Patterns, Positive, Section
+from realitygap.scenario.which_file import check_kind
 from realitygap.simulate.experiment import Experiment, experiments
 
 
@@ -93,7 +94,9 @@ def run(bench: Path, out: Path, progress: Progress | None = None, workers: int |
     Raises:
         InputError: one sentence on what cannot be used.
     """
-    spec = validate(bench, GroundBench, load_yaml(bench))
+    raw = load_yaml(bench)
+    check_kind(bench, "a bench of a ground", raw)
+    spec = validate(bench, GroundBench, raw)
     train, held_out = _tosses(bench, spec)
     names = spec.engines or engines.available()
     fits, swapped = _fits(names, spec, train, held_out, progress or Progress(quiet=True), workers)

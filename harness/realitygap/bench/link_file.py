@@ -10,6 +10,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.section import Finite, Section
+from realitygap.scenario.which_file import check_kind
 
 
 class MassTable(Section):
@@ -63,7 +64,9 @@ def load_link_bench(path: Path) -> LinkBench:
     Raises:
         InputError: one sentence on the first thing that is wrong.
     """
-    bench = validate(path, LinkBench, load_yaml(path))
+    raw = load_yaml(path)
+    check_kind(path, "a bench of links", raw)
+    bench = validate(path, LinkBench, raw)
     links = [link for part in bench.parts for link in part.links]
     for what, names in (("name", [p.name for p in bench.parts]), ("links", links)):
         double = next((n for n in names if names.count(n) > 1), None)

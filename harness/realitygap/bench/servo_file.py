@@ -23,6 +23,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.section import Patterns, Section
+from realitygap.scenario.which_file import check_kind
 
 
 class ServoUnits(Section):
@@ -166,7 +167,9 @@ def load_servo_bench(path: Path) -> ServoBench:
     Raises:
         InputError: one sentence on the first thing that is wrong.
     """
-    bench = validate(path, ServoBench, load_yaml(path))
+    raw = load_yaml(path)
+    check_kind(path, "a bench of servos", raw)
+    bench = validate(path, ServoBench, raw)
     if bench.torque_speed is None and bench.static_friction is None and bench.recordings is None:
         raise InputError(f"{path}: names no measurement; expected torque_speed, static_friction or recordings")
     if isinstance(bench.torque_speed, str) and bench.units is None:

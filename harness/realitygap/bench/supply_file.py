@@ -9,6 +9,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.section import Positive, Section
+from realitygap.scenario.which_file import check_kind
 
 
 class SupplyUnits(Section):
@@ -49,7 +50,9 @@ def load_supply_bench(path: Path) -> SupplyBench:
     Raises:
         InputError: one sentence on the first thing that is wrong.
     """
-    bench = validate(path, SupplyBench, load_yaml(path))
+    raw = load_yaml(path)
+    check_kind(path, "a bench of a supply", raw)
+    bench = validate(path, SupplyBench, raw)
     motors = [m for c in bench.chains for m in c.motors]
     double = next((m for m in motors if motors.count(m) > 1), None)
     if double is not None:

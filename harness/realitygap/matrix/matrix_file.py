@@ -13,6 +13,7 @@ from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, load_scenario, resolve_path
 from realitygap.scenario.section import Patterns, Positive, Section
+from realitygap.scenario.which_file import check_kind
 
 NAMED_AXES = {  # axis -> scenario key; `revision` names an entry of the scenario's `revisions`
     "revision": "robot.urdf",
@@ -79,7 +80,9 @@ def load_matrix(path: Path) -> MatrixFile:
     Raises:
         InputError: one sentence with file, key, what was found and what was expected.
     """
-    matrix = validate(path, Matrix, load_yaml(path))
+    raw = load_yaml(path)
+    check_kind(path, "a matrix", raw)
+    matrix = validate(path, Matrix, raw)
     known = [*OTHER_AXES, *matrix.axes]
     for i, combination in enumerate(matrix.leave_out):
         for key in combination:

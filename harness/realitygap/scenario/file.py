@@ -16,6 +16,7 @@ from realitygap.files.yaml_file import load_yaml
 from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import Run, Scenario
 from realitygap.scenario.servos import SERVOS
+from realitygap.scenario.which_file import check_kind, check_scenario_name
 
 DATA = "REALITYGAP_DATA"
 IN_MEMORY = "(scenario)"
@@ -167,7 +168,9 @@ def load_scenario(source: Source, folder: str | os.PathLike[str] | None = None) 
             raise InputError(f"{path}: is nested too deeply; expected a mapping of keys") from None
     elif isinstance(source, str | os.PathLike):
         path = Path(source)
+        check_scenario_name(path)
         raw = load_yaml(path)
+        check_kind(path, "a scenario", raw)
     else:
         raise TypeError(f"found {type(source).__name__}; expected the path of a scenario file or a dict")
     return ScenarioFile(path, validate(path, Scenario, raw), raw)
