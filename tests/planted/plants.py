@@ -17,6 +17,9 @@ from robots import Robot
 VISIBLE = 4.0
 """A single effect moves the recordings by at least this, in root mean square over the noise."""
 
+BLOWN_UP = 1e100
+"""No motion is as large; squares of larger ones are no numbers any more."""
+
 
 @dataclass
 class Run:
@@ -109,7 +112,14 @@ def measure(robot: Robot, runs: list[Run], sensing: Sensing) -> list[Motion]:
 
 
 def visibility(robot: Robot, plant: Foreign, motion: Motion, clean: Motion, sensing: Sensing) -> float:
-    """How far an effect moves one recording: root mean square over the sensor's noise."""
+    """How far an effect moves one recording: root mean square over the sensor's noise.
+
+    Of a plant that blew up it is infinite, or NaN where its motion is none any more, which shows nothing; either way
+    `sane` draws the case anew.
+    """
+    farthest = float(np.abs([motion.reading, motion.velocity, motion.effort]).max())
+    if not farthest < BLOWN_UP:
+        return farthest * np.inf
     sigma = np.hypot(sensing.position_noise, 0.29) * sensing.quantum
     parts = [(motion.reading - clean.reading) / sigma]
     speed = reported_velocity(plant, motion)[::5] - clean.velocity[::5]

@@ -12,6 +12,8 @@ sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 import robots
 from chain import GRAVITY
 from foreign import simulate
+from plants import Run, command, measure, perform, visibility
+from recorder import Sensing
 from single_servo import ARMATURE, LENGTH, MASS, SWING, crossings, free, pendulum
 
 
@@ -105,3 +107,18 @@ def test_two_links_without_friction_keep_their_energy(kind: str) -> None:
 
     values = [energy(k) for k in range(0, len(motion.time), 1000)]
     assert values == pytest.approx([values[0]] * len(values), abs=1e-3 * abs(values[0]))
+
+
+@pytest.mark.parametrize(("builder", "told"), [("slide", np.inf), ("geared", np.nan)])
+def test_a_plant_that_blows_up_is_told_without_a_square_that_is_no_number(builder: str, told: float) -> None:
+    """A slide swings by 10^291 m; what turns by as much has no sine."""
+    robot = robots.BUILDERS[builder](np.random.default_rng(3))
+    sensing, run = Sensing(quantum=robot.quantum), Run("steps", "train", 1, 1.0)
+    (clean,) = measure(robot, [run], sensing)
+    plant = robot.plant()
+    plant.drive["kp"] *= 1e9
+    plant.drive["effort_limit"] = 1e300
+    robot.bristles(plant)
+    motion = perform(plant, run, command(robot, run, sensing))
+    np.testing.assert_equal(visibility(robot, plant, motion, clean, sensing), told)
+    assert 0.0 <= visibility(robot, robot.plant(), clean, clean, sensing) < 1e-9
