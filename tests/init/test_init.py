@@ -75,7 +75,13 @@ def test_a_command_that_is_a_duty_gets_a_motor(tmp_path: Path, write_bag: Callab
     # stalls at the URDF's effort limit, runs free at its velocity limit
     assert servo.torque_constant * servo.supply / servo.resistance == pytest.approx(3.0, rel=0.01)
     assert servo.supply / servo.torque_constant == pytest.approx(6.0, rel=0.01)
-    np.testing.assert_allclose(Signals(recording.trace).effort, 0.7)
+    assert there(scenario.recordings).effort == "none"  # of a current nobody said the factor
+    text = (tmp_path / "out" / "scenario.yaml").read_text()
+    offered = next(line.partition("a current: ")[2] for line in text.splitlines() if "effort: none" in line)
+    offered = offered.partition(" with ")[0].replace("FACTOR", "2.0")
+    (tmp_path / "out" / "scenario.yaml").write_text(text.replace("effort: none", f"effort: {offered}"))
+    _, (recording,) = read_all(tmp_path / "out" / "scenario.yaml", ["elbow"])
+    np.testing.assert_allclose(Signals(recording.trace).effort, 1.4)
 
 
 def test_a_robot_with_feet_floats_and_its_sensors_are_used(tmp_path: Path, write_bag: Callable[..., Path]) -> None:

@@ -226,13 +226,30 @@ def test_the_unit_of_a_time_is_guessed_by_its_values(start: float, unit: str, ra
     assert any("counts in" in line for line in draft.guessed) == (unit != "s")
 
 
+@pytest.mark.parametrize("commanded", [True, False])
 @pytest.mark.parametrize(("word", "unit"), [("current_mA", "recorded mA"), ("current", "A")])
-def test_the_factor_of_a_current_is_asked_per_recorded_unit(word: str, unit: str, tmp_path: Path) -> None:
+def test_a_current_is_never_taken_for_an_effort(word: str, unit: str, commanded: bool, tmp_path: Path) -> None:
+    """Without its factor it is left out, or where the motion is followed left to the recordings; both are said."""
     path = named(tmp_path, ["shoulder", "elbow"])
     frame = pd.read_csv(path)
     for joint in ("shoulder", "elbow"):
         frame[f"{joint}_{word}"] = np.sin(frame["time"])
+    if not commanded:
+        frame = frame.drop(columns=["shoulder_command", "elbow_command"])
     frame.to_csv(path, index=False)
     draft = init(arm(tmp_path / "arm.urdf"), [path], tmp_path / "out")
-    assert any(f"factor is N·m per {unit} at the joint" in line for line in draft.told)
-    assert any(f"N·m per {unit} is not in the table" in line for line in draft.guessed)
+    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    effort = there(scenario.recordings).effort
+    assert any(f"{word} holds a current" in line and f"N·m per {unit} at the joint" in line for line in draft.told)
+    if commanded:
+        assert effort == "none"
+        assert recording.trace.effort is None
+        text = draft.path.read_text()
+        assert f"effort: none  # a current: {{measures: motor, factor: FACTOR}} with N·m per {unit} compares it" in text
+        draft.path.write_text(text.replace("effort: none", "effort: {measures: motor, factor: 2.5}"))
+        _, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+        np.testing.assert_allclose(Signals(recording.trace).effort[:, 0], 2.5 * np.sin(frame["time"]), atol=1e-9)
+    else:
+        assert scenario.follows
+        assert scenario.effort_is_fitted
+        assert any(f"factor: fit}} (N·m per {unit} is nowhere stated)" in line for line in draft.guessed)

@@ -6,8 +6,17 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
-from realitygap.init.roles import Roles, roles_of
-from realitygap.init.sections import AS_FOLLOWED, FOLLOWED, NOTHING_DRIVES, Sections, quoted, runs_of
+from realitygap.init.roles import CURRENT, Roles, roles_of
+from realitygap.init.sections import (
+    AS_FOLLOWED,
+    FOLLOWED,
+    NOTHING_DRIVES,
+    Sections,
+    current_line,
+    current_told,
+    quoted,
+    runs_of,
+)
 from realitygap.scenario.joint_names import JOINT, name_patterns
 
 
@@ -73,6 +82,12 @@ def _followed(roles: Roles) -> bool:
     return roles.command is None and roles.effort is not None
 
 
+def _current(roles: Roles) -> bool:
+    """Whether the effort is in a topic of its own whose name says that it is a current."""
+    apart = roles.effort is not None and (roles.state is None or roles.effort.stream is not roles.state.stream)
+    return apart and roles.effort is not None and bool(CURRENT.search(roles.effort.stream.topic))
+
+
 def _motion(roles: Roles) -> list[str]:
     if _followed(roles):
         return [FOLLOWED]
@@ -93,8 +108,9 @@ def _recordings(contents: Contents, roles: Roles) -> list[str]:
         if roles.state is not None and roles.effort.stream is roles.state.stream:
             lines.append(f"  effort: motor  # GUESS: N·m of the motor, before friction; {roles.effort.reason}")
         else:
-            topic = quoted(roles.effort.stream.topic)
-            lines.append(f"  effort: {{topic: {topic}, measures: motor, factor: 1.0}}  # GUESS: {roles.effort.reason}")
+            topic = f"topic: {quoted(roles.effort.stream.topic)}, "
+            unknown = f"  effort: {{{topic}measures: motor, factor: 1.0}}  # GUESS: {roles.effort.reason}"
+            lines.append(current_line(topic, "A", followed=_followed(roles)) if _current(roles) else unknown)
     found = (("pose", contents.poses), ("imu", contents.imus), ("battery", contents.batteries))
     for key, topics in found:
         if topics:
@@ -111,6 +127,9 @@ def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
     told = [f"not used: {', '.join(spare)}"] if spare else []
     if joints and roles.command is None:
         told.append(NOTHING_DRIVES.format("topic") if roles.effort is None else AS_FOLLOWED.format("topic"))
+    if roles.effort is not None and _current(roles):
+        name = roles.effort.stream.topic
+        told.append(current_told(f"topic {name}", f"topic: {quoted(name)}, ", "A", followed=_followed(roles)))
     if joints and roles.effort is None:
         told.append("no effort was found: torques are not compared")
     return told

@@ -175,6 +175,5 @@ def _effort(state: JointStream, streams: list[JointStream]) -> Role | None:
     for s in streams:
         bare = "effort" in s.signals and "position" not in s.signals
         if bare and not COMMAND.search(s.topic) and not DUTY.search(s.topic):
-            current = bool(CURRENT.search(s.topic))
-            return Role(s, "its name says current, so the factor is N·m per A" if current else "its unit is not known")
+            return Role(s, "its unit is not known")
     return None

@@ -19,6 +19,32 @@ ASKED_AND_MEASURED = (
 )
 NOTHING_DRIVES = "no {} of commands was found: without motion, nothing drives the joints"
 AS_FOLLOWED = "no {} of commands was found: the measured motion is followed, and the effort that it takes is compared"
+CURRENT_LEFT_OUT = (
+    "the {0} holds a current, which is not compared: `effort: {1}` under recordings takes it, where FACTOR is N·m per "
+    "{2} at the joint (torque constant times gear ratio)"
+)
+CURRENT_FITTED = (
+    "the {0} holds a current: recordings.effort.factor is N·m per {1} at the joint (torque constant times gear ratio), "
+    "a number, or numbers by joint pattern; `fit` takes it from the robot's own weight, and a run refuses where that "
+    "does not tell it"
+)
+
+
+def current_line(stream: str, unit: str, *, followed: bool) -> str:
+    """The line of an effort that is a current: a motion that is followed may tell its factor, else it is left out.
+
+    With a factor of 1 amperes would be compared with N·m, and told as a gap of the model.
+    """
+    if followed:
+        return f"  effort: {{{stream}measures: motor, factor: fit}}  # GUESS: N·m per {unit} is nowhere stated"
+    return f"  effort: none  # a current: {{{stream}measures: motor, factor: FACTOR}} with N·m per {unit} compares it"
+
+
+def current_told(name: str, stream: str, unit: str, *, followed: bool) -> str:
+    """What the terminal says of it."""
+    if followed:
+        return CURRENT_FITTED.format(name, unit)
+    return CURRENT_LEFT_OUT.format(name, f"{{{stream}measures: motor, factor: FACTOR}}", unit)
 
 
 @dataclass(frozen=True)

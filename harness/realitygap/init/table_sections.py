@@ -15,6 +15,8 @@ from realitygap.init.sections import (
     NOTHING_DRIVES,
     Sections,
     Units,
+    current_line,
+    current_told,
     quoted,
     runs_of,
 )
@@ -58,15 +60,12 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         )
     columns: dict[str, Column] = {"time": time[0] if len(time) == 1 else time, **chosen}
     current = _current(chosen)
-    milli = current and "ma" in _words(columns["effort"])
-    unit_of_current = "recorded mA" if milli else "A"
+    unit_of_current = "recorded mA" if current and "ma" in _words(columns["effort"]) else "A"
     followed = "effort" in columns and ("command" not in columns or meaning == "effort")
     told = _told(labels, columns, joints)
     if current:
-        told.append(
-            f"the effort is a current: recordings.effort.factor is N·m per {unit_of_current} at the joint (torque "
-            "constant times gear ratio), by joint pattern or `fit`, which takes it from the robot's own weight"
-        )
+        label = _labels(columns["effort"])[0]
+        told.append(current_told(f"column {label}", "", unit_of_current, followed=followed))
     if "command" in columns and "effort" in columns and meaning == "position":
         told.append(
             "where the controller is not known, `motion: {followed: true}` in place of motion and servos asks the "
@@ -81,13 +80,8 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         units["time"], units_by = unit, f"GUESS: {time[0]} counts in {unit}, as its values show"
     lines = []
     if "effort" in columns:
-        unit = f"{{measures: motor, factor: {'0.001' if milli else '1.0'}}}" if current else "motor"
-        why = (
-            f"N·m per {unit_of_current} is not in the table"
-            if current
-            else "of the motor, before friction, in N·m or N"
-        )
-        lines.append(f"  effort: {unit}  # GUESS: {why}")
+        measured = "  effort: motor  # GUESS: of the motor, before friction, in N·m or N"
+        lines.append(current_line("", unit_of_current, followed=followed) if current else measured)
     motion = _motion(columns, meaning, followed=followed)
     angles = tuple(s for s in ANGLES if s in columns and s not in units and (s != "command" or meaning in ANGLES))
     return Sections(
