@@ -215,3 +215,13 @@ def test_a_velocity_that_is_none_or_in_another_unit_is_told_with_the_key_that_me
     if factor and kind == "table":
         units = {"*": "rad", "elbow": "deg"}
         assert check(file.override({"recordings.columns.units": {"velocity": dict(reversed(units.items()))}})) == []
+
+
+@pytest.mark.parametrize("signal", ["position", "command"])
+def test_degrees_of_one_column_are_told_with_the_unit_that_mends_them(signal: str, team: Team, tmp_path: Path) -> None:
+    spoilt = team.copy()
+    scaled(signal, 180 / np.pi)(spoilt, 1)
+    file = load_scenario(spoilt.write(tmp_path))
+    (found,) = check(file)
+    assert found.sentence.endswith(f"expected both in rad, or `units: {{{signal}: deg}}` under recordings.columns")
+    assert check(file.override({f"recordings.columns.units.{signal}": {"elbow": "deg", "*": "rad"}})) == []

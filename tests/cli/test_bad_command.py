@@ -8,6 +8,11 @@ from spoiled import one_sentence, refused
 
 COMMANDS = {
     "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
+    "engine in capitals": (["run", "scenario.yaml", "--engine", "MuJoCo"], "; did you mean mujoco?"),
+    "engines in one": (
+        ["run", "scenario.yaml", "--engine", "mujoco,dart"],
+        "; name each on its own: --engine A --engine B",
+    ),
     "engine of an audit": (["audit", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
     "engine of a diagnosis": (["diagnose", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo"),
     "budget without a number": (["run", "scenario.yaml", "--max-gap", "position=x"], "--max-gap: found 'position=x'"),
@@ -46,6 +51,19 @@ COMMANDS = {
     "no link bench": (["bench", "links", "none.yaml"], "none.yaml: cannot be read"),
     "no URDF for a first scenario": (["init", "none.urdf", "chirp_1.mcap", "--out", "new"], "none.urdf"),
     "no bag for a first scenario": (["init", "arm.urdf", "none.mcap", "--out", "new"], "none.mcap: does not exist"),
+    "a recording before its robot": (
+        ["init", "chirp_1.mcap", "arm.urdf", "--out", "new"],
+        "chirp_1.mcap: is a recording; expected the robot's file first, and its recordings after it",
+    ),
+    "two robots": (
+        ["init", "arm.urdf", "chirp_1.mcap", "arm.urdf", "--out", "new"],
+        "arm.urdf: is a robot's file; expected recordings after arm.urdf, and one robot alone",
+    ),
+    "a recording twice": (
+        ["init", "arm.urdf", "chirp_1.mcap", "results/../chirp_1.mcap", "--out", "new"],
+        "chirp_1.mcap: is given 2 times; expected every recording once",
+    ),
+    "a folder of tables": (["init", "arm.urdf", "tables", "--out", "new"], "name the files in it: tables/*.csv\n"),
     "a scenario that is there": (["init", "arm.urdf", "chirp_1.mcap"], "scenario.yaml: is already there"),
 }
 
@@ -58,6 +76,8 @@ def test_commands_refuse(
     monkeypatch.chdir(case)
     (case / "results").mkdir()
     (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
+    (case / "tables").mkdir()
+    (case / "tables" / "run.csv").write_text("time\n0\n")
     (case / "broken").symlink_to(case / "nothing")
     before = sorted(case.rglob("*"))
     assert refused(*arguments) == 2

@@ -34,8 +34,8 @@ TABLE = pd.DataFrame({"time": [0.0, 0.1, 0.2], "position_shoulder": [0.0, 0.1, 0
 COLUMNS = {"motion": None, "recordings__state": None, "recordings__effort": "none", RUN + "path": "run.csv"}
 
 
-def table(frame: pd.DataFrame | str, **keys: object) -> Edit:
-    content = frame if isinstance(frame, str) else frame.to_csv(index=False)
+def table(frame: pd.DataFrame | str, encoding: str = "utf-8", **keys: object) -> Edit:
+    content = (frame if isinstance(frame, str) else frame.to_csv(index=False)).encode(encoding)
     return file("run.csv", content, **(COLUMNS | keys))
 
 
@@ -129,11 +129,15 @@ CASES: dict[str, tuple[Edit, str]] = {
     "joints that were not recorded": (text('"elbow"', '"knee"'), "knee"),
     "supply that was not recorded": (changed(servos__0__supply={"recorded": "/battery"}), "/battery"),
     "table empty": (table(""), "run.csv: is not a table"),
+    "table in UTF-16": (table(TABLE, encoding="utf-16"), "expected columns with a header line, saved as UTF-8"),
     "table without rows": (table("time,position\n"), "run.csv: the table holds no rows"),
     "table without time": (table(TABLE.drop(columns="time")), "has no column time, named by recordings.columns.time"),
     "table without a joint": (table(TABLE.drop(columns="position_elbow")), "has no position of joint elbow"),
-    "time goes back": (table(TABLE.assign(time=[0.0, 0.2, 0.1])), "time goes back from 0.2 to 0.1 s in line 4"),
-    "time stands still": (table(TABLE.assign(time=[0.5, 0.5, 0.5])), "run.csv"),
+    "time goes back": (
+        table(TABLE.assign(time=[0.0, 0.2, 0.1])),
+        "time goes back from 0.2 to 0.1 s in line 4, expected times that increase: sort the rows",
+    ),
+    "time stands still": (table(TABLE.assign(time=[0.5] * 3)), "time is 0.5 s in all of its 3 rows; expected times"),
     "time is nan": (table(TABLE.assign(time=[0.0, np.nan, 0.2])), "time is empty in line 3, expected a time in s"),
     "text in a table": (table(TABLE.assign(position_elbow=["a", "b", "c"])), "position_elbow is 'a' in line 2"),
     "infinite position": (table(TABLE.assign(position_elbow=[0.0, "inf", 0.0])), "run.csv"),

@@ -32,6 +32,11 @@ def test_help_names_every_command(capfd: pytest.CaptureFixture[str]) -> None:
     )
 
 
+@pytest.mark.parametrize("command", [[], ["run"], ["bench"], ["bench", "servo"]], ids=" ".join)
+def test_help_is_asked_for_in_short_too(command: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert said(*command, "-h", capfd=capfd) == said(*command, "--help", capfd=capfd)
+
+
 def test_results_of_two_scenarios_of_a_folder_stay_apart() -> None:
     """A folder's own one is called as the folder is."""
     names = {file: named_after(ROOT / "scenarios" / "ur10e" / file) for file in ("scenario.yaml", "loaded.yaml")}

@@ -85,6 +85,8 @@ def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:
         f"the position of {joint} is {slope:.3g} times its command (explains {share:.1%}): the {who} is not in {rad} "
         f"but {max(factor, 1 / factor):.3g} times as large, as it seems; expected both in {rad}"
     )
+    if kind == "degrees" and o.holder == "table":
+        sentence += f", or `units: {{{who}: deg}}` under recordings.columns"
     return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, o.line(who), (o.name,))
 
 

@@ -26,5 +26,6 @@ def spared(what: str, failures: list[str]) -> Iterator[None]:
 
 def did_you_mean(found: str, known: Iterable[str]) -> str:
     """The end of such a sentence: the known name that is close to the one found, "" where none is."""
-    close = difflib.get_close_matches(found, list(known), n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+    lower = {name.lower(): name for name in known}
+    close = difflib.get_close_matches(found.lower(), lower, n=1)
+    return f"; did you mean {lower[close[0]]}?" if close else ""

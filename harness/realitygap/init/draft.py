@@ -12,6 +12,7 @@ from realitygap_engines.model.robot import Joint, Model
 from realitygap.files.errors import InputError
 from realitygap.files.interrupted import last
 from realitygap.files.unfinished import UNFINISHED
+from realitygap.files.unpacked import plain_name
 from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
@@ -23,6 +24,7 @@ from realitygap.init.table_sections import table_sections
 from realitygap.recording import read_recording, reader_of
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema_file import COMMENT, SCHEMA
+from realitygap.scenario.which_file import RECORDINGS, ROBOTS
 
 GUESS = "# GUESS: "
 HINT = "add use: train or use: held_out; without them a diagnosis keeps every third motion to judge on"
@@ -64,6 +66,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
         raise InputError(f"{target}: is already there; remove it or give another folder with --out")
     if not bags:
         raise InputError(f"{urdf}: no recordings were given; expected at least one bag or table after the URDF")
+    _check_given(urdf, bags)
     packages = packages or {}
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
@@ -91,6 +94,19 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
         finally:
             draft.unlink(missing_ok=True)
     return Draft(target, _guesses(text), told)
+
+
+def _check_given(urdf: Path, bags: list[Path]) -> None:
+    """Make sure that the robot comes first and every recording once, which reading them would tell less plainly."""
+    if plain_name(urdf).suffix.lower() in RECORDINGS and urdf.is_file():
+        raise InputError(f"{urdf}: is a recording; expected the robot's file first, and its recordings after it")
+    for path in bags:
+        if path.suffix.lower() in ROBOTS and path.is_file():
+            raise InputError(f"{path}: is a robot's file; expected recordings after {urdf}, and one robot alone")
+    real = [path.resolve() for path in bags]
+    double = next((path for path, where in zip(bags, real, strict=True) if real.count(where) > 1), None)
+    if double is not None:
+        raise InputError(f"{double}: is given {real.count(double.resolve())} times; expected every recording once")
 
 
 def parse_packages(stated: list[str]) -> dict[str, Path]:

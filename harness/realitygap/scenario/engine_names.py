@@ -6,8 +6,10 @@ import realitygap_engines as engines
 
 from realitygap.files.errors import InputError, did_you_mean
 
+OPTION = "--engine"
 
-def engine_names(names: Sequence[str], where: str = "--engine") -> list[str]:
+
+def engine_names(names: Sequence[str], where: str = OPTION) -> list[str]:
     """The engines asked for, each once, or all that are installed where none is.
 
     Args:
@@ -20,7 +22,11 @@ def engine_names(names: Sequence[str], where: str = "--engine") -> list[str]:
     for name in names:
         if name not in engines.ENGINES:
             known = sorted(engines.ENGINES)
-            raise InputError(f"{where}: found {name}; expected one of {', '.join(known)}{did_you_mean(name, known)}")
+            several = "," in name or " " in name.strip()
+            hint = f"; name each on its own: {where} A {where} B" if several and where == OPTION else ""
+            raise InputError(
+                f"{where}: found {name}; expected one of {', '.join(known)}{hint or did_you_mean(name, known)}"
+            )
         if name not in engines.available():
             raise InputError(f"{where}: {name} is not installed; install it with: {engines.ENGINES[name].install}")
     return list(dict.fromkeys(names)) or engines.available()

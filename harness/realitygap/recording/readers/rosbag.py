@@ -34,6 +34,8 @@ JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "
 """Streams of joint values, and the key that names their joints where the messages do not."""
 FARTHEST = 2**63
 """ns: times that are kept are smaller, either way."""
+TABLES = {".csv", ".parquet", ".tsv"}
+"""In a folder that is taken for a bag, people have recordings of another kind."""
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
 
 
@@ -314,7 +316,10 @@ def _storage(path: Path) -> Path:
     if len(files) == 1:
         return files[0]
     found = f"{len(files)} storage files" if files else "no .mcap, .db3 or .bag"
-    raise InputError(f"{path}: is a folder without metadata.yaml and with {found}; expected a rosbag 2 folder")
+    tables = sorted({part.suffix for part in path.iterdir()} & TABLES)
+    inside = [*([f"{path}/*{files[0].suffix}"] if files else []), *(f"{path}/*{suffix}" for suffix in tables)]
+    hint = f"; for several recordings name the files in it: {' '.join(inside)}" if inside else ""
+    raise InputError(f"{path}: is a folder without metadata.yaml and with {found}; expected a rosbag 2 folder{hint}")
 
 
 def _reading(path: Path, action: Callable[[], Found]) -> Found:

@@ -91,7 +91,8 @@ def load(path: Path) -> Frame:
             raise
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
-            raise InputError(f"{path}: is not a table ({what}); expected columns with a header line") from None
+            saved = ", saved as UTF-8" if isinstance(error, UnicodeDecodeError) else ""
+            raise InputError(f"{path}: is not a table ({what}); expected columns with a header line{saved}") from None
     if not len(frame) or not len(frame.columns):
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
     if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
@@ -141,7 +142,11 @@ class Table:
             row = int(back[0]) + 1
             raise InputError(
                 f"{self.path}: {label} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
-                f"{self._line(row)}, expected times that increase"
+                f"{self._line(row)}, expected times that increase: sort the rows by time, or cut the recording there"
+            )
+        if len(time) > 1 and time[0] == time[-1]:
+            raise InputError(
+                f"{self.path}: {label} is {time[0]:g} s in all of its {len(time)} rows; expected times that increase"
             )
         return np.asarray(time - time[0])
 
