@@ -187,3 +187,19 @@ def test_what_is_missing_of_a_set_is_told(version: str, tmp_path: Path) -> None:
     write(path / "meta/info.json", json.dumps(info))
     with pytest.raises(InputError, match=r"is not the description of a LeRobot .* \('features' is missing\)"):
         read(path, scenario(0))
+
+
+@pytest.mark.parametrize(
+    "part", ["meta", "meta/info.json", "data", "data/chunk-000", "data/chunk-000/file-000.parquet"]
+)
+def test_a_part_of_a_set_is_told_with_the_set(part: str, tmp_path: Path) -> None:
+    path = data_set(tmp_path / "set")
+    with pytest.raises(InputError, match=rf"{part}: is a part of the LeRobot data set {path}; expected the data set's"):
+        read(path / part, scenario())
+
+
+def test_a_table_beside_a_set_is_none_of_its_parts(tmp_path: Path) -> None:
+    path = data_set(tmp_path / "set")
+    pd.DataFrame({"time": [0.0, 0.1], "position": [0.0, 0.1]}).to_csv(path / "run.csv", index=False)
+    trace = read(path / "run.csv", scenario(None, None), ["elbow"]).trace
+    np.testing.assert_allclose(Signals(trace).position[:, 0], [0.0, 0.1])

@@ -17,6 +17,10 @@ __all__ = ["READERS", "Recording", "read_recording", "reader_of"]
 
 FOLDER = "folder"
 DATASET = "data set"
+INFO = Path("meta") / "info.json"
+"""What makes a folder a data set."""
+PARTS = ("data", "meta", "videos")
+"""What a data set's folder holds."""
 READERS = {  # file suffix, or a kind of folder -> module with read(path, request) -> Streams
     ".bag": "rosbag",
     ".csv": "table",
@@ -44,7 +48,10 @@ def reader_of(path: Path) -> str:
             f"{path}: is packed in a way that is not read here; expected {', '.join(PACKED)}, or unpack it first"
         )
     if path.is_dir():
-        kind = DATASET if (path / "meta" / "info.json").exists() else FOLDER
+        kind = DATASET if (path / INFO).exists() else FOLDER
+    whole = next((p for p in path.absolute().parents if (p / INFO).exists()), None)
+    if whole is not None and path.absolute().relative_to(whole).parts[0] in PARTS:
+        raise InputError(f"{path}: is a part of the LeRobot data set {whole}; expected the data set's folder")
     if kind not in READERS:
         known = ", ".join(k for k in READERS if k not in (FOLDER, DATASET))
         raise InputError(
