@@ -23,27 +23,27 @@ CURRENT_LEFT_OUT = (
     "the {0} holds a current, which is not compared: `effort: {1}` under recordings takes it, where FACTOR is N·m per "
     "{2} at the joint (torque constant times gear ratio)"
 )
-CURRENT_FITTED = (
-    "the {0} holds a current: recordings.effort.factor is N·m per {1} at the joint (torque constant times gear ratio), "
-    "a number, or numbers by joint pattern; `fit` takes it from the robot's own weight, and a run refuses where that "
-    "does not tell it"
+CURRENT_GUESSED = (
+    "the {0} holds a current: efforts mean nothing before recordings.effort.factor says N·m per {1} at the joint "
+    "(torque constant times gear ratio), a number, or numbers by joint pattern; `fit` takes it from the robot's own "
+    "weight, and a run refuses where that does not tell it"
 )
 
 
 def current_line(stream: str, unit: str, *, followed: bool) -> str:
-    """The line of an effort that is a current: a motion that is followed may tell its factor, else it is left out.
-
-    With a factor of 1 amperes would be compared with N·m, and told as a gap of the model.
+    """The line of an effort that is a current: left out, since with a factor of 1 amperes would be compared with N·m,
+    and told as a gap of the model. Of a motion that is followed nothing else is compared, so that one is guessed.
     """
     if followed:
-        return f"  effort: {{{stream}measures: motor, factor: fit}}  # GUESS: N·m per {unit} is nowhere stated"
+        factor = "1.0" if unit == "A" else "0.001"
+        return f"  effort: {{{stream}measures: motor, factor: {factor}}}  # GUESS: N·m per {unit} is nowhere stated"
     return f"  effort: none  # a current: {{{stream}measures: motor, factor: FACTOR}} with N·m per {unit} compares it"
 
 
 def current_told(name: str, stream: str, unit: str, *, followed: bool) -> str:
     """What the terminal says of it."""
     if followed:
-        return CURRENT_FITTED.format(name, unit)
+        return CURRENT_GUESSED.format(name, unit)
     return CURRENT_LEFT_OUT.format(name, f"{{{stream}measures: motor, factor: FACTOR}}", unit)
 
 
