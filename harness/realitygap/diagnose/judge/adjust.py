@@ -56,7 +56,7 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
         best=fitted,
         cautious=found.yardstick.cautious(fitted.fit),
         floors=measure(simulations, after),
-        adjusted=tuple(c.suspect for c in after if c.suspect not in named),
+        adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),
     )
 
 

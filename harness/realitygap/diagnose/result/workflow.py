@@ -23,6 +23,7 @@ from realitygap.diagnose.judge.closest import closest
 from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
+from realitygap.diagnose.judge.ordinary import tolerated
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
@@ -187,7 +188,7 @@ def _searched(
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     found, vague = certain_of(simulations, found, keep)
-    found = adjusted(simulations, found, {*against, *vague})
+    found = adjusted(simulations, tolerated(simulations, found, keep), {*against, *vague})
     why_not = [_against(s, told) for s, told in against.items()]
     return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
 

@@ -91,6 +91,13 @@ class Imperfections:
             self._parted["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
         return self._parted["thin"]
 
+    def of_others(self) -> Imperfections:
+        """Those of what the search has not accepted."""
+        own = {a.column for a in self.accepted}
+        kept = [k for k in range(len(self.laws)) if k not in own]
+        laws = tuple(self.laws[k] for k in kept)
+        return replace(self, responses=self.responses[:, kept], laws=laws, accepted=())
+
     def times(self, amounts: Array, channels: Sequence[Channel]) -> Array:
         """What the residual changes by where each law is off by so many times that. Shape (q,) -> (m,)."""
         return self._whole(channels).times(amounts[:, None])[:, 0]

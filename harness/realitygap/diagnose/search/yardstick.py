@@ -13,8 +13,9 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near, stretched
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
-from realitygap.diagnose.search.evidence import Scored, cautious, score, scored_and_sharp, sharp
+from realitygap.diagnose.search.evidence import Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.imperfections import Imperfections, imperfections, nearer
 from realitygap.robot.drive import Array
 
@@ -53,6 +54,7 @@ class Yardstick:
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
         self.wrong = Imperfections(np.ones(len(self.channels)), none)
+        self._stood: Metric | None = None
 
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """The responses of every suspect that can stand beside the changes of a fit."""
@@ -72,7 +74,7 @@ class Yardstick:
         lasts.
         """
         self.take_facts(at.residual)
-        metric = self.plain(at).metric
+        self._stood = metric = self.plain(at).metric
         near = nearer(self.problem, at, blocks, metric)
         answers = respond(
             self.simulations, at.changes, list(near.values()), self.train, self.floors.coarse, self.channels
@@ -108,6 +110,17 @@ class Yardstick:
         at = self.as_told(found)
         likeliest = fit(self.simulations, found.changes, self.train, at.metric, self.floors.coarse, found, "compared")
         return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
+
+    @property
+    def stood(self) -> Metric:
+        """The metric in which what laws do was told (`Imperfections.does`)."""
+        if self._stood is None:
+            raise RuntimeError("nobody has said what laws do")
+        return self._stood
+
+    def tolerant(self, found: Fit) -> Scored:
+        """The evidence where the laws of what a fit has not are as far off as a typical machine's."""
+        return ordinary(self.channels, found, self.wrong.of_others())
 
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""

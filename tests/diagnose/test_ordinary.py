@@ -1,0 +1,56 @@
+"""What does no more than laws are ordinarily off by is no finding of the bundled demo (synthetic), but adjusted."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from demo_problem import DEMO, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
+from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.scenario.file import load_scenario
+
+GAIN = 5.048
+"""Of the recorded servos [duty/rad]."""
+
+
+@pytest.fixture(scope="module", params=[1.02, 1.3])
+def found(request: pytest.FixtureRequest) -> tuple[float, Found]:
+    """The missing friction and a gain of the elbow, as if both were found; the model's gain is off by a factor."""
+    file = load_scenario(DEMO).override({"servos.drive.gain": request.param * GAIN})
+    problem = build_problem(file, "mujoco")
+    with Simulations(problem, 2) as simulations:
+        both = [guess(problem, suspect_of(problem, e, "elbow")) for e in ("coulomb_friction", "controller_gain")]
+        yardstick = Yardstick(simulations, both)
+        still, best = residual(simulations, [], yardstick.train), yardstick.fit(both)
+        assert still is not None
+        assert best is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
+        found = Found(yardstick.score(Fit((), still)), best, best, 6.0, {}, yardstick.floors, yardstick)
+        done = all_done(simulations, found)
+        assert [s.effect for s in done] == ["coulomb_friction", "controller_gain"]
+        stay = tolerated(simulations, found, list(done))
+        assert stay.adjusted == (), "what the recordings told"
+        return request.param, tolerated(simulations, found, [])
+
+
+def test_a_gain_that_is_off_by_little_is_adjusted_and_one_that_is_off_by_much_is_named(
+    found: tuple[float, Found],
+) -> None:
+    factor, told = found
+    assert [s.effect for s in told.adjusted] == (["controller_gain"] if factor < 1.04 else [])
+    assert [c.suspect.effect for c in told.best.fit.changes] == ["coulomb_friction", "controller_gain"]
+
+
+def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:
+    small = Done(whole=20.0, beyond=19.0, ordinary=30.0)
+    assert small.named(6.0), "a ripple, that no law does"
+    assert not replace(small, beyond=12.0).named(6.0), "a droop, as a drive's is"
+    assert replace(small, beyond=12.0, ordinary=15.0).named(6.0)
+    assert not replace(small, beyond=np.sqrt(11.9), ordinary=0.0).named(6.0), "all laws together could do it"
