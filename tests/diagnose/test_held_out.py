@@ -88,6 +88,19 @@ def test_held_out_runs_have_to_speak_for_what_was_found_beyond_how_they_scatter(
         assert not _against_all(simulations, found, changes, told, [])
 
 
+def test_a_wider_gap_speaks_against_nothing_that_brings_every_signal_closer(
+    simulations: Simulations, found: Found
+) -> None:
+    wrong = found.best.fit.changes[0].at({"torque": 2.0})
+    closer, further = InUnits("position", "deg", 0.73, 0.71), InUnits("velocity", "deg/s", 3.2, 3.3)
+
+    def against(*units: InUnits) -> str:
+        return _against_all(simulations, found, [wrong], Verdict(50.0, 1.0), units)
+
+    assert "widens the held-out gap" in against(closer, further)
+    assert not against(closer, replace(further, after=2.6))
+
+
 def test_what_takes_every_signal_further_off_is_not_named(simulations: Simulations, found: Found) -> None:
     position, velocity = InUnits("position", "deg", 1.08, 1.33), InUnits("velocity", "deg/s", 17.8, 17.9)
     changes = found.without[found.best.fit.changes[1].suspect].fit.changes
