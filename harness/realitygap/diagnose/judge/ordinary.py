@@ -2,8 +2,8 @@
 
 Evidence tells that something is there, and how imperfect a machine's laws look beside it: with a droop of the torque
 constant in the model, all laws may look eight times better than ordinary, so that it seems to stand out. A droop of 4 %
-is one all the same. Of 45 findings beside nearly right laws, planted at two seeds, that were true the least did 1.4
-times what laws of its kind are off by, or what none of them could do; of four that were false three did 0.4 to 0.9 of
+is one all the same. Of 45 findings beside nearly right laws, planted at two seeds, that were true the least did 1.2
+times what laws of its kind are off by, or what none of them could do; of four that were false three did 0.4 to 0.7 of
 it, and what the fourth did beyond all laws together was no more than chance.
 """
 
