@@ -19,6 +19,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @dataclass(frozen=True)
@@ -53,9 +54,9 @@ def tolerated(simulations: Simulations, found: Found, told: Collection[Suspect])
 
 
 def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
-    """What each finding does that is of a kind of law."""
+    """What each finding does that is of a kind of law, or an effort without one, which may stand for any."""
     yardstick, fit = found.yardstick, found.best.fit
-    asked = [c for c in fit.changes if c.suspect.kind.law in SHARE]
+    asked = [c for c in fit.changes if c.suspect.kind.law in SHARE or c.suspect.table is not None]
     rest = [[c for c in fit.changes if c is not change] for change in asked]
     still, *without = residuals(simulations, [fit.changes, *rest], yardstick.train, yardstick.floors.coarse)
     exact, laws = yardstick.stood, yardstick.tolerant(fit)
@@ -64,8 +65,12 @@ def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
         if still is None or answer is None:
             continue
         suspect, does = change.suspect, np.nan_to_num(answer - still)
-        law = suspect.kind.law
-        alike = float(np.linalg.norm([yardstick.wrong.does.get((law, joint), 0.0) for joint in suspect.joints]))
         whole, beyond = (float(np.linalg.norm(metric(does))) for metric in (exact, laws.metric))
-        out[suspect] = Done(whole, beyond, laws.imperfect.get(law, 1.0) * SHARE[law] * alike)
+        kinds = SHARE if suspect.table is not None else (suspect.kind.law,)
+        out[suspect] = Done(whole, beyond, max(laws.imperfect.get(k, 1.0) * _off(yardstick, suspect, k) for k in kinds))
     return out
+
+
+def _off(yardstick: Yardstick, suspect: Suspect, law: str) -> float:
+    """What laws of a kind are known to, of what they do where a suspect sits."""
+    return SHARE[law] * float(np.linalg.norm([yardstick.wrong.does.get((law, j), 0.0) for j in suspect.joints]))
