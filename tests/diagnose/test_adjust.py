@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from demo_problem import DEMO, FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
@@ -54,6 +55,9 @@ def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(of
     assert [c.parameters["gain"] for c in gains] == pytest.approx([GAIN, GAIN], rel=0.01)
     (found,) = (c for c in done.best.fit.changes if c.suspect == friction.suspect)
     assert abs(found.parameters["torque"] - FRICTION) < abs(friction.parameters["torque"] - FRICTION)
+    (torque, *_), (was, *_) = done.cautious.deviation, off.cautious.deviation
+    moved = found.parameters["torque"] - friction.parameters["torque"]
+    assert torque >= 0.99 * float(np.hypot(was, moved)), "no better known than before, and as far as it moved"
     assert held_out_gap(simulations, done.floors, done.best.fit.changes) < 0.5 * held_out_gap(
         simulations, done.floors, off.best.fit.changes
     )
