@@ -54,15 +54,16 @@ COLUMNS = ["story", "quantity", "effect", "target", "name", "engine", "unit", "b
 
 
 def findings(story: str, said: dict[str, Any]) -> list[dict[str, object]]:
-    """A row per parameter of what was named; `after` is its value."""
+    """A row per parameter of what was named, and of what was adjusted besides; `after` is its value."""
     rows = []
-    for number, finding in enumerate(said["findings"], 1):
+    told = [(f"finding {number}", f) for number, f in enumerate(said["findings"], 1)]
+    for quantity, finding in [*told, *(("adjusted", f) for f in said["adjusted"])]:
         target = finding["target"] if isinstance(finding["target"], str) else " ".join(finding["target"])
         for name, p in finding["parameters"].items():
             rows.append(
                 {
                     "story": story,
-                    "quantity": f"finding {number}",
+                    "quantity": quantity,
                     "effect": finding["effect"],
                     "target": target,
                     "name": name,
@@ -130,11 +131,12 @@ def page(table: pd.DataFrame) -> str:
         for row in own[own["quantity"] == "seconds"].itertuples():
             lines[-1] += f" {row.after:.0f} s on {WHERE}."
         lines += ["", "| effect | at | parameter | value | 95 % | published |", "|---|---|---|---|---|---|"]
-        for row in own[own["quantity"].str.startswith("finding")].itertuples():
+        for row in own[own["quantity"].str.match("finding|adjusted")].itertuples():
+            effect = f"{row.effect}{', adjusted' * (row.quantity == 'adjusted')}"
             known = "" if pd.isna(row.known) else f"{row.known:g} ({100 * (row.after / row.known - 1):+.1f} %)"
             between = "fixed" if row.low == row.high else f"{row.low:.4g} to {row.high:.4g}"
             value = f"{row.after:.4g} {'' if pd.isna(row.unit) else row.unit}".strip()
-            lines.append(f"| {row.effect} | {row.target} | {row.name} | {value} | {between} | {known} |")
+            lines.append(f"| {effect} | {row.target} | {row.name} | {value} | {between} | {known} |")
         judged = own[own["quantity"].isin(["gap", "rms"])]
         wide = judged.assign(
             cell=[f"{b:.3g} → {a:.3g}" for b, a in zip(judged["before"], judged["after"], strict=True)]
