@@ -17,7 +17,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import Block, single
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
-from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.judge.held_out import moved, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE
@@ -99,15 +99,11 @@ def _as_wide(adjusted: Scored, named: Scored) -> Scored:
     constant, which friction that is uneven had been taken for, four of four of a Stribeck friction missed the truth.
     """
     fit, before = adjusted.fit, named.fit
-    known = {
-        (before.changes[i].suspect, name): (value, deviation)
-        for (i, name), value, deviation in zip(before.names, before.value, named.deviation, strict=True)
-    }
-    was = [known.get((fit.changes[i].suspect, n), (v, 0.0)) for (i, n), v in zip(fit.names, fit.value, strict=True)]
-    moved = (fit.value - np.array([value for value, _ in was])) / fit.size
-    lacking = (np.array([deviation for _, deviation in was]) / fit.size) ** 2 - np.diag(adjusted.covariance)
+    known = {(before.changes[i].suspect, n): off for (i, n), off in zip(before.names, named.deviation, strict=True)}
+    was = np.array([known.get((fit.changes[i].suspect, n), 0.0) for i, n in fit.names])
+    lacking = (was / fit.size) ** 2 - np.diag(adjusted.covariance)
     away = np.zeros(len(was)) if adjusted.away is None else adjusted.away
-    return replace(adjusted, away=np.sqrt(np.maximum(away**2, lacking) + moved**2))
+    return replace(adjusted, away=np.sqrt(np.maximum(away**2, lacking) + moved(fit, before) ** 2))
 
 
 def _faults(found: Found, refused: Collection[Suspect]) -> Sequence[Change]:
@@ -120,9 +116,9 @@ def _faults(found: Found, refused: Collection[Suspect]) -> Sequence[Change]:
 def _seen(promise: Promise) -> Change:
     """A change of which only what answers is free: a slide that tilts about its own axis does nothing."""
     start, sizes = promise.block.start, np.linalg.norm(promise.block.columns, axis=0)
-    moved = {n for k, size in enumerate(sizes) if size > SILENT * sizes.max() for n in start.moved(k)}
+    answers = {n for k, size in enumerate(sizes) if size > SILENT * sizes.max() for n in start.moved(k)}
     change = promise.change
-    return replace(change, free=tuple(n for n in change.free if n in moved))
+    return replace(change, free=tuple(n for n in change.free if n in answers))
 
 
 def _of_a_law(block: Block) -> bool:

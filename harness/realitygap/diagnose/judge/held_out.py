@@ -24,6 +24,7 @@ from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.round import DOUBTFUL
 from realitygap.diagnose.search.search import Found
+from realitygap.robot.drive import Array
 
 NOTHING = 0.1
 """What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9)."""
@@ -154,13 +155,17 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
 
 def _wider(cautious: Scored, before: Fit) -> Scored:
     """A model for intervals whose values may be off by what they were elsewhere in another fit, too."""
+    away = np.zeros(len(cautious.fit.names)) if cautious.away is None else cautious.away
+    return replace(cautious, away=np.hypot(away, moved(cautious.fit, before)))
+
+
+def moved(fit: Fit, before: Fit) -> Array:
+    """How far a fit's values are from where they were in another, in sizes; 0 of what that had not. Shape (p,)."""
     known = {
         (before.changes[i].suspect, name): value for (i, name), value in zip(before.names, before.value, strict=True)
     }
-    fit = cautious.fit
     was = [known.get((fit.changes[i].suspect, n), v) for (i, n), v in zip(fit.names, fit.value, strict=True)]
-    away = np.zeros(len(was)) if cautious.away is None else cautious.away
-    return replace(cautious, away=np.hypot(away, (fit.value - np.array(was)) / fit.size))
+    return np.asarray((fit.value - np.array(was)) / fit.size)
 
 
 def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect]) -> Found:
