@@ -25,7 +25,10 @@ WHOLE_FIRST = (3.2, 1.6, 0.8, 0.4)
 WHOLE_SECOND = (1.0, 1.6, 2.5)
 """What the first sizes are multiplied by for effects whose parameters only mean something together."""
 SOFTER = (1.0, 0.3, 0.1)
-"""What the first size of a stiffness is multiplied by: a soft spring swings as no straight line tells."""
+"""What the first size of a limit or a stiffness is multiplied by: a soft one does what no straight line tells."""
+SWINGS = tuple(0.8**k for k in range(11))
+"""The same of a spring that lets its link swing: the next frequency is a ninth away. Of one of 41 N·m/rad a pendulum's
+recordings are more probable with 38 to 50, and less so with what is softer or harder than they are without."""
 SLIPPERIER = (0.6, 0.3, 0.15)
 """What the friction of the ground is multiplied by: what does not slip yet shows nothing, as no straight line tells."""
 TO_BOTH_SIDES = (1.0, -1.0)
@@ -192,7 +195,8 @@ def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, fl
     """One limit or stiffness alone, the others as if there were none: the first guess, and a try of several sizes."""
     others = [n for n in hard if n != name]
     alone = replace(first.at({n: zero[n] for n in others}), free=tuple(n for n in first.free if n not in others))
-    return [(alone, alone.at({name: first.parameters[name] * k})) for k in SOFTER]
+    swings = any(p.name == "damping" for p in first.suspect.kind.parameters)
+    return [(alone, alone.at({name: first.parameters[name] * k})) for k in (SWINGS if swings else SOFTER)]
 
 
 def signed(effect: Effect) -> bool:

@@ -122,6 +122,11 @@ def single(suspect: Suspect) -> bool:
     return suspect.kind.sits_at == "joint" and len(suspect.indices) == 1
 
 
+def at_one_place(suspect: Suspect) -> bool:
+    """Whether it does not hold for several joints at once."""
+    return suspect.kind.sits_at != "joint" or single(suspect)
+
+
 def own_joint(problem: Problem, channels: Iterable[Channel], joint: int) -> NDArray[np.bool_]:
     """Which stacked samples are those of one joint. Shape (m,), of bool."""
     judged = problem.judged

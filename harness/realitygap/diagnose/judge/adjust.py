@@ -15,7 +15,7 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import Block, single
+from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import moved, predicted
 from realitygap.diagnose.likelihood.floors import measure
@@ -124,5 +124,5 @@ def _seen(promise: Promise) -> Change:
 def _of_a_law(block: Block) -> bool:
     """Whether a response is that of what a law may be off by: friction, load or drive at one place, without a shape."""
     suspect = block.suspect
-    alone = suspect.kind.sits_at != "joint" or single(suspect)
-    return alone and block.start.kind == "linear" and suspect.kind.law in SHARE and suspect.effect not in ALWAYS_FREE
+    law = suspect.kind.law in SHARE and suspect.effect not in ALWAYS_FREE
+    return law and block.start.kind == "linear" and at_one_place(suspect)

@@ -22,7 +22,7 @@ from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import Block, single
+from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
@@ -301,9 +301,8 @@ def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
     chosen: dict[Suspect, dict[tuple[bool, ...], int]] = {}
     for number, block in enumerate(blocks):
         suspect = block.suspect
-        alone = suspect.kind.sits_at != "joint" or single(suspect)
         uneven = block.start.kind == "wave" and suspect.kind.law == "friction"
-        if (block.start.kind == "linear" or uneven) and alone:
+        if (block.start.kind == "linear" or uneven) and at_one_place(suspect):
             chosen.setdefault(suspect, {}).setdefault(_side(block.start), number)
     out = []
     for suspect, sides in chosen.items():
