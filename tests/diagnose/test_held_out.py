@@ -10,7 +10,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.held_out import CHOSE, Verdict, _asked, _wider, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import CHOSE, Against, Verdict, _asked, _wider, certain_of, predicted, supported
 from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.result.workflow import _against, _against_all
@@ -43,7 +43,7 @@ def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
 ) -> None:
     left, against = supported(simulations, found, [])
     assert [s.effect for s in against] == ["joint_offset"]
-    assert max(a.gain for a in against.values()) < 0.0
+    assert max(a.verdict.gain for a in against.values()) < 0.0
     assert [c.suspect.effect for c in left.best.fit.changes] == ["coulomb_friction"]
     assert left.best.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
     assert set(left.gains) == {suspect_of(problem, "coulomb_friction", "elbow")}
@@ -54,11 +54,20 @@ def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
 def test_what_held_out_runs_say_against_a_finding_counts_many_times(simulations: Simulations, found: Found) -> None:
     friction, offset = (c.suspect for c in found.best.fit.changes)
     changes, without = found.best.fit.changes, found.without[offset].fit.changes
-    lost = -predicted(simulations, found.floors, changes, without).gain
+    lost = -predicted(simulations, found.floors, changes, without).least
     assert lost > 0.0
     for gained, dropped in ((CHOSE * lost + 5.0, [offset]), (CHOSE * lost + 7.0, [])):
         gains = {friction: found.gains[friction], offset: gained}
         assert list(supported(simulations, replace(found, gains=gains), [])[1]) == dropped, "a name needs 6"
+
+
+def test_what_held_out_runs_say_by_chance_speaks_for_nothing(simulations: Simulations, found: Found) -> None:
+    friction, offset = (c.suspect for c in found.best.fit.changes)
+    by_chance, told = (Against(Verdict(3.1, error), (1.4, 1.4)) for error in (20.3, 0.5))
+    assert by_chance.weight == pytest.approx(CHOSE * (3.2 - 1.64 * 20.3))
+    assert told.weight == pytest.approx(3.2 - 1.64 * 0.5)
+    assert "gain 3.1 ± 20.3 in evidence by it, which is chance" in _against(offset, by_chance)
+    assert "with the 3.1 that held-out runs gain it explains less than laws leave" in _against(friction, told)
 
 
 def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
@@ -122,10 +131,8 @@ def test_what_the_recordings_told_stays(problem: Problem, simulations: Simulatio
 
 def test_a_finding_needs_that_all_runs_together_say_enough_for_it(simulations: Simulations, found: Found) -> None:
     friction, offset = (c.suspect for c in found.best.fit.changes)
-    together = (
-        found.gains[friction]
-        + predicted(simulations, found.floors, found.best.fit.changes, found.without[friction].fit.changes).gain
-    )
+    without = found.without[friction].fit.changes
+    together = found.gains[friction] + predicted(simulations, found.floors, found.best.fit.changes, without).least
     assert not supported(simulations, replace(found, least={friction: together - 1.0}), [offset])[1]
     assert list(supported(simulations, replace(found, least={friction: together + 1.0}), [offset])[1]) == [friction]
 

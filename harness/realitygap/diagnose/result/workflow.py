@@ -221,14 +221,15 @@ def _against(suspect: Suspect, told: Against) -> str:
     """Why held-out runs speak against a finding."""
     if told.widens:
         return "{} widens the held-out gap, from {:.4g} to {:.4g} floors: not named".format(suspect, *told.gaps)
-    if told.gain > 0.0:
+    gain, error = told.verdict.gain, told.verdict.error
+    if gain <= 0.0:
         return (
-            f"{suspect} is not named: with the {told.gain:.1f} that held-out runs gain it explains less than laws leave"
+            f"{suspect} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not "
+            "named"
         )
-    return (
-        f"{suspect} helps on training runs only: held-out runs lose {-told.gain:.1f} in evidence by it, and it is not "
-        "named"
-    )
+    if told.verdict.worse:
+        return f"{suspect} is not named: held-out runs gain {gain:.1f} ± {error:.1f} in evidence by it, which is chance"
+    return f"{suspect} is not named: with the {gain:.1f} that held-out runs gain it explains less than laws leave"
 
 
 def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
