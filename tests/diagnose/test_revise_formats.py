@@ -133,7 +133,7 @@ def skip_without(form: str) -> None:
 def test_a_mended_model_moves_as_the_changed_one_in_every_format(effect: Effect, form: str, tmp_path: Path) -> None:
     skip_without(form)
     (tmp_path / "team").mkdir()
-    servo = PID_SERVO if effect.name == "derivative_gain" else SERVO
+    servo = PID_SERVO if effect.name.startswith("derivative_") else SERVO
     scenario = team(tmp_path / "team", form, on_the_ground=effect.sits_at == "ground", servo=servo)
     plant = build_plant(load_scenario(scenario))
     target, index = {"joint": ("hinge", 0), "link": ("arm", 1)}.get(effect.sits_at, (effect.sits_at, 0))

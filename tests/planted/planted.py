@@ -50,6 +50,7 @@ TABLE = (
     "gain_law",
     "servo_rate",
     "derivative_gain",
+    "derivative_lag",
     "effort_map",
 )
 """The effects in the order of DESIGN.md's table: among exact twins the first is named."""

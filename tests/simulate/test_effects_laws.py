@@ -206,7 +206,7 @@ def test_two_effects_commute(first: str) -> None:
         pair = [EFFECTS[first], EFFECTS[second]]
         both = next((b for b in benches if not any(e.possible(b, _index(e)) for e in pair)), None)
         if both is None:
-            assert "derivative_gain" in (first, second), "of a pid servo; the others are of a dc motor"
+            assert {"derivative_gain", "derivative_lag"} & {first, second}, "of a pid servo; others are of a dc motor"
             continue
         one, other = (_first(e, both) for e in pair)
         forward = place(both, [one, other])
@@ -252,6 +252,7 @@ def test_an_effect_says_why_it_cannot_act_somewhere() -> None:
         "backlash": bare,
         "joint_compliance": bare,
         "derivative_gain": arm(),
+        "derivative_lag": arm(),
         "torque_constant": pid,
         "supply_voltage": pid,
         "voltage_sag": pid,

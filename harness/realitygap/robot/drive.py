@@ -39,6 +39,7 @@ DRIVE = np.dtype(
         ("dead_band", np.float64),  # of the position error: half width
         ("servo_rate", np.float64),  # at which the position error is sampled and held [Hz]; infinite: continuously
         ("gain_exponent", np.float64),  # of the position error; 1: a gain that does not change with it
+        ("derivative_lag", np.float64),  # of the encoder's rate as the controller has it
         ("protection", np.float64),  # position error beyond which the servo cuts it to a share
         ("protection_share", np.float64),
         ("profile_speed", np.float64),  # at which a position command is followed at most; infinite: at once
@@ -83,6 +84,9 @@ STATE = np.dtype(
         ("error", np.float64),  # of the position, as the controller takes it
         ("held", np.float64),  # the last sample of the position error
         ("integral", np.float64),
+        ("slope", np.float64),  # of the position error as a lag has it, at the beginning of the step
+        ("rising", np.float64),  # rate of the command over the previous step, where the controller takes it
+        ("rate", np.float64),  # of the encoder, before that
         ("current", np.float64),  # the motor's torque as a lag has it, at the beginning of the step
         ("aim", np.float64),  # what it follows is aim - aim_back·speed
         ("aim_back", np.float64),

@@ -1,7 +1,7 @@
 """The effects: physics that a model may lack. Adding one is one definition and one line in `EFFECTS`."""
 
 from realitygap.robot.effects.body import BASE_TILT, CENTER_OF_MASS, LINK_INERTIA, LINK_MASS
-from realitygap.robot.effects.control import COMMAND_DELAY, CONTROLLER_GAIN, DERIVATIVE_GAIN
+from realitygap.robot.effects.control import COMMAND_DELAY, CONTROLLER_GAIN, DERIVATIVE_GAIN, DERIVATIVE_LAG
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
 from realitygap.robot.effects.effort_map import EFFORT_MAP
 from realitygap.robot.effects.firmware import COMMAND_PROFILE, DEAD_BAND, GAIN_LAW, SERVO_RATE
@@ -70,6 +70,7 @@ EFFECTS: dict[str, Effect] = {
         GAIN_LAW,
         SERVO_RATE,
         DERIVATIVE_GAIN,
+        DERIVATIVE_LAG,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""

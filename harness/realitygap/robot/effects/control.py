@@ -4,7 +4,7 @@ import numpy as np
 
 from realitygap.robot.drive import PID
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
-from realitygap.robot.effects.joint import has_pid, has_servo
+from realitygap.robot.effects.joint import answers_rate, has_pid, has_servo
 from realitygap.robot.plant import Plant
 
 
@@ -111,4 +111,29 @@ DERIVATIVE_GAIN = Effect(
         source="Åström & Hägglund, PID Controllers, 1995, chapter 3.",
     ),
     unseen_when_followed="no servo answers a command",
+)
+
+DERIVATIVE_LAG = Effect(
+    name="derivative_lag",
+    changes="torque",
+    sits_at="joint",
+    parameters=(Parameter("time", "s", 0.0, 0.2, 0.005, absent=0.0),),
+    signals=("position", "effort"),
+    own=reads(time="derivative_lag"),
+    apply=writes(time="derivative_lag"),
+    possible=answers_rate,
+    page=Page(
+        physics="A servo takes its speed from encoder readings: a difference over two samples is late by one of them, "
+        "and the low-pass that calms it by its own time. What a cascade, a velocity or a pid servo answers to a speed "
+        "comes that much late.",
+        equation="time·dv/dt + v = ω, and the controller answers v; of a pid servo the whole rate of its error",
+        signature="Stiff joints lose damping and ring. Where it accelerates, a joint seems lighter, by time times what "
+        "the servo answers to a speed: 1 ms of a linear drive that answers 8560 N·s/m is a mass of 8.6 kg. Nothing at "
+        "rest or at constant speed.",
+        confused_with="rotor_inertia and link_mass (as heavy for a disturbance as for a command), current_lag (the "
+        "answer to a position is late, too), derivative_gain, command_delay, velocity_filter (of what is reported).",
+        source="Åström & Hägglund, PID Controllers, 1995, chapter 3.3, filtering of the derivative; Belanger et al., "
+        "Estimation of angular velocity and acceleration from shaft-encoder measurements, 1998.",
+    ),
+    unseen_when_followed="no servo answers a speed",
 )

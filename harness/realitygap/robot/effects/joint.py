@@ -4,7 +4,7 @@ import math
 
 from realitygap_engines import GRAVITY
 
-from realitygap.robot.drive import CASCADE, DC, NONE, PID, POSITION
+from realitygap.robot.drive import CASCADE, DC, EFFORT, NONE, PID, POSITION, SPEED
 from realitygap.robot.effects.effect import Values
 from realitygap.robot.plant import Plant
 
@@ -55,6 +55,18 @@ def has_pid(plant: Plant, index: int) -> str | None:
     """For effects on what a pid servo does beside answering an error."""
     if plant.drive["kind"][index] != PID:
         return f"joint {plant.model.joint_names[index]} has no servo of kind pid; expected one, with kp and kd"
+    return None
+
+
+def answers_rate(plant: Plant, index: int) -> str | None:
+    """For effects on how a servo knows its speed."""
+    d = plant.drive[index]
+    answers = d["kind"] in (CASCADE, SPEED) or (d["kind"] == PID and d["kd"] > 0.0)
+    if not answers or d["meaning"] == EFFORT:
+        return (
+            f"joint {plant.model.joint_names[index]} has no servo that answers its speed; expected one of kind pid "
+            "with a kd, cascade or velocity"
+        )
     return None
 
 

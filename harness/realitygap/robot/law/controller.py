@@ -71,12 +71,17 @@ def loops(d, s, command, upcoming, rate, h):  # type: ignore[no-untyped-def]
     if d.kind == PID:
         before = s.goal if s.started == 1 else command
         after = command if np.isnan(upcoming) else upcoming
-        torque = (d.kp + 0.5 * h * d.ki) * s.error + s.integral + d.kd * (after - before) / (2.0 * h)
-        back = d.kd
+        torque, back = (d.kp + 0.5 * h * d.ki) * s.error + s.integral, d.kd
+        rising = (after - before) / (2.0 * h)
     elif d.kind == SPEED:
-        torque, back = d.gain * command, d.gain
+        torque, back, rising = d.gain * command, d.gain, 0.0
     else:
-        torque, back = d.gain * d.kv * d.kp * s.error, d.gain * d.kv
+        torque, back, rising = d.gain * d.kv * d.kp * s.error, d.gain * d.kv, 0.0
+    if d.derivative_lag > 0.0:
+        rising, early = differentiated(d, s, rising, rate, h)
+        torque, back = torque + back * rising, (1.0 - early) * back
+    else:
+        torque += back * rising
     inside = abs(torque - back * rate) < d.effort_limit
     if inside:  # no wind-up while the limit holds
         s.integral += d.ki * s.error * h
@@ -90,6 +95,24 @@ def loops(d, s, command, upcoming, rate, h):  # type: ignore[no-untyped-def]
     if d.backlash > 0.0:  # the encoder is not on the rotor
         torque, back = torque - back * rate, 0.0
     return torque, back
+
+
+@compiled
+def differentiated(d, s, rising, rate, h):  # type: ignore[no-untyped-def]
+    """The mean over the step of rising - rate behind a first-order lag, as known - (1 - early)·rate.
+
+    `rising` is what the controller takes of the command's rate. Exact for a rate that is constant over the step; what
+    it was over the step before is known only now. A servo that is switched on begins in the steady state.
+    """
+    kept = np.exp(-h / d.derivative_lag)
+    if s.started == 0:
+        s.slope = rising - rate
+    else:
+        aim = s.rising - 0.5 * (s.rate + rate)
+        s.slope = aim + (s.slope - aim) * kept
+    s.rising, s.rate = rising, rate
+    early = (1.0 - kept) * d.derivative_lag / h
+    return early * s.slope + (1.0 - early) * rising, early
 
 
 @compiled
