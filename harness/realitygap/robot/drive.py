@@ -84,9 +84,9 @@ STATE = np.dtype(
         ("error", np.float64),  # of the position, as the controller takes it
         ("held", np.float64),  # the last sample of the position error
         ("integral", np.float64),
-        ("slope", np.float64),  # of the position error as a lag has it, at the beginning of the step
+        ("slope", np.float64),  # rate of the position error as a lag has it, at the beginning of the step
         ("rising", np.float64),  # rate of the command over the previous step, where the controller takes it
-        ("rate", np.float64),  # of the encoder, before that
+        ("rate", np.float64),  # of the encoder, at the beginning of the previous step
         ("current", np.float64),  # the motor's torque as a lag has it, at the beginning of the step
         ("aim", np.float64),  # what it follows is aim - aim_back·speed
         ("aim_back", np.float64),

@@ -195,7 +195,8 @@ def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, fl
     """One limit or stiffness alone, the others as if there were none: the first guess, and a try of several sizes."""
     others = [n for n in hard if n != name]
     alone = replace(first.at({n: zero[n] for n in others}), free=tuple(n for n in first.free if n not in others))
-    swings = any(p.name == "damping" for p in first.suspect.kind.parameters)
+    kind = first.suspect.kind
+    swings = kind.sits_at == "joint" and any(p.name == "damping" for p in kind.parameters)
     return [(alone, alone.at({name: first.parameters[name] * k})) for k in (SWINGS if swings else SOFTER)]
 
 

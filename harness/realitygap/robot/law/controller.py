@@ -104,15 +104,21 @@ def differentiated(d, s, rising, rate, h):  # type: ignore[no-untyped-def]
     `rising` is what the controller takes of the command's rate. Exact for a rate that is constant over the step; what
     it was over the step before is known only now. A servo that is switched on begins in the steady state.
     """
-    kept = np.exp(-h / d.derivative_lag)
+    kept, early = lag(d.derivative_lag, h)
     if s.started == 0:
         s.slope = rising - rate
     else:
         aim = s.rising - 0.5 * (s.rate + rate)
         s.slope = aim + (s.slope - aim) * kept
     s.rising, s.rate = rising, rate
-    early = (1.0 - kept) * d.derivative_lag / h
     return early * s.slope + (1.0 - early) * rising, early
+
+
+@compiled
+def lag(time, h):  # type: ignore[no-untyped-def]
+    """What a first-order lag keeps over a step, and the weight of where it begins in its mean over the step."""
+    kept = np.exp(-h / time)
+    return kept, (1.0 - kept) * time / h
 
 
 @compiled

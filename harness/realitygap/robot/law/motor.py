@@ -4,7 +4,7 @@ import numpy as np
 from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.drive import DC, EFFORT, NONE, TORQUE
-from realitygap.robot.law.controller import clipped, duty, loops
+from realitygap.robot.law.controller import clipped, duty, lag, loops
 
 
 @compiled
@@ -68,12 +68,11 @@ def lagging(d, s, torque, back, speed, h):  # type: ignore[no-untyped-def]
     Exact for an aim that is constant over the step. What it was at the end of the step before is known only now, with
     the speed. A simulation begins in the steady state.
     """
-    kept = np.exp(-h / d.lag)
+    kept, early = lag(d.lag, h)
     if s.begun == 1:  # the first step
         s.current = torque - back * speed
     else:
         aim = s.aim - s.aim_back * 0.5 * (s.aim_speed + speed)
         s.current = aim + (s.current - aim) * kept
     s.aim, s.aim_back, s.aim_speed = torque, back, speed
-    early = (1.0 - kept) * d.lag / h
     return early * s.current + (1.0 - early) * torque, (1.0 - early) * back
