@@ -114,7 +114,7 @@ def fit(
     if anew and many:
         slopes, here = along_axes(simulations, space, x, now, slopes, metric, train, coarse, own), True
     cost, box = _cost(metric, space, x, now), FIRST
-    patience = PATIENCE if many else 0
+    patience, wide = PATIENCE if many else 0, many or quick or simulations.problem.plant.model.floating
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, promised = _step(metric, space, x, now, slopes, box)
         if promised >= 2.0 * LITTLE:
@@ -140,6 +140,9 @@ def fit(
                 slopes = slope(simulations, space, x, train, coarse, own)
             here = True
             box, failed = box / SHORTER ** max(failed - 1, 0), 0
+        elif not wide:  # a step that derivatives of here do not tell: it is rough
+            slopes, wide = slope(simulations, space.wide(), x, train, coarse, own), True
+            box, failed = FIRST, 0
     if whole:
         slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
         now = residual(simulations, space.at(x), train)

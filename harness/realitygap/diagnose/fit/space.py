@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -54,6 +55,16 @@ class Space:
         self.positive = np.array(positive, dtype=bool)
         self.furthest = np.array(furthest) / self.scale
         self.step = CONTACT_STEP if problem.plant.model.floating else STEP
+
+    def wide(self) -> Space:
+        """The same values with derivatives over what is rough, as of a free body.
+
+        Play makes a likelihood of fine recordings pitted: of a joint with 0.01 rad of it a fit ended at 0.0088, 11,000
+        in evidence below the best, where steps of 5 % lead to worse places and those of 15 % lead out.
+        """
+        other = copy(self)
+        other.step = CONTACT_STEP
+        return other
 
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the scaled values."""
