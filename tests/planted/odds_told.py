@@ -6,7 +6,7 @@ from typing import Any
 
 from ambiguous import Ambiguous
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.candidates.told import told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -34,7 +34,7 @@ def diagnosed(problem: Problem, right: set[str]) -> dict[str, Any]:
     """A diagnosis from nothing: what it names, and whether that is the truth alone, or what no motion tells from it."""
     everyone = suspects(problem)
     with Simulations(problem, 1) as simulations:
-        found = search(simulations, everyone, velocity_filters(problem, everyone), quiet)
+        found = search(simulations, everyone, told_by_recordings(problem, everyone), quiet)
     named = [label(c.suspect) for c in found.best.fit.changes]
     rivals = sorted({label(r.suspect) for listed in found.rivals.values() for r in listed if r.open})
     return {

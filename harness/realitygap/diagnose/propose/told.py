@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.candidates.told import told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -103,7 +103,7 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
     """
     problem = simulations.problem
     everyone = suspects(problem)
-    told = velocity_filters(problem, everyone)
+    told = told_by_recordings(problem, everyone)
     if changes is None:
         say("what the recordings leave open: a diagnosis first")
         at = search(simulations, everyone, told, say).best.fit

@@ -15,7 +15,7 @@ from realitygap_engines import Diverged, Failed, Unsupported
 
 from realitygap.check import certain
 from realitygap.diagnose.candidates.suspects import acting, suspects
-from realitygap.diagnose.candidates.told import velocity_filters
+from realitygap.diagnose.candidates.told import told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -263,7 +263,7 @@ def searched(workers: int, result: Rehearsal, change: Change | None, factor: flo
         return None
     everyone = suspects(recorded)
     with Simulations(recorded, workers) as own:
-        found = search(own, everyone, velocity_filters(recorded, everyone), lambda _: None)
+        found = search(own, everyone, told_by_recordings(recorded, everyone), lambda _: None)
     named = tuple(c.suspect for c in found.best.fit.changes)
     other = change is not None and bool(named) and change.suspect not in named
     listed = tuple(r.suspect for rest in found.rivals.values() for r in rest if r.open) if other else ()

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.told import TELLERS
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
@@ -180,7 +181,9 @@ def _moved(before: float, after: float) -> str:
 
 
 def better(result: Diagnosis, change: Change) -> str:
-    """How much better a finding is than the next best explanation, in one sentence."""
+    """How much better a finding is than the next best explanation, or how recordings alone show it, in one sentence."""
+    if change.suspect in result.deviations:
+        return f"Recordings show it by themselves, before anything is simulated: {TELLERS[change.suspect.effect].how}."
     rivals = result.found.rivals.get(change.suspect, [])
     gain = result.found.gains.get(change.suspect)
     said = "" if gain is None else f"Without it the recordings are {_odds(gain)} times less probable"

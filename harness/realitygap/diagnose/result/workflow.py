@@ -13,7 +13,7 @@ import numpy as np
 
 from realitygap.check import blamed_joints, certain
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.candidates.told import deviations, velocity_filters
+from realitygap.diagnose.candidates.told import deviations, told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
@@ -122,7 +122,7 @@ def diagnose(
     joints = problem.plant.model.joint_names
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
-    told = velocity_filters(problem, everyone)
+    told = told_by_recordings(problem, everyone)
     found, why_not = _searched(simulations, everyone, told, say, patience)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
