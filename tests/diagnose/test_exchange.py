@@ -94,6 +94,17 @@ def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> Non
     assert standing(better.fit.changes) == at.right
 
 
+def test_of_the_same_law_more_is_asked() -> None:
+    """Friction by load does a third of what dry friction does, less than is asked of another law, and is tried."""
+    missing = {("load_dependent_friction", "elbow"): {"coefficient": 0.1}}
+    others = [(o, "elbow") for o in ("torque_constant", "rotor_inertia")]
+    at = stood(missing, {("coulomb_friction", "elbow"): {"torque": 0.4}}, others)
+    with at.simulations:
+        (finding,) = at.round_.now.fit.changes
+        same = alike(at.round_, finding)
+    assert [s.effect for s in same] == ["load_dependent_friction"]
+
+
 def test_two_wrong_names_are_exchanged_at_once() -> None:
     joints = ("shoulder", "elbow")
     missing: Effects = {("viscous_friction", j): {"coefficient": 0.3} for j in joints}

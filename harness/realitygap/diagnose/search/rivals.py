@@ -33,9 +33,9 @@ EXCHANGED, LATE = 4, 2
 """Suspects that are tried in the place of a finding: of these, those that promise most. Fewer, of twice as many, once
 there is no more time to find a better name for it."""
 CLOSE = 0.75
-"""Beside the one that promises most, those are tried that promise this share of what the finding does where it is
-missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when they were fitted
-promised 0.89 to 1.3 of it."""
+"""Beside the one that promises most, and late that one too, those are tried that promise this share of what the finding
+does where it is missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when
+they were fitted promised 0.89 to 1.3 of it."""
 BEYOND = 2
 """Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
 were simulated at few sizes, and promise too little."""
@@ -166,7 +166,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     chosen = {suspect: [change] for suspect, change in same.items()}
     most = len(chosen) + (LATE if place.late else EXCHANGED)
     for p in place.lines.promises():
-        worth = p.gain > (CLOSE * place.gain if chosen else 0.0)
+        worth = p.gain > (CLOSE * place.gain if chosen or place.late else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
             chosen.setdefault(p.block.suspect, [p.change])
     far = [s for s in place.limits if s not in {place.change.suspect, *chosen}]
