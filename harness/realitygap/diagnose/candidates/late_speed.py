@@ -12,7 +12,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import convolve1d
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, convolve1d
 from scipy.optimize import minimize_scalar
 from scipy.special import ndtri
 
@@ -21,7 +22,7 @@ from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.problem import Problem
 from realitygap.recording.faults import SURE, low_pass
 from realitygap.robot.drive import CASCADE, EFFORT, SPEED, Array
-from realitygap.simulate.commands import on_steps
+from realitygap.simulate.profile import told
 
 TIMES = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0])
 """Lags that are tried first, in periods of the recording."""
@@ -39,6 +40,7 @@ Z95 = float(ndtri(0.975))
 LIMITED = 0.98
 """An effort above this part of its limit is none of a law."""
 
+Mask = NDArray[np.bool_]
 Law = Callable[[float], Array]
 """Of a time [s] the columns that the effort is made of. Shape (t, k)."""
 
@@ -59,8 +61,8 @@ def late_speed(problem: Problem, joint: int) -> list[Seen]:
     out = [seen for case in heard if case.experiment.followed is None and (seen := _seen(case, joint)) is not None]
     error = standard_errors([run for run in out if run.fault])
     differs = abs(float(np.median([run.values for run in out])) - drive["derivative_lag"]) if out else 0.0
-    told = error is not None and differs > Z95 * error[0]
-    return out if told else [replace(run, fault=False) for run in out]
+    agreed = error is not None and differs > Z95 * error[0]
+    return out if agreed else [replace(run, fault=False) for run in out]
 
 
 def _seen(case: Case, joint: int) -> Seen | None:
@@ -74,18 +76,20 @@ def _seen(case: Case, joint: int) -> Seen | None:
         return None
     commands = case.experiment.commands
     commands = replace(commands, time=commands.time + case.experiment.begin - even[0])
-    command = on_steps(commands, len(even), period, plant.delay)[:, joint]
+    command = told(commands, plant.drive, len(even), period, plant.delay)[:, joint]
     position, effort = (np.interp(even, time, case.value(s)[:, joint]) for s in ("position", "effort"))
-    known = np.isfinite(command) & np.isfinite(position) & (np.abs(effort) < LIMITED * drive["effort_limit"])
-    known = convolve1d((~known).astype(float), np.ones(2 * len(SMOOTH) + 1), mode="nearest") == 0.0
-    known[: int(5.0 * LONGEST / period)] = False  # a lag has forgotten how it began
+    lost = ~(np.isfinite(command) & np.isfinite(position))
+    limited = ~(np.abs(effort) < LIMITED * min(drive["effort_limit"], drive["real_limit"]))
+    memory = max(int(5.0 * LONGEST / period), 1)  # until a lag has forgotten what was before
+    known = ~(binary_dilation(lost, iterations=memory) | binary_dilation(limited, iterations=len(SMOOTH)))
+    known[:memory] = False
     if known.sum() < 10 * len(SMOOTH):
         return None
-    command, position = np.nan_to_num(command), np.nan_to_num(position)
+    command, position, effort = (np.nan_to_num(value) for value in (command, position, effort))
 
     def made(late: float = 0.0, asked: float = 0.0, smooth: float = 0.0) -> Array:
-        told = low_pass(command, asked, period)
-        error = told if drive["kind"] == SPEED else told - position
+        goal = low_pass(command, asked, period)
+        error = goal if drive["kind"] == SPEED else goal - position
         rate = low_pass(np.gradient(-position, period), late, period)
         if smooth > 0.0:  # as calm as a lag makes it, but not late
             rate = low_pass(low_pass(rate, smooth / 2.0, period)[::-1], smooth / 2.0, period)[::-1]
@@ -108,7 +112,7 @@ def _seen(case: Case, joint: int) -> Seen | None:
     return Seen((lag,), left < other)
 
 
-def _best(law: Law, given: Array, known: Array, period: float) -> tuple[float, float]:
+def _best(law: Law, given: Array, known: Mask, period: float) -> tuple[float, float]:
     """The time [s] of a law with which it leaves least, and what it leaves: the sum of squares."""
     tried = [t for t in TIMES * period if t <= LONGEST]
     rest = [_left(law(t), given, known) for t in tried]
@@ -118,7 +122,7 @@ def _best(law: Law, given: Array, known: Array, period: float) -> tuple[float, f
     return (float(finest.x), float(finest.fun)) if finest.fun < rest[at] else (tried[at], rest[at])
 
 
-def _left(columns: Array, given: Array, known: Array) -> float:
+def _left(columns: Array, given: Array, known: Mask) -> float:
     """What a straight line through columns leaves of an effort: the sum of squares."""
     x, y = columns[known], given[known]
     return float(np.sum((y - x @ np.linalg.lstsq(x, y, rcond=None)[0]) ** 2))
