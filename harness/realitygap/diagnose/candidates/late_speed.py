@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, convolve1d
 from scipy.optimize import minimize_scalar
-from scipy.special import ndtri
 
-from realitygap.diagnose.candidates.runs import Seen, standard_errors
+from realitygap.diagnose.candidates.runs import Z95, Seen, standard_errors
 from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.problem import Problem
 from realitygap.recording.faults import SURE, low_pass
-from realitygap.robot.drive import CASCADE, EFFORT, SPEED, Array
+from realitygap.robot.drive import PID, SPEED, Array
+from realitygap.robot.effects.joint import answers_rate
 from realitygap.simulate.profile import told
 
 TIMES = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0])
@@ -35,8 +35,6 @@ LESS = 4.0
 """The law with a late speed leaves this many times less (sum of squares, half of it rms) than any other, or a run does
 not tell: that of the EMPS leaves 92 times less, and noise that calls for a smoother speed is as well served by one that
 is not late."""
-Z95 = float(ndtri(0.975))
-"""Standard errors that 95 % are within."""
 LIMITED = 0.98
 """An effort above this part of its limit is none of a law."""
 
@@ -51,11 +49,8 @@ def late_speed(problem: Problem, joint: int) -> list[Seen]:
     It is a fault of none of them where runs disagree about it by as much as it differs from what the scenario has.
     """
     drive = problem.plant.drive[joint]
-    if (
-        drive["kind"] not in (CASCADE, SPEED)
-        or drive["meaning"] == EFFORT
-        or problem.file.scenario.effort_measures != "motor"
-    ):
+    silent = drive["kind"] == PID or answers_rate(problem.plant, joint) is not None
+    if silent or problem.file.scenario.effort_measures != "motor":
         return []
     heard = [case for c, case in enumerate(problem.cases) if "effort" in problem.signals(c)]
     out = [seen for case in heard if case.experiment.followed is None and (seen := _seen(case, joint)) is not None]
@@ -98,14 +93,15 @@ def _seen(case: Case, joint: int) -> Seen | None:
 
     given = convolve1d(effort, SMOOTH, mode="nearest")
     own = float(drive["derivative_lag"])
+    stated = made(late=own)
     ways: list[Law] = [
         lambda t: made(late=t),
         lambda t: made(late=own, asked=t),
         lambda t: made(late=own, smooth=t),
-        lambda t: np.column_stack([low_pass(column, t, period) for column in made(late=own).T]),
+        lambda t: np.column_stack([low_pass(column, t, period) for column in stated.T]),
     ]
     (lag, left), *others = (_best(law, given, known, period) for law in ways)
-    other = min(_left(made(late=own), given, known), *(rest for _, rest in others))
+    other = min(_left(stated, given, known), *(rest for _, rest in others))
     explained = 1.0 - min(left, other) / float(np.sum((given[known] - given[known].mean()) ** 2))
     if explained < SURE**2 or max(left, other) < LESS * min(left, other):
         return None

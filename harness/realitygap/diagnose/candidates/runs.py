@@ -10,6 +10,9 @@ from scipy.special import ndtri, stdtrit
 
 from realitygap.robot.drive import Array
 
+Z95 = float(ndtri(0.975))
+"""Standard errors that 95 % are within."""
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -31,5 +34,5 @@ def standard_errors(runs: Sequence[Seen]) -> Array | None:
     """
     if len(runs) < 2:
         return None
-    wider = float(stdtrit(len(runs) - 1, 0.975) / ndtri(0.975))
+    wider = float(stdtrit(len(runs) - 1, 0.975)) / Z95
     return np.asarray(np.std([run.values for run in runs], axis=0, ddof=1) * wider / np.sqrt(len(runs)))
