@@ -14,11 +14,11 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.axes import along_axes
+from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import at_once, own_joint, residual, residuals, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric
@@ -189,7 +189,7 @@ def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array
 def nearest(white: Array, low: Array, high: Array) -> Array:
     """The amounts of all columns but the last that take most away from that one, within bounds. (r, p + 1) -> (p,)."""
     triangle = np.asarray(np.linalg.qr(white, mode="r"))
-    step = lsq_linear(triangle[:-1, :-1], -triangle[:-1, -1], bounds=(low - TINY, high + TINY)).x
+    step = bounded(triangle[:-1, :-1], -triangle[:-1, -1], low - TINY, high + TINY)
     return np.asarray(np.clip(step, low, high))
 
 

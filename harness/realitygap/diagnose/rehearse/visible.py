@@ -11,13 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.candidates.starts import sized
 from realitygap.diagnose.candidates.suspects import neutral, whole
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
@@ -188,8 +188,7 @@ def _different(a: Suspect, b: Suspect) -> bool:
 def _unexplained(a: Visible, b: Visible) -> float:
     """The share of a's signature that b's parameters leave, followed along straight lines."""
     low = np.where(b.one_sided, 0.0, -np.inf)
-    solution = lsq_linear(b.basis, a.signature, bounds=(low, np.inf), method="bvls", max_iter=50)
-    rest = a.signature - b.basis @ solution.x
+    rest = a.signature - b.basis @ bounded(b.basis, a.signature, low, np.full(len(low), np.inf))
     return min(float(rest @ rest) / max(float(a.signature @ a.signature), 1e-30), 1.0)
 
 

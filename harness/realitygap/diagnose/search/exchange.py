@@ -40,6 +40,14 @@ class Exchanged:
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
 
+    def forget_beside(self, now: Scored) -> bool:
+        """Forget what was told of findings beside others that have gone from a model; whether there was any."""
+        here = {c.suspect for c in now.fit.changes}
+        stale = [s for s, alone in self.without.items() if not here.issuperset(c.suspect for c in alone.fit.changes)]
+        for suspect in stale:
+            del self.without[suspect], self.gains[suspect]
+        return bool(stale)
+
     def offer(self, other: Scored, round_: Round) -> None:
         """Take a model that is better than those before, beyond what its findings have to gain."""
         if self.better is None or round_.spare(other) > round_.spare(self.better):
@@ -63,9 +71,10 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
                 out.without[suspect] = alone
                 out.gains[suspect] = now.evidence - alone.evidence
         spare = [s for s in doubtful if s in out.without and not round_.earned(now, out.without[s], round_.limit)]
-        if not spare:
+        if spare:
+            now = out.without.pop(max(spare, key=lambda s: out.without[s].evidence))
+        elif not (round_.late and out.forget_beside(now)):
             break
-        now = out.without.pop(max(spare, key=lambda s: out.without[s].evidence))
     gone = len(round_.now.fit.changes) - len(now.fit.changes)
     if gone:
         round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")

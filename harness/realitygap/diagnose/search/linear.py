@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.optimize import lsq_linear
 
 from realitygap.diagnose.data.changes import Change, clash
+from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.metric import Metric
@@ -207,5 +207,5 @@ class Linear:
             right = np.linalg.solve(factor, -left)
             fixed = low == high
             high = np.where(fixed, high + 1e-9, high)
-            x = lsq_linear(factor.T, right, bounds=(low, high)).x
+            x = bounded(factor.T, right, low, high)
         return np.asarray(x)
