@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.data.changes import Change, clash
+from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.fit.space import SLAB
@@ -75,6 +75,17 @@ class Linear:
         slope, curve = -float(self.gram[at, 0]), float(self.gram[at, at])
         part = float(np.clip(slope / curve, 0.0, 1.0)) if curve > 0.0 else 0.0
         return part * slope - 0.5 * part**2 * curve
+
+    def limits(self) -> dict[Suspect, Change]:
+        """What is far from any straight line and leads the right way, as little of it as would; best first, each as the
+        try that leads furthest.
+        """
+        numbers = [i for i, b in enumerate(self.blocks) if b.start.kind == "whole"]
+        tried = sorted(((self.toward(i), i) for i in numbers), reverse=True)
+        best: dict[Suspect, Change] = {}
+        for i in (i for gain, i in tried if gain > 0.0):
+            best.setdefault(self.blocks[i].suspect, self.blocks[i].start.tries[0])
+        return best
 
     def promises(self) -> list[Promise]:
         """What every block gains alone, best first."""

@@ -112,13 +112,6 @@ class Place:
         """The straight-line model of what could stand there."""
         return _lines(self.round_, self.alone, self.blocks)
 
-    @property
-    def limits(self) -> list[Suspect]:
-        """What is far from any straight line and leads the right way, as little of it as would; best first."""
-        numbers = [i for i, b in enumerate(self.blocks) if b.start.kind == "whole"]
-        gains = sorted(((self.lines.toward(i), i) for i in numbers), reverse=True)
-        return list(dict.fromkeys(self.blocks[i].suspect for gain, i in gains if gain > 0.0))
-
     def quick(self, changes: Sequence[Change], beside: bool = False) -> Scored | None:
         """A model with other changes there, fitted quickly; or beside the others as they are with the finding."""
         rest = self.alone.fit.changes
@@ -169,7 +162,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         worth = p.gain > (CLOSE * place.gain if chosen or place.late else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
             chosen.setdefault(p.block.suspect, [p.change])
-    far = [s for s in place.limits if s not in {place.change.suspect, *chosen}]
+    far = [s for s in place.lines.limits() if s not in {place.change.suspect, *chosen}]
     for suspect in far[: 0 if place.late else BEYOND]:
         chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
     out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
