@@ -204,5 +204,12 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     assert nothing.verdict == "unexplained", "what laws are off by is no name"
     said = " With controller gain at elbow adjusted as far as laws are ordinarily off it stays at 3.0."
     assert story_text.verdict(nothing).endswith(said)
+    costs = nothing.costs[0], dict.fromkeys(nothing.costs[0], 0.81)  # squares
+    closed = replace(nothing, costs=costs)
+    assert closed.verdict == "unexplained", "it is no name either where nothing else is left"
+    assert story_text.verdict(closed) == (
+        "Nothing is missing that is more than laws are ordinarily off by: with controller gain at elbow adjusted the "
+        "gap on held-out motions falls from 3.0 to 0.90 times the floor."
+    )
     revised = content.revised.save(tmp_path / "revised").read_text(encoding="utf-8")
     assert "effect: controller_gain" in revised

@@ -128,8 +128,12 @@ def _grouped(changes: Sequence[Change]) -> str:
 
 def _adjusted(changes: Sequence[Change]) -> str:
     """What laws are off by as part of a sentence: `base tilt adjusted`, or `5 other values adjusted`."""
-    label = suspect_label(changes[0].suspect) if len(changes) == 1 else f"{len(changes)} other values"
-    return f"{label} adjusted as far as laws are ordinarily off"
+    return f"{_values(changes, 'other ')} adjusted as far as laws are ordinarily off"
+
+
+def _values(changes: Sequence[Change], other: str = "") -> str:
+    """What is adjusted: `base tilt`, or `5 values`."""
+    return suspect_label(changes[0].suspect) if len(changes) == 1 else f"{len(changes)} {other}values"
 
 
 def places(where: Sequence[Suspect]) -> str:
@@ -162,6 +166,11 @@ def verdict(result: Diagnosis) -> str:
 def _unexplained(result: Diagnosis) -> str:
     """The verdict where nothing was named and there is a gap."""
     before, after = result.gap("held_out")
+    if result.adjusted and result.closed:
+        return (
+            "Nothing is missing that is more than laws are ordinarily off by: with "
+            f"{_values(result.adjusted)} adjusted the gap on held-out motions {_moved(before, after)} times the floor."
+        )
     text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
     rest = f" With {_adjusted(result.adjusted)} it {_moved(before, after)}." if result.adjusted else ""
     if result.found.cut:
