@@ -40,9 +40,11 @@ NEARLY = "nearly_"
 """Kinds of this prefix plant the same as without it, on machines whose laws are only nearly right."""
 FIRMWARE = {"single": 24, "half": 12, "nearly_single": 12, "nearly_half": 12}
 """So many of a kind, behind the others, have effects of firmware and fittings."""
+LATER = {"single": 3, "half": 2, "nearly_single": 3, "nearly_half": 2}
+"""So many of a kind, behind those, have `firmware.LATER`."""
 COUNTS = ORDINARY | {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
 COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12, "nearly_several": 15}
-COUNTS |= {kind: COUNTS[kind] + more for kind, more in FIRMWARE.items()}
+COUNTS |= {kind: COUNTS[kind] + more + LATER[kind] for kind, more in FIRMWARE.items()}
 
 
 @dataclass(frozen=True)
@@ -85,9 +87,10 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
     count, family = COUNTS[kind], kind.removeprefix(NEARLY)
     cases: list[Case] = []
     if family in ("single", "half"):
-        more = FIRMWARE[kind]
-        cases = _singles(kind, list(planted.EFFECTS), 0, count - more, rng)
-        cases += _singles(kind, list(firmware.EFFECTS), count - more, count, rng)
+        first, last = count - LATER[kind] - FIRMWARE[kind], count - LATER[kind]
+        cases = _singles(kind, list(planted.EFFECTS), 0, first, rng)
+        cases += _singles(kind, list(firmware.EFFECTS), first, last, rng)
+        cases += _singles(kind, list(firmware.LATER), last, count, rng)
     elif family in ("pair", "triple"):
         for k in range(count):
             robot = kinds[k % 4]

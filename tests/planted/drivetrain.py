@@ -20,6 +20,7 @@ _NUMBERS = {
     "ki": 0.0,
     "kd": 0.0,
     "kv": 0.0,
+    "derivative_lag": 0.0,  # of the rate that the controller answers [s]
     "effort_limit": np.inf,
     "velocity_limit": np.inf,
     "stall_torque": np.inf,
@@ -98,7 +99,7 @@ _REMEMBERED = (
     *("bristle", "through", "link"),  # deflection; effort that passes, for friction; what the transmission gives
     *("held", "feed", "fresh"),  # the command in force, its rate, and when it came
     *("error", "seen", "count"),  # sampled error; error as the controller takes it; periods of its own rate
-    *("integral", "current", "motor", "applied"),
+    *("integral", "rate", "current", "motor", "applied"),
 )
 STATE = np.dtype([("pointer", np.int64), ("live", np.int64), ("looks", np.int64), *((x, float) for x in _REMEMBERED)])
 

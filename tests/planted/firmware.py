@@ -106,6 +106,17 @@ def servo_rate(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
     return {"rate": rate}
 
 
+def derivative_lag(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
+    """Some samples of a drive's own clock. Only a cascade servo answers a rate enough for that to show.
+
+    A pid servo's own derivative gain is not planted: the kick that it gives where a command is stepped hangs on the
+    period of its loop, and how much of it the effort's limit cuts off does, too, which no recording tells.
+    """
+    time = _rounded(size * rng.uniform(0.0015, 0.003))
+    p.drive["derivative_lag"][j] = time
+    return {"time": time}
+
+
 EFFECTS: dict[str, Plant] = {
     "payload": payload,
     "dead_band": dead_band,
@@ -120,3 +131,5 @@ EFFECTS: dict[str, Plant] = {
     "gain_law": gain_law,
     "servo_rate": servo_rate,
 }
+LATER: dict[str, Plant] = {"derivative_lag": derivative_lag}
+"""Behind the others in the suite, whose cases stay as they are."""

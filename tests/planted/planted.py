@@ -252,7 +252,7 @@ EFFECTS: dict[str, Plant] = {
     "velocity_filter": velocity_filter,
 }
 """Laws of bodies, motors and friction."""
-EVERY = {**EFFECTS, **firmware.EFFECTS}
+EVERY = {**EFFECTS, **firmware.EFFECTS, **firmware.LATER}
 BODY = ("link_mass", "center_of_mass", "link_inertia", "payload")
 SUPPLY = ("supply_voltage", "voltage_sag")
 MOTOR = ("torque_constant", "motor_heating", "motor_braking", *SUPPLY)
@@ -277,6 +277,8 @@ UNSEEN_BEHIND_A_VELOCITY_LOOP = (
 def fits(effect: str, robot: Robot) -> bool:
     """Whether an effect can sit on a robot and be seen there."""
     kind = robot.servo["kind"]
+    if effect == "derivative_lag":
+        return bool(kind == "cascade")
     if effect == "motor_braking" and len(robot.joints) > 1:
         return False  # nobody lets an arm fall onto itself
     if kind == "cascade":

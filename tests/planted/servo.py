@@ -117,10 +117,17 @@ def supply_voltage(drive, state, speed, sag, law, bus, t, h):  # type: ignore[no
 
 
 @numba.njit(cache=True)
+def _rate(d, s, rate, h):  # type: ignore[no-untyped-def]
+    """The rate of the error as the controller knows it: late, where it is."""
+    s.rate = rate if d.derivative_lag == 0.0 else s.rate + (1.0 - np.exp(-h / d.derivative_lag)) * (rate - s.rate)
+    return s.rate
+
+
+@numba.njit(cache=True)
 def motor_effort(d, s, w, bus, t, h):  # type: ignore[no-untyped-def]
     """The motor's effort at the output before friction; `w` is the speed of its shaft."""
     if s.live == 0:
-        s.integral, s.current = 0.0, 0.0
+        s.integral, s.current, s.rate = 0.0, 0.0, -w
         kt = d.torque_constant * _fading(d, t)
         return -d.braking * kt * kt / d.resistance * w if d.kind == DC else 0.0
     if d.kind == DC:
@@ -131,12 +138,12 @@ def motor_effort(d, s, w, bus, t, h):  # type: ignore[no-untyped-def]
             kt *= _saturation(d, torque)
             torque = kt / d.resistance * (duty * bus - kt * w)
     elif d.kind == PID:
-        torque = d.kp * s.seen + s.integral + d.kd * (s.feed - w)
+        torque = d.kp * s.seen + s.integral + d.kd * _rate(d, s, s.feed - w, h)
         torque = min(max(torque, -d.effort_limit), d.effort_limit)
         if abs(w) >= d.velocity_limit and torque * w > 0.0:
             torque = 0.0
     else:
-        torque = d.gain * (d.kv * (d.kp * s.seen - w))
+        torque = d.gain * (d.kv * (d.kp * s.seen + _rate(d, s, -w, h)))
         torque = min(max(torque, -d.effort_limit), d.effort_limit)
     if d.kind != DC and (d.fading != 0.0 or d.saturation != 0.0):  # a drive whose torque loop trusts its constant
         torque *= _fading(d, t) * _saturation(d, torque)

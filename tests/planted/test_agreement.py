@@ -32,7 +32,11 @@ SUDDEN = {"stribeck_friction": 0.2, "backlash": 0.2}
 MOTION = {"motor_braking": "lift_and_drop", "effort_limit": "steps", "torque_speed_limit": "steps"}
 """What shows an effect that slow motions do not."""
 TWO_LINKS = ("link_mass", "center_of_mass", "payload", "link_inertia", "voltage_sag", "base_tilt", "joint_offset")
-PLACES = [*((e, "skew" if e in TWO_LINKS else "pendulum") for e in planted.EVERY), ("servo_rate", "geared")]
+ONLY = {"derivative_lag": "slide"}
+PLACES = [
+    *((e, "skew" if e in TWO_LINKS else ONLY.get(e, "pendulum")) for e in planted.EVERY),
+    ("servo_rate", "geared"),
+]
 
 
 def case_folder(effect: str, kind: str, folder: Path) -> tuple[planted.Planted, str]:
