@@ -74,6 +74,20 @@ def test_what_was_refused_is_not_adjusted(off: Found) -> None:
     assert shoulder not in adjusted(simulations, off, [shoulder]).adjusted
 
 
+def test_what_was_left_out_in_the_end_is_adjusted_where_no_straight_line_leads_there(off: Found) -> None:
+    simulations, problem = off.yardstick.simulations, off.yardstick.problem
+    left_out = [suspect_of(problem, "controller_gain", j) for j in ("shoulder", "elbow")]
+    fuller = off.yardstick.fit([*off.best.fit.changes, *(guess(problem, s) for s in left_out)])
+    assert fuller is not None
+    found = replace(off, blocks=(), fuller=fuller)
+    done = adjusted(simulations, found, [])
+    assert list(done.adjusted) == left_out
+    values = [c.parameters["gain"] for c in done.best.fit.changes if c.suspect in left_out]
+    assert values == pytest.approx([GAIN, GAIN], rel=0.01)
+    assert list(adjusted(simulations, found, left_out[:1]).adjusted) == left_out[1:]
+    assert adjusted(simulations, replace(found, fuller=None), []).adjusted == ()
+
+
 def test_exact_laws_are_left_as_they_are(simulations: Simulations) -> None:
     found = found_in(simulations)
     assert adjusted(simulations, found, []) is found

@@ -13,6 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
@@ -113,6 +114,35 @@ def test_two_wrong_names_are_exchanged_at_once() -> None:
         better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
     assert better is not None
     assert standing(better.fit.changes) == at.right
+
+
+def test_late_nothing_is_told_beside_what_was_left_out() -> None:
+    """A shoulder's viscous friction that does nothing goes, and what dry friction gains is what it gains without it."""
+    dry: Effects = {("coulomb_friction", "elbow"): {"torque": FRICTION}}
+    at = stood(dry, {**dry, ("viscous_friction", "shoulder"): {"coefficient": 0.001}}, [])
+    friction, other = at.round_.now.fit.changes
+    with at.simulations:
+        early = exchanged(at.round_, [], Exchanged())
+        at.round_.patience = Patience(steps=0.0)
+        late = exchanged(at.round_, [], Exchanged())
+        known = [at.round_.adjusted(changes) for changes in ([], [other])]
+        now = at.round_.adjusted([friction])
+    assert early.better is not None
+    assert standing(early.better.fit.changes) == at.right
+    assert list(late.without) == list(late.gains) == [friction.suspect]
+    assert late.without[friction.suspect].fit.changes == ()
+    for out in (early, late):
+        assert out.fuller is not None
+        assert {c.suspect for c in out.fuller.fit.changes} == {friction.suspect, other.suspect}
+    fresh, stale = (
+        Exchanged(gains={friction.suspect: 1.0}, without={friction.suspect: s}) for s in known if s is not None
+    )
+    assert now is not None
+    assert not fresh.forget_beside(now)
+    assert fresh.gains
+    assert stale.forget_beside(now)
+    assert not stale.gains
+    assert not stale.without
 
 
 URDF = """<robot name="arm"><link name="base"/><link name="arm">

@@ -149,6 +149,8 @@ def test_a_limit_that_is_too_tight_leads_the_right_way(
     assert lines.toward(0) == pytest.approx(0.5 * float(whole @ whole), rel=1e-6)
     assert lines.toward(1) == pytest.approx(lines.promise(1).gain)
     assert lines.toward(2) == 0.0
+    assert lines.limits() == {tight.tries[0].suspect: tight.tries[0]}
+    assert Linear(metric, left, np.zeros((len(left), 0)), blocks[2:]).limits() == {}
 
 
 def test_stretches_part_motions_and_seconds(yardstick: Yardstick) -> None:

@@ -33,12 +33,14 @@ class Exchanged:
         gains: evidence that is lost without each finding, by suspect.
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
+        fuller: the model from which findings were left out, as they gain too little; None where none was.
     """
 
     better: Scored | None = None
     gains: dict[Suspect, float] = field(default_factory=dict)
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
+    fuller: Scored | None = None
 
     def forget_beside(self, now: Scored) -> bool:
         """Forget what was told of findings beside others that have gone from a model; whether there was any."""
@@ -75,11 +77,13 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
             now = out.without.pop(max(spare, key=lambda s: out.without[s].evidence))
         elif not (round_.late and out.forget_beside(now)):
             break
-    gone = len(round_.now.fit.changes) - len(now.fit.changes)
+    fuller = round_.now
+    gone = len(fuller.fit.changes) - len(now.fit.changes)
     if gone:
-        round_.say(f"  without {gone}: {now.evidence - round_.now.evidence:+.1f}")
+        round_.say(f"  without {gone}: {now.evidence - fuller.evidence:+.1f}")
         if not (round_.late and round_.moved(now)):
-            return Exchanged(better=now, rivals=before.rivals)
+            return Exchanged(better=now, rivals=before.rivals, fuller=fuller)
+        out.fuller = fuller
     return _compared(round_, keep, out, before)
 
 

@@ -50,6 +50,7 @@ class Found:
         short: what it gains where it was fitted, and what it would have to gain.
         cut: whether the search was ended while it may have found more.
         blocks: the responses of what could still be added, in the last round.
+        fuller: the model from which findings were left out in the end, as they gain too little; None where none was.
         adjusted: what of the best model is no finding, but what its laws are off by (`judge.adjust`).
     """
 
@@ -67,6 +68,7 @@ class Found:
     short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
     cut: bool = False
     blocks: Sequence[Block] = ()
+    fuller: Scored | None = None
     adjusted: tuple[Suspect, ...] = ()
 
 
@@ -96,6 +98,7 @@ def search(
     asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, patience), None, False
+    fuller: Scored | None = None
     many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
@@ -119,7 +122,7 @@ def search(
         again = following is not None  # what failed is tried again beside what is new
         dropped, cut = False, _over(round_, first)
         if following is not None:
-            last = Exchanged()  # beside what is new, another name may be as good
+            last, fuller = Exchanged(), None  # beside what is new, another name may be as good
         else:
             last = exchanged(round_, kept, last)
             following = last.better
@@ -127,6 +130,7 @@ def search(
             if following is not None and not fewer and standing(following.fit.changes) in seen:
                 following = None
             dropped = following is not None and fewer
+            fuller = None if following is not None and not fewer else fuller or last.fuller
         if following is None and not _over(round_, first):
             following = with_unnamed(round_, kept)
             again = following is not None
@@ -159,6 +163,7 @@ def search(
         short=round_.short,
         cut=cut,
         blocks=round_.blocks,
+        fuller=fuller,
     )
 
 
