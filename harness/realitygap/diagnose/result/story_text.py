@@ -158,7 +158,7 @@ def verdict(result: Diagnosis) -> str:
     beside = f", and {_adjusted(result.adjusted)}," if result.adjusted else ""
     text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
-        return f"{text}, and nothing worth a name is left."
+        return f"{text}. {CUT}." if result.found.cut else f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"
     return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
 
