@@ -23,6 +23,18 @@ def test_it_slows_by_the_friction_of_its_direction(speed: float, friction: float
     assert_allclose(out.effort[5:, 0], -np.sign(speed) * friction, atol=2e-3)
 
 
+@everywhere
+@pytest.mark.parametrize(("speed", "coefficient"), [(2.0, 0.32), (-2.0, 0.48)])
+def test_viscous_friction_differs_by_direction(speed: float, coefficient: float, engine: str) -> None:
+    plant = added(effort_servo(wheel()), "viscous_friction", coefficient=0.4)
+    plant = added(plant, "direction_friction", forward=0.0, backward=0.0, asymmetry=-0.2)
+    out = run(plant, 0.0, 0.3, engine=engine, velocity=speed, joint_effort=True)
+    rate = coefficient / (LINK + ARMATURE)
+    expected = speed * np.exp(-rate * out.time) * 0.5 * (1 + np.exp(-rate * H))
+    assert_allclose(out.velocity[:-1, 0], expected[:-1], rtol=1e-5)
+    assert_allclose(out.effort[1:-1, 0], -coefficient * out.velocity[1:-1, 0], rtol=1e-5)
+
+
 def test_it_is_coulomb_friction_beside_half_of_the_difference() -> None:
     swing = 0.6 * np.sin(7.0 * 1e-3 * np.arange(900))
     other = added(added(wheel(), "coulomb_friction", torque=0.15), "constant_effort", effort=-0.05)

@@ -61,6 +61,7 @@ DRIVE = np.dtype(
         ("friction_periods", np.float64),
         ("friction_phase", np.float64),
         ("viscous", np.float64),
+        ("viscous_asymmetry", np.float64),  # share by which it is more forward, and less backward
         ("ripple", np.float64),
         ("ripple_periods", np.float64),
         ("ripple_phase", np.float64),

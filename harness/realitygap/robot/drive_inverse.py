@@ -12,7 +12,7 @@ import math
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.law.friction import dry_bound, unevenness
+from realitygap.robot.law.friction import dry_bound, unevenness, viscous
 from realitygap.robot.law.springs import springs
 
 PASSES = 100
@@ -47,7 +47,7 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
             if d.ripple != 0.0:
                 smooth += d.ripple * np.sin(d.ripple_periods * q + d.ripple_phase)
             side = math.erf(v / (math.sqrt(2.0) * error[k, j])) if error[k, j] > 0.0 else np.sign(v)
-            steady = smooth + d.viscous * v - uneven * d.lean
+            steady = smooth + viscous(d, v) * v - uneven * d.lean
             given = steady
             for _ in range(PASSES):
                 found = steady + side * uneven * dry_bound(d, abs(v), given, transmitted)

@@ -20,7 +20,7 @@ import numpy as np
 from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.law.controller import look
-from realitygap.robot.law.friction import dry_bound, unevenness
+from realitygap.robot.law.friction import dry_bound, unevenness, viscous
 from realitygap.robot.law.motor import motor_torque
 from realitygap.robot.law.springs import springs
 from realitygap.robot.law.supply import sag
@@ -59,7 +59,7 @@ def drive_effort(  # type: ignore[no-untyped-def]
         torque += uneven * d.lean
         if d.ripple != 0.0:
             torque -= d.ripple * np.sin(d.ripple_periods * turn + d.ripple_phase)
-        total = back + d.viscous
+        total = back + viscous(d, speed)
         if separate(d):
             late = weight(h * total / d.armature)
             s.momentum = d.armature * speed + h * (torque - (1.0 - late) * total * speed)

@@ -52,6 +52,7 @@ WORDS = {
     "load": "load_dependent_friction",
     "load_static": "load_dependent_friction at rest",
     "lean": "direction_friction",
+    "viscous_asymmetry": "direction_friction of what is viscous",
     "stiffness": "joint_compliance",
     "stop_stiffness": "joint_stop",
 }

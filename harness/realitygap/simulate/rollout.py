@@ -136,7 +136,8 @@ def _trace(
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
         turned = drive["friction_periods"] * log["encoder"][:-1] + drive["friction_phase"]
         lean = drive["lean"] * (1 + drive["friction_ripple"] * np.sin(turned))
-        friction = held.dry[1 : rows + 1] + lean - drive["viscous"] * middle
+        viscous = drive["viscous"] * (1 + drive["viscous_asymmetry"] * np.sign(log["rotor"][:-1]))
+        friction = held.dry[1 : rows + 1] + lean - viscous * middle
         effort = np.where(separate, log["transmitted"][1:], effort + friction)
     told = sensed(middle, plant.velocity_lag, h, lagged)
     floating = plant.model.floating

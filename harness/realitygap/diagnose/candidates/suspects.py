@@ -84,6 +84,7 @@ LATER = {
     "command_profile": ("speed", "acceleration"),
     "effort_limit": ("effort", "beyond", "share"),
     "cable_spring": ("stiffness", "rest"),
+    "direction_friction": ("forward", "backward", "asymmetry"),
 }
 """What is freed when an effect was found, if that helps."""
 

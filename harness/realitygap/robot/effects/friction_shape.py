@@ -10,7 +10,8 @@ from realitygap.robot.plant import Plant
 
 def _own_directions(plant: Plant, index: int) -> dict[str, float]:
     mean, lean = float(plant.drive["coulomb"][index]), float(plant.drive["lean"][index])
-    return {"forward": mean - lean, "backward": mean + lean}
+    asymmetry = float(plant.drive["viscous_asymmetry"][index])
+    return {"forward": mean - lean, "backward": mean + lean, "asymmetry": asymmetry}
 
 
 def _directions(plant: Plant, indices: list[int], values: Values) -> None:
@@ -18,6 +19,7 @@ def _directions(plant: Plant, indices: list[int], values: Values) -> None:
     mean = 0.5 * (values["forward"] + values["backward"])
     plant.drive["coulomb"][indices] = plant.drive["static"][indices] = mean
     plant.drive["lean"][indices] = 0.5 * (values["backward"] - values["forward"])
+    plant.drive["viscous_asymmetry"][indices] = values["asymmetry"]
 
 
 def _more_each_way(plant: Plant, index: int) -> dict[str, float]:
@@ -33,6 +35,7 @@ DIRECTION_FRICTION = Effect(
     parameters=(
         Parameter("forward", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("backward", "N·m", 0.0, FRICTION_HIGH, 0.2),
+        Parameter("asymmetry", "", -1.0, 1.0, 0.1, absent=0.0, default=0.0, shape=True),
     ),
     signals=("position", "velocity"),
     own=_own_directions,
@@ -40,10 +43,12 @@ DIRECTION_FRICTION = Effect(
     possible=anywhere,
     scaled=_more_each_way,
     page=Page(
-        physics="Dry friction that is larger one way than the other: gear flanks, screws and seals are not the same "
-        "on both sides. Forward is where the angle grows. It stands in place of Coulomb friction, and holds a joint "
-        "at rest against up to as much in either direction.",
-        equation="sliding: τ = −forward for ω > 0, +backward for ω < 0; stuck: −forward ≤ τ ≤ backward",
+        physics="Friction that is larger one way than the other: gear flanks, screws and seals are not the same on "
+        "both sides. Forward is where the angle grows. Dry, it stands in place of Coulomb friction, and holds a joint "
+        "at rest against up to as much in either direction; the joint's viscous friction is larger forward by the "
+        "share `asymmetry`, and smaller backward.",
+        equation="sliding: τ = −forward − viscous·(1 + asymmetry)·ω for ω > 0, +backward − viscous·(1 − asymmetry)·ω "
+        "for ω < 0; stuck: −forward ≤ τ ≤ backward",
         signature="A hysteresis between effort and position whose middle is not where gravity puts it; one direction "
         "lags and stops short more than the other.",
         confused_with="coulomb_friction with a constant_effort (the same law in other numbers: the effort is half of "

@@ -1,4 +1,4 @@
-"""Dry friction in a joint and its gears."""
+"""Friction in a joint and its gears."""
 
 import numpy as np
 from realitygap_engines.law.compiled import compiled
@@ -19,6 +19,14 @@ def dry_bound(d, speed, motor, transmitted):  # type: ignore[no-untyped-def]
             coefficient += d.load_static * np.exp(-((speed / d.load_velocity) ** d.load_exponent))
         bound += coefficient * 0.5 * abs(motor + transmitted)
     return bound
+
+
+@compiled
+def viscous(d, speed):  # type: ignore[no-untyped-def]
+    """The coefficient of viscous friction at a speed; at rest the mean of both directions."""
+    if d.viscous_asymmetry == 0.0:
+        return d.viscous
+    return d.viscous * (1.0 + d.viscous_asymmetry * np.sign(speed))
 
 
 @compiled
