@@ -166,6 +166,19 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
     assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
 
 
+@pytest.mark.parametrize("asymmetry", [0.0, -0.2])
+def test_a_shape_that_is_there_is_part_of_the_sentence(
+    told: Callable[[str], Diagnosis], tmp_path: Path, asymmetry: float
+) -> None:
+    friction, here = Suspect("direction_friction", "elbow", (1,)), asymmetry != 0.0
+    values = (("forward", 0.4), ("backward", 0.5), ("asymmetry", asymmetry))
+    change = Change(friction, values, ("forward", "backward", *(["asymmetry"] if here else [])))
+    result = replace(told("explained"), changes=(change,), shown={friction: Shown(3.0, 1.05)})
+    _, _, words = page_of(result, tmp_path)
+    assert ("backward 0.500 N·m instead of 0.276 N·m and asymmetry −0.200" in words) == here
+    assert list(result.to_json()["findings"][0]["parameters"]) == ["forward", "backward"] + ["asymmetry"] * here
+
+
 def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     profile = Suspect("command_profile", "elbow", (1,))
     change = Change(profile, (("speed", np.inf), ("acceleration", 40.0)), ("acceleration",))

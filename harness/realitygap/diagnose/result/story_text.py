@@ -93,7 +93,8 @@ def lacks(result: Diagnosis, change: Change) -> str:
     effect, problem = EFFECTS[change.suspect.effect], result.problem
     zero = neutral(problem.plant, change.suspect)
     label = suspect_label(change.suspect)
-    shown = [p for p in effect.parameters if not p.shape and change.parameters[p.name] != zero[p.name]]
+    told = (p for p in effect.parameters if not p.shape or p.absent is not None)
+    shown = [p for p in told if change.parameters[p.name] != zero[p.name]]
     shown = shown or list(effect.parameters[:1])
     units = {p.name: unit_there(problem, change.suspect, p) for p in shown}
     missing = all(p.absent is not None or zero[p.name] == 0 for p in shown)

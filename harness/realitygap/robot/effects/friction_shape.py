@@ -46,7 +46,7 @@ DIRECTION_FRICTION = Effect(
         physics="Friction that is larger one way than the other: gear flanks, screws and seals are not the same on "
         "both sides. Forward is where the angle grows. Dry, it stands in place of Coulomb friction, and holds a joint "
         "at rest against up to as much in either direction; the joint's viscous friction is larger forward by the "
-        "share `asymmetry`, and smaller backward.",
+        "share asymmetry, and smaller backward.",
         equation="sliding: τ = −forward − viscous·(1 + asymmetry)·ω for ω > 0, +backward − viscous·(1 − asymmetry)·ω "
         "for ω < 0; stuck: −forward ≤ τ ≤ backward",
         signature="A hysteresis between effort and position whose middle is not where gravity puts it; one direction "
