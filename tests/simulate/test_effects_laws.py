@@ -104,7 +104,7 @@ def test_bounds_units_and_first_size_are_there(effect: Effect) -> None:
         assert p.low < p.high
         assert p.low <= first[p.name] <= p.high
         assert p.low <= own[p.name] <= p.high or own[p.name] == p.absent or math.isinf(own[p.name])
-        assert p.unit or p.name in ("exponent", "coefficient", "static_coefficient", "scale", "share")
+        assert p.unit or p.name in ("exponent", "coefficient", "static_coefficient", "scale", "share", "asymmetry")
         assert not p.logarithmic or p.low > 0
     assert any(first[p.name] != own[p.name] for p in effect.parameters)
 
