@@ -41,8 +41,6 @@ PUBLISHED = {
     ("emps", "viscous_friction", "coefficient"): 203.5,
     ("emps", "coulomb_friction", "torque"): 20.39,
     ("emps", "link_mass", "mass"): 95.11,
-    ("emps", "direction_friction", "forward"): 17.23,  # 20.39 N with the published offset of -3.16 N
-    ("emps", "direction_friction", "backward"): 23.55,
     ("emps", "constant_effort", "effort"): 3.16,  # -3.16 N on the other side of the published equation
 }
 UNITS = {

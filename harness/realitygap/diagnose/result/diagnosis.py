@@ -202,8 +202,7 @@ class Diagnosis:
         parameters: dict[str, Any] = {}
         for p in suspect.kind.parameters:
             value = change.parameters[p.name]
-            shapeless = p.shape and value == p.absent and p.name not in change.free
-            if shapeless or not np.isfinite(value):  # a shape or a limit that is not there
+            if not np.isfinite(value):  # a limit that is not there
                 continue
             low, high = self.interval(change, p.name)
             unit = unit_there(self.problem, suspect, p)
