@@ -45,11 +45,10 @@ def amounts(of: Values) -> NDArray[np.float64]:
 def diagnosed(path: Path) -> Values:
     """What a diagnosis says of the drive, named or adjusted."""
     said = json.loads(path.read_text(encoding="utf-8"))
-    found = {f["effect"]: {n: p["value"] for n, p in f["parameters"].items()} for f in said["findings"]}
-    found = {f["effect"]: {n: p["value"] for n, p in f["parameters"].items()} for f in said["adjusted"]} | found
-    friction = found["direction_friction"]
+    told = (*said["findings"], *said["adjusted"])
+    found = {f["effect"]: {n: p["value"] for n, p in f["parameters"].items()} for f in told}
     mass, viscous = found["link_mass"]["mass"], found["viscous_friction"]["coefficient"]
-    return {"mass": mass, "viscous": viscous, **friction}
+    return {"mass": mass, "viscous": viscous, **found["direction_friction"]}
 
 
 def main() -> None:

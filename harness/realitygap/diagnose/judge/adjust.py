@@ -37,7 +37,7 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     Each of them explains as much as a name would have to if laws were exact. Tried is what straight lines say, and what
     was found and left out in the end, as it gains too little for a name: where stiction makes fits rough, straight
     lines do not lead there. Of an STS3215 they led to another centre of its mass, and 0.052 rad on held-out runs; it
-    is 0.028 with the viscous friction, the rotor's inertia and the gain that had been left out. `refused` is what
+    is 0.029 with the viscous friction, the rotor's inertia and the gain that had been left out. `refused` is what
     held-out runs or intervals spoke against.
     """
     before = found.best.fit
