@@ -125,7 +125,7 @@ class Start:
 
 
 def guess(problem: Problem, suspect: Suspect) -> Change:
-    """A suspect at a first guess: its neutral value plus a sensible size."""
+    """A suspect at a first guess: its neutral value plus a sensible size; what is fitted later, if at all, as it is."""
     effect = suspect.kind
     first = effect.first_size(problem.plant, suspect.indices[0])
     zero = neutral(problem.plant, suspect)
@@ -137,7 +137,7 @@ def guess(problem: Problem, suspect: Suspect) -> Change:
             value = zero[p.name] + sizes(problem.plant, suspect)[p.name]
         values[p.name] = float(np.clip(value, p.low, p.high))
         if p.name not in free and p.default is not None:
-            values[p.name] = p.default
+            values[p.name] = zero[p.name]
     return Change(suspect, tuple(values.items()), free)
 
 
