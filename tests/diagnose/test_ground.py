@@ -37,3 +37,11 @@ def test_where_a_throw_differs_is_said_of_the_base(thrown: Problem) -> None:
     first = places[0]
     assert (first.joint, first.signal, first.unit) == ("base", "base_position", "m")
     assert first.gap > 10 * first.noise_floor
+
+
+def test_a_body_alone_carries_nothing_that_is_not_the_body(thrown: Problem, problem: Problem) -> None:
+    body = {"link_mass", "center_of_mass", "link_inertia"}
+    here, arm = ({s.effect for s in suspects(p)} for p in (thrown, problem))
+    assert body <= here
+    assert "payload" not in here
+    assert "payload" in arm
