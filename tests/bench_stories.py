@@ -21,7 +21,8 @@ from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import cost, rms
 from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.diagnose.result.workflow import run_diagnosis, summary
+from realitygap.diagnose.result.summary import summary
+from realitygap.diagnose.result.workflow import run_diagnosis
 from realitygap.files.progress import Progress
 from realitygap.recording.frames import angle_between
 from realitygap.robot.drive import Array

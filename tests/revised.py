@@ -26,7 +26,7 @@ def mended(scenario: Path, changes: Sequence[Wanted], out: Path) -> tuple[Proble
     """The problem, its changes, and the mended scenario."""
     problem = build_problem(load_scenario(scenario), "mujoco")
     wanted = [change(problem, effect, target, **values) for effect, target, values in changes]
-    return problem, wanted, load_scenario(write_revised(problem, wanted, out / "revised"))
+    return problem, wanted, load_scenario(write_revised(problem, wanted, out / "revised")[0])
 
 
 def assert_same(problem: Problem, changes: Sequence[Change], revised: ScenarioFile) -> None:

@@ -19,7 +19,8 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
 from realitygap.diagnose.likelihood.disturbance import LIKELY, disturbances, sensitivities, spread
 from realitygap.diagnose.patience import Patience
-from realitygap.diagnose.result.workflow import run_diagnosis, summary
+from realitygap.diagnose.result.summary import summary
+from realitygap.diagnose.result.workflow import run_diagnosis
 from realitygap.diagnose.search.search import search
 from realitygap.diagnose.search.simpler import simpler
 from realitygap.files.errors import InputError

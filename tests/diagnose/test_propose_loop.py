@@ -133,6 +133,10 @@ def test_files_say_and_play_what_was_designed(asked: tuple[Open, Proposal, list[
     assert trace.position is not None
     assert np.abs(trace.position).max() <= 1.2
     assert abs(trace.position[-1, 0] - result.home[0]) < 0.1
+    (tmp_path / "mine.csv").write_text("", encoding="utf-8")
+    write_proposal(replace(result, proposed=[]), tmp_path)
+    assert not any((tmp_path / name).exists() for name in told.files.values())
+    assert (tmp_path / "mine.csv").exists()
 
 
 def test_pieces_are_slower_where_faster_ones_take_more_effort_than_there_is(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.result.replaced import replaced
 from realitygap.scenario.file import load_scenario
 from realitygap_engines.model.urdf import read_urdf
 from revised import assert_same, mended
@@ -87,6 +88,9 @@ def test_what_a_finding_replaces_does_not_stand_twice(demo: Callable[..., Path],
     assert_same(problem, changes, revised)
     stand = [(e.effect, e.target) for e in revised.scenario.effects]
     assert stand == [("coulomb_friction", ["shoulder"]), ("stribeck_friction", "elbow"), ("command_delay", "*")]
+    (told,) = replaced(problem, changes)  # a new value of the same effect is told as such
+    assert told.startswith("stribeck_friction at elbow is in the place of the scenario's coulomb_friction")
+    assert "torque 0.1" in told
 
 
 @pytest.mark.parametrize(

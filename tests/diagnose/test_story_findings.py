@@ -14,7 +14,7 @@ from realitygap.diagnose.library import Diagnosed
 from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
-from realitygap.diagnose.result.workflow import summary
+from realitygap.diagnose.result.summary import summary
 from told_story import FRICTION, page_of
 
 

@@ -17,7 +17,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.library import Diagnosed, diagnose
 from realitygap.diagnose.result.revise import write_revised
-from realitygap.diagnose.result.workflow import summary
+from realitygap.diagnose.result.summary import summary
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 from realitygap.diagnose.search.simpler import simpler
@@ -52,7 +52,7 @@ def test_every_law_is_simpler_than_a_table(problem: Problem) -> None:
 def test_it_is_the_effect_of_a_scenario(problem: Problem, change: Change, tmp_path: Path) -> None:
     spec = EffectSpec.model_validate({"effect": "effort_map", "target": "elbow", **change.spec})
     assert changed(problem.plant, [change], problem.plant).maps == place(problem.plant.copy(), [spec]).maps
-    assert_same(problem, [change], load_scenario(write_revised(problem, [change], tmp_path / "revised")))
+    assert_same(problem, [change], load_scenario(write_revised(problem, [change], tmp_path / "revised")[0]))
 
 
 def test_several_stand_at_one_joint_where_they_depend_on_other_things() -> None:

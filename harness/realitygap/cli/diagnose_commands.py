@@ -32,16 +32,18 @@ def diagnose(
 
     folder = folder_for(out, f"{named_after(scenario)}_diagnosis")
     with started(jobs if scenario.is_file() else 1) as ahead:  # they load their packages while this one loads its own
-        from realitygap.diagnose.result.workflow import run_diagnosis, summary
+        from realitygap.diagnose.result.summary import summary
+        from realitygap.diagnose.result.workflow import run_diagnosis
         from realitygap.files.progress import Progress
 
         result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
     say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
     if mjcf:
+        from realitygap.diagnose.result.revise import MJCF, REVISED
         from realitygap.robot.mjcf_file import write_scenario_mjcf
 
-        mended = folder / "revised" / "scenario.yaml"
-        say(write_scenario_mjcf(mended if mended.exists() else scenario, folder / "revised" / "robot.mjcf.xml"))
+        mended = folder / REVISED / "scenario.yaml"
+        say(write_scenario_mjcf(mended if mended.exists() else scenario, folder / REVISED / MJCF))
 
 
 def rehearse(

@@ -78,7 +78,7 @@ class Revised:
         if place.resolve() == own.parent.resolve():
             raise InputError(f"save: {folder} is the folder of {own.name}, which would be replaced; expected another")
         check_writable(place, "save")
-        return write_revised(self.diagnosis.problem, self.diagnosis.mended, place)
+        return write_revised(self.diagnosis.problem, self.diagnosis.mended, place)[0]
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,7 +87,7 @@ class Diagnosed:
 
     Attributes:
         result: all of it, for whoever wants to look inside.
-        content: what `diagnosis.json` says.
+        content: what `diagnosis.json` says, but for the files of the mended model.
     """
 
     result: Diagnosis

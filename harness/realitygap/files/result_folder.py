@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from realitygap.files.interrupted import last
+from realitygap.files.own_files import content, own
 from realitygap.files.unfinished import UNFINISHED, hold, part_folder
 from realitygap.files.whole import made, write_whole
 
@@ -57,7 +58,7 @@ def _finish(out: Path, part: Path, keeps: tuple[str, ...]) -> None:
     """The moment from which the new state holds, and what follows from it."""
     new = sorted(f.relative_to(part).as_posix() for f in part.rglob("*") if f.is_file() and f.name != MANIFEST)
     kept = [name for name in _listed(out) if any(Path(name).match(k) for k in keeps) and name not in new]
-    manifest = _manifest(part) or _manifest(out)
+    manifest = content(part / MANIFEST) or content(out / MANIFEST)
     if manifest:
         text = json.dumps(manifest | {FILES: sorted([*new, *kept])}, indent=1, ensure_ascii=False)
         write_whole(part / MANIFEST, text + "\n")
@@ -81,20 +82,4 @@ def _replace(out: Path, part: Path) -> None:
 
 def _listed(folder: Path) -> list[str]:
     """The files that a folder's manifest lists, as far as they can be ours and lie in it."""
-    names = _manifest(folder).get(FILES)
-    inside = folder.resolve()
-    return [
-        name
-        for name in (names if isinstance(names, list) else [])
-        if isinstance(name, str)
-        and any(Path(name).match(pattern) and name.count("/") == pattern.count("/") for pattern in OURS)
-        and (folder / name).parent.resolve().is_relative_to(inside)
-    ]
-
-
-def _manifest(folder: Path) -> dict[str, object]:
-    try:
-        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return found if isinstance(found, dict) else {}
+    return own(folder, content(folder / MANIFEST).get(FILES), OURS)

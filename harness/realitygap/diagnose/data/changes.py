@@ -93,7 +93,7 @@ def clash(a: Suspect, b: Suspect) -> bool:
         return False
     if a.effect == b.effect:
         return a.table is None or b.table is None or a.table.variables == b.table.variables
-    return a.effect in b.kind.excludes or b.effect in a.kind.excludes
+    return a.kind.rules_out(b.kind)
 
 
 def as_read(changes: Sequence[Change], before: Sequence[Change], plant: Plant) -> list[Change]:

@@ -27,6 +27,7 @@ from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.diagnose.result.revise import Plain, rebased
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last
+from realitygap.files.own_files import own, remove
 from realitygap.files.whole import write_whole
 from realitygap.trace.trajectory import write_trajectory
 
@@ -101,15 +102,30 @@ class ProposalFile(BaseModel):
 
 
 def write_proposal(result: Proposal, out: Path) -> ProposalFile:
-    """Write all files, last the page: a page that fails costs no result. Returns what `proposal.json` says."""
-    content = to_file(result)
+    """Write all files, last the page: a page that fails costs no result. Returns what `proposal.json` says.
+
+    Motions that an earlier proposal left, and this one has not, go: nobody is to run them by mistake.
+    """
+    content, file = to_file(result), out / "proposal.json"
     with last():
+        old = _motion_files(file)
         for proposed in result.proposed:
             write_motion(result, proposed.motion, out)
-        write_whole(out / "proposal.json", content.model_dump_json(indent=1) + "\n")
+        write_whole(file, content.model_dump_json(indent=1) + "\n")
+        remove(out, set(old).difference(f for m in content.motions for f in m.files.values()))
         with spared("the page", result.notes):
             write_page(result, content.model_dump(), out)
     return content
+
+
+def _motion_files(file: Path) -> list[str]:
+    """The files of the motions that a `proposal.json` tells of, if it is one."""
+    try:
+        content = ProposalFile.model_validate_json(file.read_bytes())
+    except (OSError, ValueError):
+        return []
+    names = [f for m in content.motions for f in m.files.values()]
+    return own(file.parent, names, [f"*.{suffix}" for suffix in SUFFIXES.values()])
 
 
 def to_file(result: Proposal) -> ProposalFile:

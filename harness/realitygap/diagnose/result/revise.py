@@ -23,10 +23,12 @@ PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path", "recordings.d
 MAPPINGS = ("robot.packages.", "revisions.")
 """Keys of a scenario that hold a path, and mappings of paths."""
 RUN = "recordings.runs.with."
+REVISED, MJCF = "revised", "robot.mjcf.xml"
+"""The folder of the mended model, and its file for plain MuJoCo, where one is asked for."""
 
 
-def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> Path:
-    """Write `scenario.yaml` and its URDFs into a folder. Returns the scenario.
+def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> list[Path]:
+    """Write `scenario.yaml` and its URDFs into a folder. Returns these files, the scenario first.
 
     What a URDF can say is put there, into every URDF that a run uses; the other findings stand as effects, in place of
     those that the scenario had there. Where runs differ in what a finding changes (another gain, another load), each
@@ -52,7 +54,7 @@ def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> 
     path = folder / "scenario.yaml"
     text = yaml.dump(raw, Dumper=Plain, sort_keys=False, allow_unicode=True, width=110)
     write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
-    return path
+    return [path, *(folder / name for name in revision.names.values())]
 
 
 def mended_name(robot: Path) -> str:
@@ -109,7 +111,7 @@ class _Revision:
             for change in self.changes:
                 other = change.suspect.kind
                 same = effect.name == other.name and not effect.repeatable
-                if same or effect.name in other.excludes or other.name in effect.excludes:
+                if same or effect.rules_out(other):
                     gone |= set(change.suspect.indices)
             left = [i for i in indices if i not in gone]
             if left == indices:

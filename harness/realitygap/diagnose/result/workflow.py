@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -28,12 +27,13 @@ from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.diagnose.result.revise import write_revised
+from realitygap.diagnose.result.replaced import replaced
+from realitygap.diagnose.result.revise import MJCF, REVISED, write_revised
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.round import told_change
 from realitygap.diagnose.search.search import Found, search
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last
+from realitygap.files.own_files import content, own, remove
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.recording.faults import faults
@@ -135,6 +135,7 @@ def diagnose(
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     notes += why_not
+    notes += replaced(problem, changes)
     if found.cut:
         notes.append(CUT)
     judge = problem.of("held_out")
@@ -266,75 +267,21 @@ def _sensor_faults(problem: Problem) -> list[str]:
 
 
 def write_diagnosis(result: Diagnosis, out: Path) -> None:
-    """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result."""
+    """Write `revised/` and `diagnosis.json`, then the page: a figure that fails costs no result.
+
+    What an earlier diagnosis left in `revised/`, and this one has not, goes.
+    """
+    file, mended = out / "diagnosis.json", list[str]()
     if result.mended:
-        write_revised(result.problem, result.mended, out / "revised")
-    text = json.dumps(result.to_json(), indent=1, ensure_ascii=False, allow_nan=False, default=float)
-    write_whole(out / "diagnosis.json", text + "\n")
+        written = write_revised(result.problem, result.mended, out / REVISED)
+        mended = [f.relative_to(out).as_posix() for f in written]
+    old = own(out, content(file).get("revised"), (f"{REVISED}/*",))
+    text = json.dumps(
+        result.to_json() | {"revised": mended}, indent=1, ensure_ascii=False, allow_nan=False, default=float
+    )
+    write_whole(file, text + "\n")
+    remove(out, {*old, f"{REVISED}/{MJCF}"}.difference(mended))
     failures: list[str] = []
     with spared("the page", failures):
         write_story(result, out)
     result.notes.extend(failures)
-
-
-def _parameter(name: str, told: dict[str, Any]) -> str:
-    """A parameter with its 95 % interval, where it was fitted, and its unit."""
-    interval = f"[{told['low']:.4g}, {told['high']:.4g}]" if told["low"] < told["high"] else ""
-    return " ".join(part for part in (name, f"{told['value']:.4g}", interval, told["unit"]) if part)
-
-
-def _largest(told: dict[str, Any]) -> str:
-    return f"{np.max(np.abs(told['value'])):.4g} {told['unit']}"
-
-
-def _values(change: Change, told: dict[str, Any]) -> str:
-    """A change with its values."""
-    if change.suspect.table is None:
-        values = ", ".join(_parameter(n, p) for n, p in told["parameters"].items())
-    else:
-        values = f"{len(change.values)} values up to {_largest(told['parameters']['values'])}"
-    return f"{change.suspect}: {values}"
-
-
-def _moved(told: dict[str, float]) -> str:
-    """A gap before and after."""
-    return f"{told['before']:g} -> {told['after']:g}"
-
-
-def _adjusted(result: Diagnosis, content: Sequence[dict[str, Any]]) -> list[str]:
-    """What laws are off by, and the gap before and after all of it, in every engine."""
-    if not content:
-        return []
-    lines = [f"  adjusted, as far as laws are ordinarily off; held out {_moved(content[0]['held_out'])}"]
-    lines += [f"    {_values(change, told)}" for change, told in zip(result.adjusted, content, strict=True)]
-    return lines + [f"    {engine}: {_moved(gap)}" for engine, gap in content[0]["engines"].items()]
-
-
-def summary(result: Diagnosis) -> list[str]:
-    """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
-    content = result.to_json()
-    before, after = result.gap("held_out")
-    lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
-    lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.mended]
-    for finding, change in zip(content["findings"], result.changes, strict=True):
-        lines.append(f"  {_values(change, finding)}; held out {_moved(finding['held_out'])}")
-        lines += [f"    {engine}: {_moved(gap)}" for engine, gap in finding["engines"].items()]
-        for rival in finding["cannot_tell_from"]:
-            lines.append(f"    cannot be told from {rival['effect']} at {rival['target']}: {rival['why']}")
-    lines += _adjusted(result, content["adjusted"])
-    if not result.changes:
-        lines += [
-            f"  closest: {told_change(c.change)}: training gap {c.before:.3g} -> {c.after:.3g}; {c.why}"
-            for c in result.closest
-        ]
-    lines += [
-        f"  worse: {w['signal']} of {w['joint']}: {w['before']:g} -> {w['after']:g} {w['unit']}"
-        for w in content["worsened"]
-    ]
-    lines += [f"  sensor: {sentence}" for sentence in content["sensor_faults"]]
-    lines += [f"  {note}" for note in content["notes"]]
-    if content["split"]:
-        lines.append(f"  {content['split']}")
-    if content["experiment"]:
-        lines.append(f"  to record next: {content['experiment']}")
-    return lines

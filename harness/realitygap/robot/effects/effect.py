@@ -104,6 +104,10 @@ class Effect:
                 return parameter
         raise KeyError(name)
 
+    def rules_out(self, other: "Effect") -> bool:
+        """Whether the two say the same thing another way, so that only one of them can stand on a target."""
+        return self.name in other.excludes or other.name in self.excludes
+
     def first_size(self, plant: Plant, index: int) -> dict[str, float]:
         """Values that are neither negligible nor absurd there, within bounds: for a first try and for planting."""
         if self.read:

@@ -1,0 +1,32 @@
+"""A diagnosis that is written into the folder of an earlier one leaves nothing of it that contradicts."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.workflow import write_diagnosis
+
+
+def files(folder: Path) -> set[str]:
+    """The files below a folder, by their paths in it."""
+    return {f.relative_to(folder).as_posix() for f in folder.rglob("*") if f.is_file()}
+
+
+def test_no_mended_model_stands_beside_a_diagnosis_that_has_none(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    write_diagnosis(told("explained"), tmp_path)
+    first = files(tmp_path)
+    assert {"revised/scenario.yaml", "revised/robot.urdf"} <= first
+    write_diagnosis(replace(told("no gap"), changes=(), adjusted=()), tmp_path)
+    assert files(tmp_path) == {f for f in first if not f.startswith("revised/")}
+
+
+def test_what_is_not_of_a_diagnosis_stays(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    write_diagnosis(told("explained"), tmp_path)
+    (tmp_path / "revised" / "robot.mjcf.xml").write_text("<mujoco/>", encoding="utf-8")  # of an earlier --mjcf
+    (tmp_path / "revised" / "notes.txt").write_text("mine", encoding="utf-8")
+    write_diagnosis(told("explained"), tmp_path)
+    assert {"revised/notes.txt", "revised/scenario.yaml"} <= files(tmp_path)
+    assert "revised/robot.mjcf.xml" not in files(tmp_path)
