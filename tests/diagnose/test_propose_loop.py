@@ -67,7 +67,7 @@ def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
         "motion": {"recorded": "command"},
         "suspects": ["controller_gain", "supply_voltage"],
         "propose": {"limits": {"elbow": {"position": [-1.2, 1.2], "speed": 7.0}}, "forbid": ["multisine", "chirp"]},
-        "recordings": {"runs": [{"path": f"{name}.csv", "use": use} for name, use in USES.items()]},
+        "recordings": {"virtual": True, "runs": [{"path": f"{name}.csv", "use": use} for name, use in USES.items()]},
     }
     time = np.arange(0, 4.0, 0.01)
     command = 0.3 * np.sin(3.0 * time)
@@ -127,7 +127,9 @@ def test_files_say_and_play_what_was_designed(asked: tuple[Open, Proposal, list[
     (told,) = content.motions
     assert all((tmp_path / name).is_file() for name in told.files.values())
     assert told.says in summary(result)[0]
-    assert "<svg" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<svg" in page
+    assert "Virtual recordings." in page
     (played,) = experiments(load_scenario(tmp_path / told.files["scenario"]))
     trace = simulate(played, "mujoco").trace
     assert trace.position is not None

@@ -52,8 +52,7 @@ def write_manifest(
         notes["traces"] = [thinned]
     virtual = False
     for file, motion in motions:
-        recordings = file.scenario.recordings
-        virtual |= bool(recordings and recordings.virtual)
+        virtual |= file.scenario.virtual
         for e in motion.experiments:
             sources |= {file.path, file.resolve(e.scenario.robot.urdf, "robot.urdf")}
             if e.scenario.motion is not None and e.scenario.motion.keyframes is not None:

@@ -286,6 +286,11 @@ class Scenario(Section):
     __str__ = __repr__
 
     @property
+    def virtual(self) -> bool:
+        """Whether the recordings come from a simulation."""
+        return self.recordings is not None and self.recordings.virtual
+
+    @property
     def follows(self) -> bool:
         """Whether the joints follow the measured motion."""
         return self.motion is not None and self.motion.followed

@@ -33,6 +33,7 @@ def write_page(result: Proposal, content: dict[str, Any], out: Path) -> Path:
         "realitygap.diagnose.propose",
         "proposal.html.j2",
         title=content["scenario"],
+        virtual=result.problem.file.scenario.virtual,
         cards=cards,
         questions=[(str(q), now(q), q in result.hopeless) for q in result.open.questions],
         limits=_limits(result),

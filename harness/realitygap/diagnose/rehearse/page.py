@@ -41,6 +41,7 @@ def write_page(result: Rehearsal, content: dict[str, Any], out: Path) -> Path:
         "realitygap.diagnose.rehearse",
         "rehearsal.html.j2",
         title=problem.file.scenario.name,
+        virtual=problem.file.scenario.virtual,
         sentence=sentence(result),
         rows=rows,
         matrix=Markup(_matrix(result)) if seen else None,

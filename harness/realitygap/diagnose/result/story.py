@@ -68,13 +68,12 @@ def write_story(result: Diagnosis, out: Path) -> Path:
 def _story(result: Diagnosis) -> dict[str, Any]:
     problem = result.problem
     changes = result.changes
-    recordings = problem.file.scenario.recordings
     gaps = {use: [number(gap, 3) for gap in result.gap(use)] for use in USES}
     findings = [_finding(result, c) for c in changes]
     return {
         "title": problem.file.scenario.name,
         "meta": _meta(result),
-        "virtual": bool(recordings and recordings.virtual),
+        "virtual": problem.file.scenario.virtual,
         "verdict": result.verdict,
         "sentence": verdict(result),
         "gaps": gaps,
