@@ -1,7 +1,7 @@
-"""First-order recursion, as of a low-pass, without loading SciPy's signal processing, which loads all of statistics."""
+"""First-order recursion, as of a low-pass."""
 
 import numpy as np
-from scipy.linalg import solve_banded
+from numba import njit
 
 from realitygap.trace.trace import Array
 
@@ -17,7 +17,14 @@ def first_order(given: Array, keep: float | Array, before: float = 0.0) -> Array
     Returns:
         y. Shape (t,).
     """
-    kept = np.broadcast_to(keep, len(given))
-    first = given[:1] + kept[:1] * before
-    steps_back = np.stack([np.ones(len(given)), np.append(-kept[1:], 0.0)])  # each value less what is kept
-    return np.asarray(solve_banded((1, 0), steps_back, np.concatenate([first, given[1:]])))
+    out = np.array(given, dtype=np.float64)
+    _recursion(out, np.full(len(out), keep, dtype=np.float64), before)
+    return out
+
+
+@njit("void(f8[::1], f8[::1], f8)", cache=True)  # compiled when it is loaded, for no deadline to hang on the first call
+def _recursion(given, keep, value):  # type: ignore[no-untyped-def]
+    """In place."""
+    for k in range(given.size):
+        value = keep[k] * value + given[k]
+        given[k] = value
