@@ -49,8 +49,9 @@ def test_a_gain_that_is_off_by_little_is_adjusted_and_one_that_is_off_by_much_is
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:
-    small = Done(whole=20.0, beyond=19.0, ordinary=30.0)
+    small = Done(whole=20.0, beyond=19.0, ordinary=30.0, usual=False)
     assert small.named(6.0), "a ripple, that no law does"
-    assert not replace(small, beyond=12.0).named(6.0), "a droop, as a drive's is"
-    assert replace(small, beyond=12.0, ordinary=15.0).named(6.0)
+    assert not replace(small, usual=True).named(6.0), "a torque constant that fades, as they do"
+    assert not replace(small, beyond=12.0).named(6.0), "a limit, where a droop does most of it"
+    assert replace(small, beyond=12.0, ordinary=25.0, usual=True).named(6.0)
     assert not replace(small, beyond=np.sqrt(11.9), ordinary=0.0).named(6.0), "all laws together could do it"

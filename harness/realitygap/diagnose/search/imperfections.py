@@ -301,8 +301,7 @@ def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
     chosen: dict[Suspect, dict[tuple[bool, ...], int]] = {}
     for number, block in enumerate(blocks):
         suspect = block.suspect
-        uneven = block.start.kind == "wave" and suspect.kind.law == "friction"
-        if (block.start.kind == "linear" or uneven) and at_one_place(suspect):
+        if usual(block.start) and at_one_place(suspect):
             chosen.setdefault(suspect, {}).setdefault(_side(block.start), number)
     out = []
     for suspect, sides in chosen.items():
@@ -316,6 +315,11 @@ def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
                 response = block.columns[:, k]
                 out.append(_Known(law, suspect.joints, response, most, known_to(suspect), number, uneven))
     return out
+
+
+def usual(start: Start) -> bool:
+    """Whether laws are off by what a start tries: by what follows a straight line, and friction by the angle."""
+    return start.kind == "linear" or (start.kind == "wave" and start.suspect.kind.law == "friction")
 
 
 def _unevenly(sides: Sequence[Block], metric: Metric) -> bool:
