@@ -108,6 +108,10 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(**{RUN + "window": [100, 200]}),
         "scenario.yaml: recordings.runs[0].window: found [100.0, 200.0], which holds 0 samples of",
     ),
+    "window between two samples": (
+        changed(**{RUN + "window": [1.0, 1.0001]}),
+        "window: found [1.0, 1.0001], which holds 0",
+    ),
     "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
     "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
     "override of nothing": (
@@ -223,6 +227,18 @@ def test_run_refuses(name: str, case: Path, capfd: pytest.CaptureFixture[str], m
     assert sentence in said
     assert str(case) in said, "names no file"
     assert sorted(case.rglob("*")) == before, "something was written"
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_check_refuses_what_run_refuses(
+    name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the same words: of what is wrong with the scenario alone, and of what only its motions show."""
+    monkeypatch.delenv("REALITYGAP_DATA", raising=False)
+    edit, sentence = CASES[name]
+    edit(case)
+    assert refused("check", case / "scenario.yaml") == 2
+    assert sentence.removeprefix("scenario.yaml: ") in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize("name", ["unknown key", "bag cut off"])
