@@ -36,12 +36,13 @@ def diagnose(
         from realitygap.files.progress import Progress
 
         result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
-    say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
+    lines = [*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"]
     if mjcf:
         from realitygap.robot.mjcf_file import write_scenario_mjcf
 
         mended = folder / "revised" / "scenario.yaml"
-        say(write_scenario_mjcf(mended if mended.exists() else scenario, folder / "revised" / "robot.mjcf.xml"))
+        lines += write_scenario_mjcf(mended if mended.exists() else scenario, folder / "revised" / "robot.mjcf.xml")
+    say(lines)
 
 
 def rehearse(
