@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
+from shlex import quote
 
 import numpy as np
 
@@ -62,7 +63,7 @@ def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     found = [m for m in check(file, read) if not accepted(file, m)]
     sure = [m for m in found if m.certainty == "certain"]
     if sure:
-        more = "" if len(sure) == 1 else f" ({len(sure) - 1} more: `realitygap check {file.path}`)"
+        more = "" if len(sure) == 1 else f" ({len(sure) - 1} more: `realitygap check {quote(str(file.path))}`)"
         raise InputError(f"{file.path}: {sure[0].text}{more}")
     return found
 
