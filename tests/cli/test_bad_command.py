@@ -4,7 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from spoiled import one_sentence, refused
+from realitygap.robot.effects import EFFECTS
+from spoiled import changed, one_sentence, refused
 
 COMMANDS = {
     "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
@@ -83,6 +84,18 @@ def test_commands_refuse(
     assert refused(*arguments) == 2
     assert sentence in one_sentence(capfd.readouterr())
     assert sorted(case.rglob("*")) == before, "something was written"
+
+
+@pytest.mark.parametrize("key", ["effects", "suspects", "certain"])
+def test_names_that_could_have_been_meant_are_told_without_a_gap(
+    key: str, case: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """All of them, where none is close to what was found."""
+    changed(**{key: [{"effect": "magic"}] if key == "effects" else ["magic"]})(case)
+    assert refused("check", case / "scenario.yaml") == 2
+    said = one_sentence(capfd.readouterr())
+    assert ", ".join(EFFECTS) in said
+    assert said.endswith(("effort_map\n", "derivative_lag\n"))
 
 
 USAGE = {

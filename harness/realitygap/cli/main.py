@@ -21,8 +21,8 @@ from realitygap.cli.run_commands import matrix, report, run
 from realitygap.cli.schema_commands import schema
 from realitygap.files.interrupted import Interrupted, interruption, listening
 
-MOST = 400
-"""Characters of a sentence, paths and lists of names included."""
+MOST = 1000
+"""Characters of a sentence, paths and lists of names included: all effects and quantities take 710."""
 COMMANDS = (engines, init, check, run, matrix, audit, report, diagnose, rehearse, propose, effects, schema)
 """In the order in which they are listed; each tells itself by its docstring."""
 

@@ -72,8 +72,8 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
 def known(name: str) -> Effect:
     """The effect of that name. Raises InputError with those there are."""
     if name not in WRITABLE:
-        hint = did_you_mean(name, WRITABLE)
-        raise InputError(f"effects: unknown effect {name}; known: {', '.join(WRITABLE)}{hint}")
+        hint = did_you_mean(name, WRITABLE) or f"; known: {', '.join(WRITABLE)}"
+        raise InputError(f"effects: unknown effect {name}{hint}")
     return WRITABLE[name]
 
 
