@@ -90,7 +90,7 @@ def test_commands_refuse(
 def test_names_that_could_have_been_meant_are_told_without_a_gap(
     key: str, case: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """All of them, where none is close to what was found."""
+    """All of them: one that is close to what was found need not be it."""
     changed(**{key: [{"effect": "magic"}] if key == "effects" else ["magic"]})(case)
     assert refused("check", case / "scenario.yaml") == 2
     said = one_sentence(capfd.readouterr())

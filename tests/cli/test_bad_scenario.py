@@ -44,6 +44,11 @@ def moved(**keyframe: object) -> Edit:
     return file("move.json", json.dumps(content), **KEYFRAMES)
 
 
+def lean(asymmetry: object, **more: object) -> Edit:
+    sides = {"forward": 1, "backward": 1, "asymmetry": asymmetry}
+    return changed(effects=[{"effect": "direction_friction"} | sides | more])
+
+
 CASES: dict[str, tuple[Edit, str]] = {
     # the scenario file
     "no scenario": (gone("scenario.yaml"), "scenario.yaml: cannot be read (No such file"),
@@ -197,6 +202,12 @@ CASES: dict[str, tuple[Edit, str]] = {
     "parameter out of bounds": (
         changed(effects=[{"effect": "coulomb_friction", "torque": -0.1}]),
         "torque is -0.1 N·m; expected 0 to",
+    ),
+    "parameter without a unit out of bounds": (lean(2), "direction_friction: asymmetry is 2; expected -1 to 1"),
+    "parameter without a unit that is text": (lean("a"), "direction_friction: asymmetry is 'a'; expected a number\n"),
+    "unknown parameter beside one without a unit": (
+        lean(0, torque=1),
+        "unknown parameter torque; it has forward [N·m], backward [N·m], asymmetry\n",
     ),
     "parameter nan": (changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]), "torque is nan"),
     "effect twice": (

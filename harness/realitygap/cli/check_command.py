@@ -25,6 +25,10 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
         typer.echo(f"{certainty}: {m.kind}: {m.text}")
     if any(m.certainty == "certain" and not accepted(file, m) for m in found):
         raise typer.Exit(2)
-    motions_of(file, read)  # a run prepares them, too, and refuses what cannot be simulated or judged
+    # a run prepares the motions, too, and refuses what cannot be simulated or judged
+    prepared = [e for motion in motions_of(file, read) for e in motion.experiments]
+    for name, recording in ((e.name, e.recording) for e in prepared if e.recording is not None):
+        for note in recording.absent:
+            typer.echo(f"note: {name}: {note}")
     if not found:
         typer.echo("no mistake found")

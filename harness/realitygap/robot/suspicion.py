@@ -142,9 +142,11 @@ def _servo_part(quantity: str) -> tuple[str | None, str]:
 
 
 def _known(file: ScenarioFile, key: str, found: str, known: Iterable[str], what: str) -> None:
-    if found not in (listed := list(known)):
-        hint = did_you_mean(found, listed) or f": {', '.join(listed)}"
-        raise InputError(f"{file.path}: {key}: found {found}; expected {what}{hint}")
+    if found not in known:
+        listed = list(known)
+        raise InputError(
+            f"{file.path}: {key}: found {found}; expected {what}: {', '.join(listed)}{did_you_mean(found, listed)}"
+        )
 
 
 def _somewhere(file: ScenarioFile, key: str, entry: str, where: str, names: Iterable[str]) -> None:
