@@ -164,6 +164,20 @@ def test_a_velocity_that_was_never_measured_is_no_mistake(team: Team, tmp_path: 
     assert check(load_scenario(without.write(tmp_path))) == []
 
 
+def test_readings_that_are_absent_are_told_and_no_mistake(
+    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lossy = team.copy()
+    lossy.tables["chirp_1"].position[100:141, 1] = np.nan
+    with pytest.raises(SystemExit) as ended:
+        main(["check", str(lossy.write(tmp_path))])
+    assert not ended.value.code
+    note, last = capsys.readouterr().out.splitlines()
+    assert note.startswith("note: chirp_1: 41 of ")
+    assert note.endswith(" samples are left out, as they are without the position of elbow (41)")
+    assert last == "no mistake found"
+
+
 def as_data_set(file: Path) -> Path:
     """A scenario of tables with their columns in a LeRobot data set instead; velocities, positions and commands."""
     folder, data = file.parent / "set", yaml.safe_load(file.read_text())

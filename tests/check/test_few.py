@@ -1,4 +1,4 @@
-"""Recordings and windows of a few samples: a run warns of them, and more are none of its business."""
+"""Recordings and windows of a few samples, or beyond them: a run warns of them, and more are none of its business."""
 
 import sys
 from pathlib import Path
@@ -49,6 +49,21 @@ def test_so_is_a_window_of_a_few(key: str, team: Team, tmp_path: Path) -> None:
 def test_so_is_a_part_that_holds_for_all(team: Team, tmp_path: Path) -> None:
     (found,) = check(load_scenario(team.write(tmp_path)).override({"recordings.part": [1.0, 1.01]}))
     assert (found.kind, found.key, len(found.runs)) == ("few_samples", "recordings.part", len(team.tables))
+
+
+@pytest.mark.parametrize(
+    ("window", "told"),
+    [([-3.0, 1.0], True), ([1.0, 200.0], True), ([-0.2, 4.8], False), ([1.0, 5.2], False), ([1.0, 4.0], False)],
+)
+def test_a_window_that_reaches_beyond_its_recording_is_told(
+    window: list[float], told: bool, team: Team, tmp_path: Path
+) -> None:
+    spoilt = team.copy()
+    spoilt.scenario["recordings"]["runs"][0]["window"] = window
+    found = check(load_scenario(spoilt.write(tmp_path)))
+    assert [(m.kind, m.certainty, m.key) for m in found] == [("window", "likely", "recordings.runs[0].window")] * told
+    if told:
+        assert "reaches beyond steps_1, which lasts from 0.00 to 5.0" in found[0].text
 
 
 def test_a_run_warns_and_its_page_does(team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

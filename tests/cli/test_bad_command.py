@@ -4,7 +4,8 @@ import os
 from pathlib import Path
 
 import pytest
-from spoiled import one_sentence, refused
+from realitygap.robot.effects import EFFECTS
+from spoiled import changed, one_sentence, refused
 
 COMMANDS = {
     "unknown engine": (["run", "scenario.yaml", "--engine", "gazebo"], "--engine: found gazebo; expected one of"),
@@ -85,21 +86,37 @@ def test_commands_refuse(
     assert sorted(case.rglob("*")) == before, "something was written"
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["run"],
-        ["run", "scenario.yaml", "--engin", "mujoco"],
-        ["rnu"],
-        ["bench", "motor", "a"],
-        ["matrix", "a", "-j", "0"],
-    ],
-)
-def test_usage_errors(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
-    assert refused(*arguments) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert "Traceback" not in err
+@pytest.mark.parametrize("key", ["effects", "suspects", "certain"])
+def test_names_that_could_have_been_meant_are_told_without_a_gap(
+    key: str, case: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """All of them: one that is close to what was found need not be it."""
+    changed(**{key: [{"effect": "magic"}] if key == "effects" else ["magic"]})(case)
+    assert refused("check", case / "scenario.yaml") == 2
+    said = one_sentence(capfd.readouterr())
+    assert ", ".join(EFFECTS) in said
+    assert said.endswith(("effort_map\n", "derivative_lag\n"))
+
+
+USAGE = {
+    "run": "missing argument 'scenario' (--help tells what is expected)\n",
+    "run scenario.yaml --engin mujoco": "no such option: --engin (Possible options: --engine) (",
+    "run scenario.yaml --out": "option '--out' requires an argument (",
+    "rnu": "no such command 'rnu'; did you mean 'run'? (",
+    "bench motor a": "no such command 'motor' (",
+    "matrix a -j 0": "--jobs: found 0; expected greater than or equal to 1\n",
+    "diagnose a -j 1.5": "--jobs: found 1.5; expected a whole number\n",
+    "diagnose a --minutes -1": "--minutes: found -1; expected greater than or equal to 0\n",
+    "diagnose a --minutes nan": "--minutes: found nan; expected greater than or equal to 0\n",
+    "rehearse a --budget soon": "--budget: found soon; expected a number\n",
+    "propose a --motions none": "--motions: found none; expected a whole number\n",
+}
+
+
+@pytest.mark.parametrize("line", USAGE)
+def test_what_the_parser_refuses_is_one_sentence_too(line: str, capfd: pytest.CaptureFixture[str]) -> None:
+    assert refused(*line.split()) == 2
+    assert one_sentence(capfd.readouterr()).startswith(f"realitygap: {USAGE[line]}")
 
 
 @pytest.mark.parametrize(

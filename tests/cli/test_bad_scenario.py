@@ -44,6 +44,11 @@ def moved(**keyframe: object) -> Edit:
     return file("move.json", json.dumps(content), **KEYFRAMES)
 
 
+def lean(asymmetry: object, **more: object) -> Edit:
+    sides = {"forward": 1, "backward": 1, "asymmetry": asymmetry}
+    return changed(effects=[{"effect": "direction_friction"} | sides | more])
+
+
 CASES: dict[str, tuple[Edit, str]] = {
     # the scenario file
     "no scenario": (gone("scenario.yaml"), "scenario.yaml: cannot be read (No such file"),
@@ -107,6 +112,10 @@ CASES: dict[str, tuple[Edit, str]] = {
     "window outside": (
         changed(**{RUN + "window": [100, 200]}),
         "scenario.yaml: recordings.runs[0].window: found [100.0, 200.0], which holds 0 samples of",
+    ),
+    "window between two samples": (
+        changed(**{RUN + "window": [1.0, 1.0001]}),
+        "window: found [1.0, 1.0001], which holds 0",
     ),
     "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
     "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
@@ -194,6 +203,12 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(effects=[{"effect": "coulomb_friction", "torque": -0.1}]),
         "torque is -0.1 N·m; expected 0 to",
     ),
+    "parameter without a unit out of bounds": (lean(2), "direction_friction: asymmetry is 2; expected -1 to 1"),
+    "parameter without a unit that is text": (lean("a"), "direction_friction: asymmetry is 'a'; expected a number\n"),
+    "unknown parameter beside one without a unit": (
+        lean(0, torque=1),
+        "unknown parameter torque; it has forward [N·m], backward [N·m], asymmetry\n",
+    ),
     "parameter nan": (changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]), "torque is nan"),
     "effect twice": (
         changed(effects=[{"effect": "coulomb_friction", "target": t, "torque": 0.1} for t in ("elbow", "*")]),
@@ -223,6 +238,18 @@ def test_run_refuses(name: str, case: Path, capfd: pytest.CaptureFixture[str], m
     assert sentence in said
     assert str(case) in said, "names no file"
     assert sorted(case.rglob("*")) == before, "something was written"
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_check_refuses_what_run_refuses(
+    name: str, case: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the same words: of what is wrong with the scenario alone, and of what only its motions show."""
+    monkeypatch.delenv("REALITYGAP_DATA", raising=False)
+    edit, sentence = CASES[name]
+    edit(case)
+    assert refused("check", case / "scenario.yaml") == 2
+    assert sentence.removeprefix("scenario.yaml: ") in "".join(capfd.readouterr())
 
 
 @pytest.mark.parametrize("name", ["unknown key", "bag cut off"])

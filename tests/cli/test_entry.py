@@ -1,5 +1,7 @@
-"""The command as services start it: without some of the standard streams."""
+"""The command as services and shells start it: without some of the standard streams, or where nobody reads them."""
 
+import os
+import signal
 import subprocess
 import sys
 from itertools import combinations
@@ -7,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+DEMO = Path(__file__).parents[2] / "scenarios" / "demo"
 STREAMS = ("0<&-", "1>&-", "2>&-")
 
 
@@ -17,6 +20,36 @@ def test_a_stream_that_is_closed_is_missed_by_nobody(closed: tuple[str, ...]) ->
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, timeout=120, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert ("mujoco" in done.stdout) == (STREAMS[1] not in closed)
+
+
+UNREAD = 128 + signal.SIGPIPE
+
+
+def unread(*arguments: str | Path, errors: bool = False) -> tuple[int, str]:
+    """Status of a command whose output nobody reads any more, and what it said on standard error where that is read."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "realitygap", *map(str, arguments)]
+    said = write if errors else subprocess.PIPE
+    done = subprocess.run(command, stdout=write, stderr=said, text=True, timeout=120, check=False)
+    os.close(write)
+    return done.returncode, done.stderr or ""
+
+
+@pytest.mark.parametrize("arguments", [["engines"], ["effects", "backlash"], ["--help"], ["bench", "-h"]], ids=" ".join)
+def test_output_that_nobody_reads_is_no_failed_check(arguments: list[str]) -> None:
+    """The status of shells for a command that a pipe ended, as of `cat`, and not a word."""
+    assert unread(*arguments) == (UNREAD, "")
+
+
+def test_a_run_that_nobody_reads_is_there(tmp_path: Path) -> None:
+    status, _ = unread("run", DEMO / "scenario.yaml", "--engine", "mujoco", "--out", tmp_path / "out")
+    assert status == UNREAD
+    assert (tmp_path / "out" / "report.html").is_file()
+
+
+def test_an_error_that_nobody_reads_is_one() -> None:
+    assert unread("effects", "magic", errors=True)[0] == 2
 
 
 WRITTEN = """

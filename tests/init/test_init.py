@@ -1,6 +1,7 @@
 """A first scenario from a URDF and recordings: it loads, its recordings read, and its guesses are the right ones."""
 
 import json
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
@@ -120,6 +121,14 @@ def test_the_terminal_hears_what_was_guessed_not_used_and_missing(
     assert any(line.startswith("guessed: kp: 30 (the URDF's effort limit of 3") for line in lines)
     assert "not used: /log (std_msgs/String), /tf (tf2_msgs/TFMessage)" in lines
     assert "note: no effort was found: torques are not compared" in lines
+
+
+def test_the_next_command_can_be_copied(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """Also where the path has what a shell would take apart."""
+    bag = write_bag(tmp_path / "run", "mcap", messages())
+    draft = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "the arm's ($1)")
+    command = shlex.split(draft.lines()[-1].removeprefix("next: "), comments=True)
+    assert command[:5] == ["realitygap", "run", str(draft.path), "--engine", "mujoco"]
 
 
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])

@@ -1,5 +1,6 @@
 """Matrix files, the cells they mean, and keys by content."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ import realitygap_engines
 from realitygap.files.errors import InputError
 from realitygap.matrix.digest import code_digest
 from realitygap.matrix.estimate import costs
+from realitygap.matrix.matrix import Settings, dry_run
 from realitygap.matrix.matrix_file import load_matrix
 from realitygap.matrix.plan import plan
 from realitygap.matrix.task import Task
@@ -70,6 +72,17 @@ def test_combinations_are_left_out(write: Callable[..., list[Task]], leave_out: 
     else:
         with pytest.raises(InputError, match="holds no cell"):
             write(text)
+
+
+def test_cells_are_listed_as_the_file_says_their_values(tmp_path: Path) -> None:
+    path = tmp_path / "matrix.yaml"
+    path.write_text(
+        f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: chirp_*\n"
+        "axes: {step_rate: [500, 2000, 1000], servos.drive.gain: [5, 4, 10]}\n"
+    )
+    *cells, _ = dry_run(load_matrix(path), tmp_path / "out", Settings())
+    listed = [re.findall(r"step_rate (\d+) gain (\d+)", line)[0] for line in cells]
+    assert listed == [(rate, gain) for rate in ("500", "2000", "1000") for gain in ("5", "4", "10")]
 
 
 def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path: Path) -> None:

@@ -177,6 +177,15 @@ def test_figures_for_one_joint_and_for_many(tmp_path: Path, joints: int) -> None
     assert all(n in boxes for n in names)
 
 
+def test_names_in_any_script_stay_text(tmp_path: Path) -> None:
+    """Without a warning, which is an error in tests: what shows the figure has the font."""
+    names, swing = ["肩", "팔꿈치", "कलाई"], synthetic.cell(recording="振り子")
+    synthetic.write_folder(tmp_path, joints=names, cells=[swing], error=lambda _: 0.01)
+    drawn = "".join(file.read_text(encoding="utf-8") for file in write_figures(tmp_path))
+    assert all(f">{name}<" in drawn or f">{name} [" in drawn for name in names)
+    assert "振り子" in drawn
+
+
 def test_a_body_without_joints_has_curves_of_its_position(tmp_path: Path) -> None:
     scenario = write_tosses(tmp_path, 0.3)
     done = CliRunner().invoke(app, ["run", str(scenario), "-e", "mujoco", "-o", str(tmp_path / "out")])

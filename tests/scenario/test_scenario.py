@@ -134,6 +134,22 @@ def test_recordings_are_found_by_pattern_and_environment(tmp_path: Path, monkeyp
     assert cases[3].path == tmp_path / "far.csv"
 
 
+def test_a_path_is_told_without_detours_that_lead_nowhere_else(tmp_path: Path) -> None:
+    for folder in ("arm", "far/away"):
+        (tmp_path / folder).mkdir(parents=True)
+    for name in ("a.csv", "far/a.csv", "far/b.csv"):
+        (tmp_path / name).touch()
+    (tmp_path / "link").symlink_to(tmp_path / "far" / "away")
+    paths = {
+        "arm/../a.csv": "a.csv",
+        "link/../b.csv": "link/../b.csv",
+        "link/../a.csv": "link/../a.csv",
+        "arm/../c.csv": "arm/../c.csv",
+    }
+    file = load_scenario({"name": "a", "robot": {"urdf": "a.urdf"}}, folder=tmp_path)
+    assert {text: file.resolve(text, "robot.urdf") for text in paths} == {t: tmp_path / p for t, p in paths.items()}
+
+
 def test_a_run_has_the_scenario_that_holds_for_it(tmp_path: Path) -> None:
     for name in ("a.csv", "b.csv"):
         (tmp_path / name).touch()

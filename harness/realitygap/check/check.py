@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
+from shlex import quote
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from realitygap.check.observed import Mask, Observed, Read, observe
 from realitygap.check.repetitions import repetition_mistakes
 from realitygap.check.start import constant_command, start_mistakes
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
+from realitygap.check.window import window_mistakes
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.recording import read_recording
 from realitygap.robot.plant import Plant, build_plant
@@ -49,7 +51,7 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
         found += load_mistakes(observed)
     if not whole and not any(m.certainty == "certain" for m in found):
         found += repetition_mistakes(observed, _joints(found))
-    return merged([*whole, *found, *(m for o in observed for m in few_samples(o))])
+    return merged([*whole, *found, *(m for o in observed for m in (*few_samples(o), *window_mistakes(o)))])
 
 
 def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
@@ -61,7 +63,7 @@ def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     found = [m for m in check(file, read) if not accepted(file, m)]
     sure = [m for m in found if m.certainty == "certain"]
     if sure:
-        more = "" if len(sure) == 1 else f" ({len(sure) - 1} more: `realitygap check {file.path}`)"
+        more = "" if len(sure) == 1 else f" ({len(sure) - 1} more: `realitygap check {quote(str(file.path))}`)"
         raise InputError(f"{file.path}: {sure[0].text}{more}")
     return found
 

@@ -28,6 +28,7 @@ KINDS: dict[str, str] = {
     "impossible_link": "a mass or inertia that no such link has",
     "other_conditions": "recordings that are taken as repetitions of one motion differ as under other conditions",
     "few_samples": "a recording, or its window, holds too few samples to say anything of a motion",
+    "window": "a window reaches beyond its recording",
     "drives_nothing": "nothing in the scenario drives the robot",
 }
 """Every kind of mistake, and what it is."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from realitygap.cli.options import Jobs, Out, folder_for, named_after, say
+from realitygap.cli.options import Jobs, Out, folder_for, helped, named_after, say
 
 if TYPE_CHECKING:
     from realitygap.bench.summary import Summary
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 Bench = Annotated[Path, typer.Argument(help="the bench file")]
 
 bench = typer.Typer(
-    help="Identify servos, supplies, links and ground on the bench.", no_args_is_help=True, rich_markup_mode=None
+    help="Identify servos, supplies, links and ground on the bench.",
+    callback=helped,
+    invoke_without_command=True,
+    rich_markup_mode=None,
 )
 
 

@@ -37,13 +37,14 @@ def diagnose(
         from realitygap.files.progress import Progress
 
         result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
-    say([*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"])
+    lines = [*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"]
     if mjcf:
         from realitygap.diagnose.result.revise import MJCF, REVISED
         from realitygap.robot.mjcf_file import write_scenario_mjcf
 
         mended = folder / REVISED / "scenario.yaml"
-        say(write_scenario_mjcf(mended if mended.exists() else scenario, folder / REVISED / MJCF))
+        lines += write_scenario_mjcf(mended if mended.exists() else scenario, folder / REVISED / MJCF)
+    say(lines)
 
 
 def rehearse(

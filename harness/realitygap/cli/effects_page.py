@@ -20,7 +20,7 @@ def table() -> str:
     """All effects, in the order in which the simpler of two explanations is preferred."""
     rows = [("effect", "sits at", "changes", "parameters")]
     for e in WRITABLE.values():
-        listed = ", ".join(f"{p.name} [{p.unit}]" if p.unit else p.name for p in e.parameters) or ", ".join(e.example)
+        listed = ", ".join(p.with_unit for p in e.parameters) or ", ".join(e.example)
         rows.append((e.name, e.sits_at, e.changes, listed))
     widths = [max(len(row[i]) for row in rows) for i in range(3)]
     lines = ["  ".join((*(cell.ljust(w) for cell, w in zip(row, widths, strict=False)), row[3])) for row in rows]

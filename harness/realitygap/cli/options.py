@@ -49,3 +49,10 @@ def say(lines: Iterable[str]) -> None:
     """Lines on standard output."""
     for line in lines:
         typer.echo(line)
+
+
+def helped(context: typer.Context) -> None:
+    """A group of commands that is called alone: its help on standard error, as for what is wrong."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help(), err=True)
+        raise typer.Exit(2)

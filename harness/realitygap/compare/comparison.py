@@ -13,10 +13,11 @@ from realitygap_engines import Diverged, Failed, Unsupported
 from realitygap.compare.gap import JOINT_SIGNALS, Difference, box, differences, mean_trace
 from realitygap.compare.row import EXCLUDED, Cell, Row, failed, row
 from realitygap.files.errors import InputError
+from realitygap.recording import read_recording
 from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
 from realitygap.scenario.file import ScenarioFile
 from realitygap.simulate.excluded import check_excluded
-from realitygap.simulate.experiment import Experiment, experiments, simulate
+from realitygap.simulate.experiment import Experiment, Read, experiments, simulate
 from realitygap.simulate.rollout import Rollout
 from realitygap.trace.sampled import Gather, sampled, stretches
 from realitygap.trace.trace import Array, Trace
@@ -78,13 +79,13 @@ class Comparison:
     boxes: dict[str, dict[str, list[float]]] | None = None
 
 
-def motions_of(file: ScenarioFile) -> list[RepeatedMotion]:
-    """The motions of a scenario.
+def motions_of(file: ScenarioFile, read: Read = read_recording) -> list[RepeatedMotion]:
+    """The motions of a scenario. `read` reads the recordings.
 
     Raises:
         InputError: for whatever is wrong with the scenario's files, also where nothing is there that is left out.
     """
-    recorded = experiments(file)
+    recorded = experiments(file, read=read)
     check_excluded(file, recorded)
     return motions(recorded)
 

@@ -1,5 +1,7 @@
 """Progress of long work: a bar on a terminal, plain lines elsewhere."""
 
+import errno
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -13,12 +15,19 @@ EVERY = 5.0
 """Seconds between plain lines."""
 
 
+class _Terminal(Console):
+    """One whose reader may leave: an error as of any other stream, where rich has the status of a failed check."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+
 class Progress:
     """Tells a person on standard error how far the work is; `quiet` says nothing."""
 
     def __init__(self, *, quiet: bool = False) -> None:
         self.quiet = quiet
-        self.console = Console(stderr=True)
+        self.console = _Terminal(stderr=True)
 
     @contextmanager
     def task(self, what: str, total: int) -> Iterator[Callable[[str], None]]:

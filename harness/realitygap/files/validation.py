@@ -28,6 +28,7 @@ WORDS = {
 }
 """What pydantic says, in the words of a YAML file."""
 COUNTED = re.compile(r"\w+ should have at (least|most) (\d+ \w+) after validation, not \d+")
+UNPARSED = re.compile(r", unable to parse string as an? \w+$")
 INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
 
@@ -59,12 +60,17 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
         return f"{key}.kind: found {shown(tag)}; expected one of {', '.join(t for t in expected if t)}"
     if kind == "invalid_key":
         return f"{key or 'its top'}: found the key {shown(found)}, expected text"
+    meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
+    return f"{key}: found {shown(found)}; {expectation(error)}" + (f" ({meaning})" if meaning else "")
+
+
+def expectation(error: ErrorDetails) -> str:
+    """What pydantic expected of a value, in the words of a YAML file."""
     message = error["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
     for long, short in WORDS.items():
         message = message.replace(long, short)
-    message = INSTANCE.sub("", COUNTED.sub(r"expected at \1 \2", message))
-    meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
-    return f"{key}: found {shown(found)}; {message[0].lower() + message[1:]}" + (f" ({meaning})" if meaning else "")
+    message = UNPARSED.sub("", INSTANCE.sub("", COUNTED.sub(r"expected at \1 \2", message)))
+    return message[0].lower() + message[1:]
 
 
 def _depth(error: ErrorDetails) -> tuple[bool, int, bool]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.hold import hold
@@ -44,7 +45,7 @@ class Draft:
             f"wrote {self.path}",
             *(f"guessed: {line}" for line in self.guessed),
             *(line if line.startswith("not used") else f"note: {line}" for line in self.told),
-            f"next: realitygap run {self.path} --engine mujoco    (without --engine: in all of them)",
+            f"next: realitygap run {quote(str(self.path))} --engine mujoco    (without --engine: in all of them)",
         ]
 
 

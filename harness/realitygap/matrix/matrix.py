@@ -143,7 +143,7 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     there = finished(tasks, open_store(settings.place(out)), retry_crashed=settings.retry_crashed)
     estimate = StepCost(there.values())
     lines = []
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: _place(task, matrix)):
         state = "there" if task.key in there else f"{estimate.seconds(task):.1f} s"
         lines.append(f"{task.file.scenario.name:18} {task.title:60} {state}")
     todo, jobs = [t for t in tasks if t.key not in there], settings.jobs
@@ -155,11 +155,21 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     return lines
 
 
+def _place(task: Task, matrix: MatrixFile) -> tuple[int, str, str, list[int]]:
+    """Where a person looks for a cell: the values of every axis in the order of the file, the last axis's fastest."""
+    values = [matrix.matrix.axes[axis].index(value) for axis, value in task.axes.items()]
+    scenario = [file.path for file in matrix.scenarios].index(task.file.path)
+    return scenario, task.engine, task.motion.name, values
+
+
 def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:
-    """What was changed in the model, and how many readings were not taken, before the long work begins."""
+    """What was changed in the model, and which readings are absent or were not taken, before the long work begins."""
     found = {(str(t.file.path), e.name): e for t in tasks for e in t.motion.experiments}.values()
     for note in dict.fromkeys(note for e in found for note in e.notes):
         progress.say(note)
     garbled = sum(len(e.recording.outliers) for e in found if e.recording is not None)
     if garbled:
         progress.say(f"readings that jump far away and back, and are not taken: {garbled} (listed in manifest.json)")
+    lacking = [e.name for e in found if e.recording is not None and e.recording.absent]
+    if lacking:
+        progress.say(f"recordings in which readings are absent: {len(lacking)} (listed in manifest.json)")

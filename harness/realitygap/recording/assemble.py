@@ -74,6 +74,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         outliers,
         streams.episode,
         streams.files,
+        tuple(absent),
     )
 
 

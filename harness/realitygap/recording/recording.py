@@ -29,6 +29,7 @@ class Recording:
         outliers: readings that no motion explains, and that are not in the trace any more.
         episode: which one of a data set.
         files: what was read, where that is not all of the path.
+        absent: of the notes, those on readings that are absent.
     """
 
     path: Path
@@ -43,6 +44,7 @@ class Recording:
     outliers: tuple[Outlier, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
+    absent: tuple[str, ...] = field(default=())
 
     @property
     def source(self) -> tuple[Path, int | None]:

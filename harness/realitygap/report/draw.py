@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from realitygap.files.whole import write_whole
+from realitygap.page.script import any_script
 from realitygap.page.style import SIGNALS, unit_label
 from realitygap.trace.trace import Array
 
@@ -152,6 +153,7 @@ def draw_curves(
 def save(figure: Figure, path: Path) -> Path:
     """Write a figure whole; the same picture is the same file."""
     out = io.BytesIO()
-    figure.savefig(out, format=path.suffix[1:], metadata={"Date": None})
+    with any_script():
+        figure.savefig(out, format=path.suffix[1:], metadata={"Date": None})
     write_whole(path, out.getvalue())
     return path

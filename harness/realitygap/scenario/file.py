@@ -5,6 +5,7 @@ import glob
 import os
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -119,7 +120,7 @@ class ScenarioFile:
         found = sorted(glob.glob(pattern, root_dir=self.path.parent))
         if not found:
             raise InputError(f"{self.path}: {key}: nothing matches {path}; expected at least one recording")
-        return [self.path.parent / p for p in found]
+        return [_short(self.path.parent / p) for p in found]
 
 
 def _name(path: Path, scenario: Scenario) -> str:
@@ -182,7 +183,15 @@ def resolve_path(file: Path, text: str, key: str) -> Path:
     Raises:
         InputError: for an environment variable that is not set, or a home folder that is not there.
     """
-    return file.parent / _filled(file, text, key)
+    return _short(file.parent / _filled(file, text, key))
+
+
+def _short(path: Path) -> Path:
+    """A path without the `..` in it, where that leads to the same file: from a link it leads elsewhere."""
+    with suppress(OSError):
+        if (short := Path(os.path.normpath(path))).samefile(path):
+            return short
+    return path
 
 
 def _filled(file: Path, text: str, key: str) -> str:

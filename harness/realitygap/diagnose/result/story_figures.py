@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from realitygap.page.script import any_script
 from realitygap.page.style import unit_label
 from realitygap.robot.drive import Array
 
@@ -198,7 +199,8 @@ def _roomy(axes: Axes) -> None:
 def svg(figure: Figure, title: str) -> str:
     """The figure as an element of the page, with the page's own colours."""
     out = io.StringIO()
-    figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    with any_script():
+        figure.savefig(out, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     text = out.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)

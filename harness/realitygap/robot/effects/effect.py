@@ -34,6 +34,11 @@ class Parameter:
     logarithmic: bool = False
     shape: bool = False
 
+    @property
+    def with_unit(self) -> str:
+        """Its name, and its unit in brackets where it has one."""
+        return f"{self.name} [{self.unit}]" if self.unit else self.name
+
 
 @dataclass(frozen=True)
 class Page:

@@ -45,19 +45,19 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
     if effect.read:
         return effect.read(spec.parameters)
     known = {p.name: p for p in effect.parameters}
-    listed = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
+    listed = ", ".join(p.with_unit for p in effect.parameters)
     out: dict[str, float] = {}
     for name, value in spec.parameters.items():
         if name not in known:
             raise InputError(f"effect {effect.name}: unknown parameter {name}; it has {listed}")
         if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-            raise InputError(f"effect {effect.name}: {name} is {shown(value)}; expected a number in {known[name].unit}")
+            in_unit = f" in {known[name].unit}" if known[name].unit else ""
+            raise InputError(f"effect {effect.name}: {name} is {shown(value)}; expected a number{in_unit}")
         low, high = known[name].low, known[name].high
         neutral = known[name].absent
         if not low <= value <= high and value != neutral:
-            raise InputError(
-                f"effect {effect.name}: {name} is {value:g} {known[name].unit}; expected {low:g} to {high:g}"
-            )
+            found = f"{value:g} {known[name].unit}".rstrip()
+            raise InputError(f"effect {effect.name}: {name} is {found}; expected {low:g} to {high:g}")
         out[name] = float(value)
     for parameter in effect.parameters:
         if parameter.name not in out:
