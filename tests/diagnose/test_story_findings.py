@@ -15,6 +15,7 @@ from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
 from realitygap.diagnose.result.summary import summary
+from realitygap.robot.effects import EFFECTS
 from told_story import FRICTION, page_of
 
 
@@ -164,6 +165,24 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
     )
     (torque,) = both.suspect.kind.parameters
     assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "said"),
+    [
+        ("center_of_mass", {"x": 0.01, "y": 0.0, "z": -0.1}, "is wrong (x 0.0100 m instead of 0 m"),
+        ("link_inertia", {"scale": 1.2}, "is wrong (1.20 instead of 1.00"),
+        ("joint_compliance", {"stiffness": 60.0, "damping": 0.0}, "is missing (60.0 N·m/rad)"),
+        ("velocity_filter", {"time": 0.02, "scale": 1.1}, "is missing (time 0.0200 s and scale 1.10)"),
+    ],
+)
+def test_what_every_model_has_is_wrong_and_not_missing(
+    told: Callable[[str], Diagnosis], effect: str, values: dict[str, float], said: str
+) -> None:
+    sits = {"link": ("forearm", 2), "joint": ("elbow", 1)}
+    target, index = sits[EFFECTS[effect].sits_at]
+    change = Change(Suspect(effect, target, (index,)), tuple(values.items()), tuple(values))
+    assert said in story_text.lacks(told("explained"), change)
 
 
 @pytest.mark.parametrize("asymmetry", [0.0, -0.2])

@@ -97,7 +97,8 @@ def lacks(result: Diagnosis, change: Change) -> str:
     shown = [p for p in told if change.parameters[p.name] != zero[p.name]]
     shown = shown or list(effect.parameters[:1])
     units = {p.name: unit_there(problem, change.suspect, p) for p in shown}
-    missing = all(p.absent is not None or zero[p.name] == 0 for p in shown)
+    factors = all(zero[p.name] == 1.0 for p in shown)  # of what every model has
+    missing = not factors and all(_none(p, zero[p.name]) for p in shown)
     parts = []
     for p in shown:
         name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 else ""
@@ -106,6 +107,11 @@ def lacks(result: Diagnosis, change: Change) -> str:
         own = "" if missing else f" instead of {had}"
         parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
     return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
+
+
+def _none(parameter: Parameter, value: float) -> bool:
+    """Whether a model with that value has none of an effect; a place at zero is one."""
+    return parameter.absent is not None or (value == 0.0 and parameter.low >= 0.0) or math.isinf(value)
 
 
 def _unnamed(result: Diagnosis, change: Change) -> str:
