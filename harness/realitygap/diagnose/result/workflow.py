@@ -135,7 +135,6 @@ def diagnose(
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     notes += why_not
-    notes += replaced(problem, changes)
     if found.cut:
         notes.append(CUT)
     judge = problem.of("held_out")
@@ -167,7 +166,7 @@ def diagnose(
         closest=closest(simulations, found, changes),
         before=before,
         after=after,
-        notes=notes,
+        notes=[*notes, *replaced(problem, changes)],
         deviations={c.suspect: deviations(problem, c) for c in told},
     )
     rest = changes and result.verdict != "explained"
