@@ -23,6 +23,7 @@ from realitygap_engines.mujoco_steps import (
     INVERSE,
     STEP,
     c_functions,
+    clock,
     force_word,
     inverse,
     read_base,
@@ -40,25 +41,31 @@ SOFT_IMPRATIO = 1e3
 
 
 class _Silence:
-    """No messages of MuJoCo while one of our simulations is open; then whoever had them gets them again.
+    """No messages of MuJoCo, and no looks at the clock, while one of our simulations is open; then all is as before.
 
-    A blow-up is the caller's to report; MuJoCo would print it and write MUJOCO_LOG.TXT into the working folder.
+    A blow-up is the caller's to report; MuJoCo would print it and write MUJOCO_LOG.TXT into the working folder. The
+    times of its parts of a step (`mjData.timer`) are not told; nothing else comes of its clock.
     """
 
     def __init__(self) -> None:
         self._open = 0
         self._before: Any = None
+        self._clock: int | None = None
 
     def begin(self) -> None:
         if self._open == 0:
             self._before = mujoco.get_mju_user_warning()
             mujoco.set_mju_user_warning(lambda _: None)
+            if (asked := clock()) is not None:
+                self._clock, asked.value = asked.value, None
         self._open += 1
 
     def end(self) -> None:
         self._open -= 1
         if self._open == 0:
             mujoco.set_mju_user_warning(self._before)
+            if (asked := clock()) is not None:
+                asked.value = self._clock
 
 
 SILENCE = _Silence()

@@ -24,3 +24,20 @@ def test_a_robot_moves_alike_with_islands(model: Model) -> None:
         return np.concatenate([simulation._d.qpos, simulation._d.qvel])
 
     np.testing.assert_array_equal(moved(False), moved(True))
+
+
+def test_its_clock_is_asked_before_and_after_our_simulations_only() -> None:
+    model = mujoco.MjModel.from_xml_string("<mujoco><worldbody/></mujoco>")
+
+    def timed() -> float:
+        data = mujoco.MjData(model)
+        mujoco.mj_step(model, data)
+        return float(data.timer[mujoco.mjtTimer.mjTIMER_STEP].duration)
+
+    assert timed() > 0.0
+    first, second = (MujocoSimulation(pendulum(), Physics(1e-3)) for _ in range(2))
+    assert timed() == 0.0
+    first.close()
+    assert timed() == 0.0
+    second.close()
+    assert timed() > 0.0

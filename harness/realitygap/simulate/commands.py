@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.drive import Array
 
@@ -38,7 +38,7 @@ def on_steps(commands: Commands, steps: int, h: float, delay: Array, first: int 
     out = np.empty((steps, commands.value.shape[1]))
     for late in np.unique(delay):
         columns = np.flatnonzero(delay == late)
-        out[:, columns] = _means(commands, columns, edges - late, h)
+        out[:, columns] = means(commands.time, commands.value[:, columns], commands.held, edges - late, h)
     return out
 
 
@@ -54,41 +54,50 @@ def _about(commands: Commands, begin: float, end: float) -> Commands:
     return Commands(commands.time[near], commands.value[near], commands.held)
 
 
-def _means(commands: Commands, columns: NDArray[np.intp], edges: Array, h: float) -> Array:
-    time, value = commands.time, commands.value[:, columns]
-    off = np.isnan(value)
-    filled = np.where(off, 0.0, value)
-    at = np.clip(np.searchsorted(time, edges, side="right") - 1, 0, len(time) - 1)
-    mean: Array = np.diff(_integral(commands, filled, edges, at), axis=0) / h
-    if off.any():
-        middle = np.clip(np.searchsorted(time, edges[:-1] + h / 2, side="right") - 1, 0, len(time) - 1)
-        on = np.diff(_integral(commands, np.where(off, 0.0, 1.0), edges, at), axis=0) / h
-        mean = np.where(off[middle], np.nan, mean / np.where(off[middle], 1.0, on))  # of the part in which it is on
-    return np.where(np.isnan(mean), mean, _within(mean, filled, at))
+@compiled
+def means(time, value, held, edges, h):  # type: ignore[no-untyped-def]
+    """The mean of commands over every step between edges [s], of which the first is the earliest. Shape (steps, n).
 
-
-def _integral(commands: Commands, value: Array, edges: Array, at: NDArray[np.intp]) -> Array:
-    """The integral of a command from its first stamp to every edge; `at` is the last stamp before each edge.
-
-    It is piecewise linear between stamps for a held command, and quadratic for a linear one.
+    Times [s] are Shape (m,) and commands (m, n). A command's integral from the first stamp on is piecewise linear
+    between stamps for a held one, and quadratic for a linear one; so is that of where it is on, which a mean is of.
     """
-    time = commands.time
-    width = np.diff(time)[:, None]
-    pieces = value[:-1] * width if commands.held else 0.5 * (value[:-1] + value[1:]) * width
-    integral = np.vstack([np.zeros(value.shape[1]), np.cumsum(pieces, axis=0)])
-    into = (edges - time[at])[:, None]
-    area: Array = integral[at] + value[at] * into
-    if not commands.held:
-        following = np.minimum(at + 1, len(time) - 1)
-        gap = np.where(following > at, time[following] - time[at], 1.0)[:, None]
-        slope = np.where((into > 0) & (following > at)[:, None], (value[following] - value[at]) / gap, 0.0)
-        area += 0.5 * slope * into * into
-    return area
+    steps, last, n = len(edges) - 1, len(time) - 1, value.shape[1]
+    out = np.empty((steps, n))
+    at = np.clip(np.searchsorted(time, edges, side="right") - 1, 0, last)
+    middle = np.clip(np.searchsorted(time, edges[:-1] + h / 2, side="right") - 1, 0, last)
+    for j in range(n):
+        told, on = np.empty(last + 1), np.ones(last + 1)
+        for i in range(last + 1):
+            off = np.isnan(value[i, j])
+            told[i], on[i] = (0.0, 0.0) if off else (value[i, j], 1.0)
+        goes_off = on.min() == 0.0
+        area = _integral(time, told, held, edges, at)
+        lasting = _integral(time, on, held, edges, at) if goes_off else edges
+        for k in range(steps):
+            mean = (area[k + 1] - area[k]) / h
+            if goes_off:
+                if on[middle[k]] == 0.0:
+                    out[k, j] = np.nan
+                    continue
+                mean /= (lasting[k + 1] - lasting[k]) / h  # of the part in which it is on
+            # back between the commands it was made of: a step never overshoots by rounding
+            ends = told[at[k]], told[at[k + 1]], told[min(at[k + 1] + 1, last)]
+            out[k, j] = min(max(mean, min(ends)), max(ends))
+    return out
 
 
-def _within(mean: Array, filled: Array, at: NDArray[np.intp]) -> Array:
-    """The mean, put back between the commands it was made of: a step never overshoots by rounding."""
-    ends = np.minimum(at[1:] + 1, len(filled) - 1)
-    low = np.minimum(np.minimum(filled[at[:-1]], filled[at[1:]]), filled[ends])
-    high = np.maximum(np.maximum(filled[at[:-1]], filled[at[1:]]), filled[ends])
-    return np.asarray(np.clip(mean, low, high))
+@compiled
+def _integral(time, value, held, edges, at):  # type: ignore[no-untyped-def]
+    """The integral of one command (m,) from its first stamp to every edge; `at` is the last stamp before each edge."""
+    last = len(time) - 1
+    whole, out = np.zeros(last + 1), np.empty(len(edges))
+    for i in range(last):
+        width = time[i + 1] - time[i]
+        whole[i + 1] = whole[i] + (value[i] * width if held else 0.5 * (value[i] + value[i + 1]) * width)
+    for k in range(len(edges)):
+        i = at[k]
+        into = edges[k] - time[i]
+        out[k] = whole[i] + value[i] * into
+        if not held and into > 0.0 and i < last:
+            out[k] += 0.5 * ((value[i + 1] - value[i]) / (time[i + 1] - time[i])) * into * into
+    return out

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import Diverged, Simulation
 from realitygap_engines.engine import Native
+from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.drive import LOG, Array
 from realitygap.robot.drive_law import drive_effort
@@ -43,19 +44,29 @@ class Held:
         Raises:
             Diverged: at the first one that is.
         """
-        w = self.w[: last + 1]
-        bad = ~((np.abs(w) < TOO_FAST) & np.isfinite(self.q[: last + 1]))
-        bad_base = ~(np.abs(self.base[: last + 1]) < TOO_FAST).all(axis=1)
-        first = np.flatnonzero(bad.any(axis=1) | bad_base)
-        if first.size:
-            k = int(first[0])
-            joint = joints[int(np.argmax(bad[k]))] if bad[k].any() else "base"
-            raise Diverged((self.first + k) * h, joint, "the state is not finite or faster than a robot can be")
+        end = last + 1
+        row, joint = blown_up(self.q[:end], self.w[:end], self.base[:end])
+        if row >= 0:
+            where = joints[joint] if joint >= 0 else "base"
+            raise Diverged((self.first + row) * h, where, "the state is not finite or faster than a robot can be")
 
     def sane(self, row: int) -> bool:
         """Whether a state is none."""
-        w, base = self.w[row], self.base[row]
-        return bool(np.abs(w).max(initial=0.0) < TOO_FAST and np.abs(base).max() < TOO_FAST)
+        end = row + 1
+        return bool(blown_up(self.q[row:end], self.w[row:end], self.base[row:end])[0] < 0)
+
+
+@compiled
+def blown_up(q, w, base):  # type: ignore[no-untyped-def]
+    """The first row that is a blow-up, and the joint that is, -1 for the base; -1 where none is. Shapes (rows, ...)."""
+    for k in range(len(w)):
+        for j in range(w.shape[1]):
+            if not (abs(w[k, j]) < TOO_FAST and np.isfinite(q[k, j])):
+                return k, j
+        for j in range(base.shape[1]):
+            if not abs(base[k, j]) < TOO_FAST:
+                return k, -1
+    return -1, -1
 
 
 class Steps:

@@ -6,6 +6,7 @@ question after the other. It ends when its input ends, so that it never outlives
 
 from __future__ import annotations
 
+import gc
 import os
 import pickle
 import sys
@@ -104,6 +105,7 @@ def main() -> None:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what an engine prints is no answer
     try:
         problem = pickle.load(asked)
+        gc.freeze()  # packages and problem stay
         while True:
             question: Question[object] = pickle.load(asked)
             result: tuple[bool, object]
