@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
+from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
 from realitygap.diagnose.likelihood.parted import Parted
+from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
 from realitygap.robot.drive import Array
 
@@ -111,7 +112,8 @@ def test_columns_that_are_zero_elsewhere_multiply_as_the_whole_matrix() -> None:
     assert parted.gram() == pytest.approx(dense.T @ dense)
     assert parted.on(others) == pytest.approx(dense.T @ others)
     assert parted.times(amounts) == pytest.approx(dense @ amounts)
-    assert parted.scaled(scale, columns).times(np.eye(4)) == pytest.approx(dense * columns * scale[:, None])
+    assert parted.scaled(scale).times(np.eye(4)) == pytest.approx(dense * scale[:, None])
+    assert parted.stretched(columns).times(np.eye(4)) == pytest.approx(dense * columns)
     assert parted.beside(parted).times(np.eye(8)) == pytest.approx(np.hstack([dense, dense]))
     strides = [2, 1, 4]
     few = np.concatenate([np.flatnonzero(rows == c)[::s] for c, s in enumerate(strides)])

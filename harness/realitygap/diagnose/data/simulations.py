@@ -85,7 +85,7 @@ class Simulations:
         """
         if self.workers < 2 or len(items) < 2:
             return [work(item) for item in items]
-        threads = ThreadPoolExecutor(self.workers)
+        threads = ThreadPoolExecutor(self.workers + 2)
         try:
             return list(threads.map(work, items))
         except BaseException:  # the others need not wait for their simulations to end

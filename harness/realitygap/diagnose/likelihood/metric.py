@@ -17,16 +17,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from realitygap.diagnose.likelihood.parted import Parted
-from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.robot.drive import Array
 
 OUTLIER = 3.0
 """An innovation beyond this many times their root mean square is trusted less (Cauchy; 0.3 % of normal ones are)."""
-
-SHARED = 4.0
-"""Facts of a motion that are worth as much as what the other motions say about what no law explains in it."""
-STEPS, EXACT = 100, 1e-3
-"""Newton's steps at most, and how far from one a mean may stay."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ class Metric:
         """
         thin = np.hstack([self.whitening.thinned(c.reshape(len(c), -1)) for c in columns])
         n, (scale, _) = thin.shape[1], self.whitening.scale(self.weight)
-        white = Parted.of(thin, self.whitening.number).scaled(scale, np.ones(n))
+        white = Parted.of(thin, self.whitening.number).scaled(scale)
         both = white.beside(self.imperfections).gram()
         return np.asarray(both[:n, :n] - both[:n, n:] @ cho_solve(self.factor, both[n:, :n]))
 
@@ -111,49 +106,3 @@ def marginalised(
         factor = cho_factor(np.eye(imperfections.width) + imperfections.gram(), lower=True)
     determinant += float(np.sum(np.log(np.diag(factor[0]))))
     return Metric(whitening, weight, imperfections, factor, determinant)
-
-
-def rest_of(channels: Sequence[Channel], facts: Array, residual: Array) -> Array:
-    """What lasts in a residual beyond the floors, by channel of each motion (Paule & Mandel 1982). Shape (channels,).
-
-    The standard deviation with which the mean square of what is left, each sample in its own deviation, is one: where
-    the floor is high, little is told of it. What laws leave is larger in a fast motion than in a slow one; so each
-    motion has its own, of which all motions of the channel say as much as `SHARED` facts of it would, each as much as
-    the other, however long.
-    """
-    parts: dict[tuple[str, int], list[tuple[Array, Array]]] = {}
-    own: list[tuple[Array, Array]] = []
-    for channel, span in spans(channels):
-        good = np.isfinite(residual[span])
-        own.append((residual[span][good] ** 2, channel.noise**2 + channel.slow[good] ** 2))
-        if good.any():
-            parts.setdefault(channel.key, []).append(own[-1])
-    shared = {key: _shared(of) for key, of in parts.items()}
-    out = np.zeros(len(own))
-    for k, (channel, (square, variance)) in enumerate(zip(channels, own, strict=True)):
-        if len(square):
-            mine = square, variance, np.full(len(square), facts[k])
-            out[k] = math.sqrt(_beyond(*map(np.concatenate, zip(shared[channel.key], mine, strict=True))))
-    return out
-
-
-def _shared(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array, Array]:
-    """Squares and variances of all motions of a channel, and how many facts each counts for."""
-    squares, variances = zip(*parts, strict=True)
-    share = [np.full(len(square), SHARED / (len(square) * len(parts))) for square in squares]
-    return np.concatenate(squares), np.concatenate(variances), np.concatenate(share)
-
-
-def _beyond(square: Array, variance: Array, share: Array) -> float:
-    """The variance that has to be added for the mean of scaled squares to be one: Newton's method, from below, on the
-    inverse of that mean, which is concave and nearly a straight line.
-    """
-    share = share / share.sum()
-    added = 0.0
-    for _ in range(STEPS):
-        scaled = share * square / (variance + added)
-        mean = float(scaled.sum())
-        if mean <= 1.0 + EXACT:
-            break
-        added += (mean - 1.0) * mean / float((scaled / (variance + added)).sum())
-    return added

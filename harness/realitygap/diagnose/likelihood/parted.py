@@ -64,10 +64,14 @@ class Parted:
         ]
         return Parted(tuple(parts), self.width + other.width)
 
-    def scaled(self, rows: Array, columns: Array) -> Parted:
-        """With rows, (m,), and columns, (q,), multiplied."""
-        parts = [Part(p.rows, p.at, p.block * columns[p.at] * rows[p.rows, None]) for p in self.parts]
+    def scaled(self, rows: Array) -> Parted:
+        """With rows multiplied. Shape (m,)."""
+        parts = [Part(p.rows, p.at, p.block * rows[p.rows, None]) for p in self.parts]
         return Parted(tuple(parts), self.width)
+
+    def stretched(self, columns: Array) -> Parted:
+        """With columns multiplied. Shape (q,)."""
+        return Parted(tuple(Part(p.rows, p.at, p.block * columns[p.at]) for p in self.parts), self.width)
 
     def gram(self) -> Array:
         """The inner products of its columns. Shape (q, q)."""

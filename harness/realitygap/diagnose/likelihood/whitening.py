@@ -47,6 +47,11 @@ class Channel:
         """Which channel it is, in whatever motion."""
         return self.signal, self.column
 
+    @cached_property
+    def floor(self) -> Array:
+        """The variance of both. Shape (t,)."""
+        return np.asarray(self.noise**2 + self.slow**2)
+
 
 def channels(problem: Problem, floors: Floors, cases: Sequence[int]) -> list[Channel]:
     """The judged channels of some cases, in the order of `stacked`."""
@@ -148,8 +153,7 @@ class Whitening:
     def variance(self) -> Array:
         """The variance of each of them. Shape (k,)."""
         parts = [
-            c.noise**2 + c.slow[::every] ** 2 + rest**2
-            for c, rest, every in zip(self.channels, self.rest, self.every, strict=True)
+            c.floor[::every] + rest**2 for c, rest, every in zip(self.channels, self.rest, self.every, strict=True)
         ]
         return np.concatenate(parts)
 
@@ -175,7 +179,9 @@ class Whitening:
 
     def thinned(self, columns: Array) -> Array:
         """Of stacked columns the samples that are looked at, 0 where nothing was measured. Shape (m, n) -> (k, n)."""
-        return np.nan_to_num(columns[self.rows])
+        found = columns[self.rows]
+        found[~np.isfinite(found)] = 0.0
+        return np.asarray(found)
 
     def scale(self, weight: Array) -> tuple[Array, float]:
         """What each of the samples that are looked at is multiplied by, (k,), and the determinant of a call."""

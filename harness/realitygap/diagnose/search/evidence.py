@@ -18,8 +18,9 @@ from scipy.linalg import cho_factor, cho_solve
 
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
-from realitygap.diagnose.likelihood.metric import Metric, marginalised, rest_of, trusted
+from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
 from realitygap.diagnose.likelihood.parted import Parted
+from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.imperfections import Imperfections
 from realitygap.robot.drive import Array
@@ -192,7 +193,7 @@ def _look(
     scale, determinant = whitening.scale(weight)
     shares = imperfections.shares(fit)
     columns = np.concatenate([np.ones(thin.width - len(shares)), shares])
-    odds = _Odds(thin.scaled(scale, columns).gram(), imperfections.laws)
+    odds = _Odds(thin.scaled(scale).gram() * np.outer(columns, columns), imperfections.laws)
     return _Look(fit, imperfections, shares, whitening, weight, scale, determinant, thin, odds)
 
 
@@ -209,7 +210,7 @@ def _at(look: _Look, scales: Sequence[float]) -> Scored:
         look = look.again(left)
         chosen, each, left = best(look)
     evidence = look.odds(chosen) - look.determinant - 0.5 * float(fit.prior @ fit.prior)
-    taken = wrong.thinned(look.whitening).scaled(look.scale, shares * each)
+    taken = wrong.thinned(look.whitening).scaled(look.scale).stretched(shares * each)
     metric = marginalised(look.whitening, look.weight, taken, look.determinant, look.odds.factor(each))
     return Scored(fit, evidence, metric, chosen, left)
 
