@@ -71,16 +71,23 @@ def _goals(commands: Commands, j: int) -> tuple[Array, Array]:
     return time, goal[following]
 
 
-def _integral(profile: Array, at: Array) -> Array:
-    """The integral of a profile from its beginning to each time; before it, the first position holds. Shape of `at`."""
+@compiled
+def _integral(profile, at):  # type: ignore[no-untyped-def]
+    """The integral of a profile from its beginning to increasing times; before it, the first position holds. Shape of
+    `at`.
+    """
     start, p, v, a = profile
-
-    def over(lasting: Array, k: NDArray[np.intp]) -> Array:
-        return np.asarray(lasting * (p[k] + lasting * (v[k] / 2 + lasting * a[k] / 6)))
-
-    whole = np.concatenate([[0.0], np.cumsum(over(np.diff(start), np.arange(len(start) - 1)))])
-    k = np.maximum(np.searchsorted(start, at, side="right") - 1, 0)
-    return np.where(at < start[0], p[0] * (at - start[0]), whole[k] + over(at - start[k], k))
+    last, out = len(start) - 1, np.empty(len(at))
+    k, before = 0, 0.0
+    for i in range(len(at)):
+        while k < last and start[k + 1] <= at[i]:
+            lasting = start[k + 1] - start[k]
+            before += lasting * (p[k] + lasting * (v[k] / 2 + lasting * a[k] / 6))
+            k += 1
+        lasting = at[i] - start[k]
+        rate = p[0] if lasting < 0.0 else p[k] + lasting * (v[k] / 2 + lasting * a[k] / 6)
+        out[i] = before + lasting * rate
+    return out
 
 
 @compiled
