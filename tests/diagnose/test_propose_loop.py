@@ -25,7 +25,7 @@ from realitygap.diagnose.propose.predict import predict
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.safe import left_in_engines
-from realitygap.diagnose.propose.told import opened
+from realitygap.diagnose.propose.told import Origin, mended, opened
 from realitygap.diagnose.propose.words import MOST
 from realitygap.diagnose.propose.wrong import wrong
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -94,6 +94,23 @@ def left(problem: Problem) -> tuple[Open, Floors]:
     """What the recordings leave open, and the floors."""
     with Simulations(problem, 1) as simulations:
         return opened(simulations, None, lambda _: None)
+
+
+def test_what_a_diagnosis_adjusted_stays_in_its_model_and_no_motion_is_asked_for_it(problem: Problem) -> None:
+    def told(effect: str, name: str, value: float, off: float) -> dict[str, Any]:
+        values = {"value": value, "low": value - off, "high": value + off}
+        return {"effect": effect, "target": "elbow", "parameters": {name: values}}
+
+    gain, supply = told("controller_gain", "gain", 4.4, 0.3), told("supply_voltage", "supply", 11.4, 0.5)
+    changes = mended(problem, Origin(problem.file.path, "mujoco", [gain], (supply,)), problem.file.path)
+    assert changes is not None
+    assert [(c.suspect.effect, c.free) for c in changes] == [("controller_gain", ("gain",)), ("supply_voltage", ())]
+    with Simulations(problem, 1) as simulations:
+        left, _ = opened(simulations, changes, lambda _: None)
+    (named, *_) = left.explanations
+    assert [c.parameters["supply"] for c in named.fit.changes if c.suspect.effect == "supply_voltage"] == [11.4]
+    assert [name for _, name in named.fit.names] == ["gain"]
+    assert "supply voltage at elbow" not in {name for q in left.questions for name in q.names}
 
 
 @pytest.fixture(scope="module")

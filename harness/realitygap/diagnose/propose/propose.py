@@ -27,7 +27,7 @@ from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.screening import screen
 from realitygap.diagnose.propose.telling import telling
-from realitygap.diagnose.propose.told import found_changes, opened, origin_of
+from realitygap.diagnose.propose.told import mended, opened, origin_of
 from realitygap.diagnose.propose.weak import weak
 from realitygap.diagnose.propose.wrong import Wrong, wrong
 from realitygap.diagnose.result.workflow import SEARCH
@@ -75,7 +75,7 @@ def run_proposal(
         return screen(file, engines, first, seconds, motions, progress.say, workers)
     warnings = certain(file)
     problem = build_problem(file, first)
-    changes = None if origin.findings is None else found_changes(problem, origin.findings, path)
+    changes = mended(problem, origin, path)
     with Simulations(problem, workers) as simulations:
         open_, floors = opened(simulations, changes, progress.say)
     result = propose(problem, open_, floors, engines, seconds, motions, progress.say, workers)

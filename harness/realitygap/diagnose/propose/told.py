@@ -36,11 +36,13 @@ class Origin:
         scenario: the file.
         engine: in which the diagnosis searched; empty where none was made.
         findings: as `diagnosis.json` has them; None where none was made.
+        adjusted: what its model has besides, likewise.
     """
 
     scenario: Path
     engine: str = ""
     findings: list[dict[str, Any]] | None = None
+    adjusted: tuple[dict[str, Any], ...] = ()
 
 
 def origin_of(path: Path) -> Origin:
@@ -57,14 +59,27 @@ def origin_of(path: Path) -> Origin:
     try:
         content = json.loads(read_written(file))
         scenario, engine = Path(content["scenario_file"]), str(content["engines"][0])
-        findings = list(content["findings"])
+        findings, adjusted = list(content["findings"]), tuple(content.get("adjusted", ()))
     except (ValueError, KeyError, TypeError, IndexError, RecursionError):
         raise InputError(
             f"{file}: is no diagnosis that names its scenario; expected what `realitygap diagnose` writes"
         ) from None
     if not scenario.is_file():
         raise InputError(f"{file}: scenario_file: {scenario} does not exist; expected the scenario that was diagnosed")
-    return Origin(scenario, engine, findings)
+    return Origin(scenario, engine, findings, adjusted)
+
+
+def mended(problem: Problem, origin: Origin, file: Path) -> list[Change] | None:
+    """The model of a diagnosis as changes of its problem; None where none was made. What is adjusted in it stays as it
+    is: no motion is asked for it.
+
+    Raises:
+        InputError: for a finding that the scenario has no place for.
+    """
+    if origin.findings is None:
+        return None
+    adjusted = found_changes(problem, origin.adjusted, file)
+    return [*found_changes(problem, origin.findings, file), *(replace(c, free=()) for c in adjusted)]
 
 
 def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Path) -> list[Change]:
@@ -98,7 +113,7 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
 
     Args:
         simulations: of the problem.
-        changes: what a diagnosis found; None to search now.
+        changes: the model of a diagnosis; None to search now.
         say: told what is being done.
     """
     problem = simulations.problem
@@ -118,7 +133,7 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
     unchanged = residual(simulations, told, problem.of("train"))
     nothing = at if unchanged is None else Fit(tuple(told), unchanged)
     round_ = Round(simulations, at, everyone, needed(len(everyone)), nothing, say)
-    rivals = exchanged(round_, [c.suspect for c in told], Exchanged()).rivals
+    rivals = exchanged(round_, [c.suspect for c in at.changes if not c.free], Exchanged()).rivals
     return left_open(round_.now, rivals, _unnamed(round_)), measure(simulations, round_.now.fit.changes)
 
 
