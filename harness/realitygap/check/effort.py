@@ -90,9 +90,9 @@ def effort_mistakes(o: Observed, judged: Mask, *, weighed: bool) -> list[Mistake
     wrong: list[int] = []
     load = o.needed_effort if weighed and not o.plant.model.floating else None
     for j in np.flatnonzero(judged & np.isfinite(o.effort).any(axis=0)):
-        by_load = _fit_load(o, int(j), load)
+        by_load = _fit_load(o, int(j), load), _fit_load(o, int(j), load, rotor=True)
         fits = [fit_servo(o, int(j), int(j), delay) for delay in DELAYS] if o.follows[j] else [EffortFit(0.0, 0.0, 1.0)]
-        found = _size(o, int(j), fits, by_load) or _sign(o, int(j), fits, by_load)
+        found = _size(o, int(j), fits, *by_load) or _sign(o, int(j), fits, *by_load)
         if found is not None:
             out.append(found)
         if o.follows[j] and (found is not None or max(f.share for f in fits) < EXACT):
@@ -120,8 +120,13 @@ def pushed(o: Observed, j: int) -> float:
     return fit.part if fit.ratio > 0 else 0.0
 
 
-def _fit_load(o: Observed, j: int, load: Array | None) -> EffortFit:
-    """The effort of a joint by what moving its links takes, beside dry and viscous friction."""
+def _fit_load(o: Observed, j: int, load: Array | None, *, rotor: bool = False) -> EffortFit:
+    """The effort of a joint by what moving its links takes, beside dry and viscous friction.
+
+    With `rotor`, also beside a rotor behind a gear, of which models often say nothing, as heavy as it likes up to what
+    some joint of the robot carries: a flange of 0.2 g·m² sits on a wrist's rotor of 1 kg·m², whose acceleration along a
+    sine goes against the weight of the hand.
+    """
     assert o.effort is not None
     known = np.isfinite(o.effort[:, j])
     if load is None or known.sum() < 50:
@@ -129,7 +134,9 @@ def _fit_load(o: Observed, j: int, load: Array | None) -> EffortFit:
     speed = np.gradient(o.position[:, j], o.step)
     slow = 0.1 * np.quantile(np.abs(speed), 0.9) + 1e-12
     beside = [np.ones(len(speed)), speed, np.tanh(speed / slow)]
-    return _solved(o, beside, load[:, j], o.effort[:, j], known, 1.0)
+    alike = [k for k in range(len(o.joints)) if o.prismatic(k) == o.prismatic(j)]
+    heaviest = (o.acceleration[:, j], float(o.carried[alike].max())) if rotor else None
+    return _solved(o, beside, load[:, j], o.effort[:, j], known, 1.0, heaviest)
 
 
 def fit_servo(o: Observed, j: int, i: int, delay: float) -> EffortFit:
@@ -147,35 +154,59 @@ def fit_servo(o: Observed, j: int, i: int, delay: float) -> EffortFit:
     return _solved(o, beside, error, o.effort[:, j], on, float(stiffness(o)[i]))
 
 
-def _solved(o: Observed, beside: list[Array], cause: Array, effort: Array, on: Mask, own: float) -> EffortFit:
-    """How much of an effort one signal explains beside others, and its weight over what it should be."""
+def _solved(
+    o: Observed,
+    beside: list[Array],
+    cause: Array,
+    effort: Array,
+    on: Mask,
+    own: float,
+    rotor: tuple[Array, float] | None = None,
+) -> EffortFit:
+    """How much of an effort one signal explains beside others, and its weight over what it should be; `rotor` is one
+    more, and its largest weight.
+    """
     width = max(1, round(SMOOTHED / o.step))
-    smooth = [uniform_filter1d(np.where(on, v, 0.0), width, mode="nearest") for v in (*beside, cause, effort)]
-    x, y = np.column_stack(smooth[:-1])[on], smooth[-1][on]
-    without = _rest(x[:, :-1], y)[0]
-    left, weights = _rest(x, y)
+
+    def smooth(value: Array) -> Array:
+        return np.asarray(uniform_filter1d(np.where(on, value, 0.0), width, mode="nearest")[on])
+
+    x, y = np.column_stack([smooth(v) for v in (*beside, cause)]), smooth(effort)
+    heavy = None if rotor is None else (smooth(rotor[0]), rotor[1])
+    without = _rest(x[:, :-1], y, heavy)[0]
+    left, weights = _rest(x, y, heavy)
     total = float(np.sum((y - y.mean()) ** 2))
     if total <= 0.0 or without <= 0.0 or own <= 0.0:
         return EffortFit(0.0, 0.0, 1.0)
     return EffortFit(1.0 - left / total, 1.0 - left / without, float(weights[-1] / own), (without - left) / total)
 
 
-def _rest(x: Array, y: Array) -> tuple[float, Array]:
-    """The sum of squares that a linear fit leaves, and its weights."""
+def _rest(x: Array, y: Array, rotor: tuple[Array, float] | None = None) -> tuple[float, Array]:
+    """The sum of squares that a linear fit leaves, and its weights; that of a rotor, which is none of them, is between
+    zero and its largest.
+    """
+    if rotor is not None:
+        turning, most = rotor
+        left, (inertia, *weights) = _rest(np.column_stack([turning, x]), y)
+        inside = min(max(inertia, 0.0), most)
+        return (left, np.array(weights)) if inside == inertia else _rest(x, y - inside * turning)
     scale = np.maximum(np.abs(x).max(axis=0), 1e-300)
     weights = np.linalg.lstsq(x / scale, y, rcond=None)[0]
     return float(np.sum((y - x / scale @ weights) ** 2)), np.asarray(weights / scale)
 
 
-def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistake | None:
-    """An effort that is a thousand times what the servo gives, or beyond anything it can give."""
+def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit, beside: EffortFit) -> Mistake | None:
+    """An effort that is a thousand times what the servo gives, or beyond anything it can give.
+
+    `load` is its fit by what moving its links takes, and `beside` that beside a rotor, which accuses less.
+    """
     assert o.effort is not None
     joint, most = o.joints[j], limit(o)[j]
     large = float(np.nanquantile(np.abs(o.effort[:, j]), 0.95))
     best = max(fits, key=lambda f: f.share)
     cause = "what its servo makes of its error"
     if not best.clear and not o.follows[j]:
-        best, cause = load, "what moving its links takes"
+        best, cause = beside, "what moving its links takes"
     shown = best.clear and (o.follows[j] or best.part > CLEAR)
     unit = "N" if o.prismatic(j) else "N·m"
     told = f"{abs(best.ratio):.3g} times {cause} (explains {best.share:.0%})"
@@ -201,8 +232,10 @@ def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
     return None
 
 
-def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistake | None:
-    """An effort that pushes away from the command at any delay, that has no sign, or that has nothing to do with it."""
+def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit, beside: EffortFit) -> Mistake | None:
+    """An effort that pushes away from the command at any delay, that has no sign, or that has nothing to do with it; by
+    its load as in `_size`.
+    """
     assert o.effort is not None
     joint, key = o.joints[j], "recordings.effort"
     known = np.isfinite(o.effort[:, j])
@@ -210,8 +243,8 @@ def _sign(o: Observed, j: int, fits: list[EffortFit], load: EffortFit) -> Mistak
     best = max(fits, key=lambda f: f.share)
     against = best.clear and all(f.ratio < 0 for f in fits if f.share > CLEAR)
     along = best.clear and best.ratio > 0
-    if load.clear and load.part > CLEAR and load.ratio < 0 and not along:
-        against, told = True, f"{load.ratio:.2f} times what moving its links takes (explains {load.share:.0%})"
+    if beside.clear and beside.part > CLEAR and beside.ratio < 0 and not along:
+        against, told = True, f"{beside.ratio:.2f} times what moving its links takes (explains {beside.share:.0%})"
     elif against and not load.sign_fits:
         told = f"{best.ratio:.2f} times what its servo makes of its error at any delay (explains {best.share:.0%})"
         against = best.share > SURE or not o.plant.model.floating

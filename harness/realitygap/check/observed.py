@@ -29,6 +29,8 @@ SAMPLES, STEP = 20_000, 0.01
 bandwidth of a servo, some Hz, and the checks are to take a moment."""
 SMOOTHED = 0.15
 """s: over which positions are smoothed for accelerations."""
+POSES = 10
+"""Of which the inertia is taken that a joint carries."""
 FOLLOWERS = (DC, PID, CASCADE)
 """Servos that bring the position to the command."""
 
@@ -141,16 +143,38 @@ class Observed:
 
         Inverse dynamics of rigid bodies along the position as a cubic over `SMOOTHED` seconds (Savitzky, Golay 1964).
         """
-        return np.asarray(self.needed_by_links + self.plant.drive["armature"] * self._smoothed[2])
+        return np.asarray(self.needed_by_links + self.plant.drive["armature"] * self.acceleration)
 
     @cached_property
     def needed_by_links(self) -> Array:
         """The same without what rotors take. Shape (k, n)."""
+        gravity = np.array([0.0, 0.0, -GRAVITY])
+        return np.asarray(Dynamics(self.plant.model).inverse(*self._smoothed, self._base, gravity))
+
+    @cached_property
+    def carried(self) -> Array:
+        """The inertia of all that each joint of a fixed base carries [kg·m² or kg], without rotors, in the mean of some
+        poses. Shape (n,).
+        """
+        dynamics, poses = Dynamics(self.plant.model), self.position[:: max(len(self.clock) // POSES, 1)]
+        found = []
+        for q in poses:
+            dynamics.update(q, np.zeros(len(q)), self._base, np.zeros(3))
+            found.append(np.diag(dynamics.inertia).copy())
+        return np.asarray(np.mean(found, axis=0))
+
+    @property
+    def _base(self) -> Array:
+        """Where a fixed base is."""
         base = np.zeros(13)
         roll, pitch = self.plant.base_tilt
         base[3:7] = quaternion_from_rotation(rotation_from_rpy(roll, 0, 0) @ rotation_from_rpy(0, pitch, 0))
-        gravity = np.array([0.0, 0.0, -GRAVITY])
-        return np.asarray(Dynamics(self.plant.model).inverse(*self._smoothed, base, gravity))
+        return base
+
+    @property
+    def acceleration(self) -> Array:
+        """Of the smoothed position [rad/s² or m/s²]. Shape (k, n)."""
+        return self._smoothed[2]
 
     @cached_property
     def _smoothed(self) -> tuple[Array, Array, Array]:
