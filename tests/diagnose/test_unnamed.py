@@ -26,6 +26,7 @@ from realitygap.robot.effects.place import place
 from realitygap.robot.effort_map import Table
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import EffectSpec
+from realitygap_engines import GRAVITY
 from revised import assert_same
 
 TABLE = Table(("speed",), ((-1.0, -0.05, 0.05, 1.0),))
@@ -110,3 +111,42 @@ def test_it_is_told_by_what_it_depends_on_and_never_by_a_law(told: Diagnosed, tm
     assert content["findings"][0]["parameters"]["values"]["unit"] == "N·m"
     assert_same(told.result.problem, told.result.changes, load_scenario(tmp_path / "revised" / "scenario.yaml"))
     assert EffectSpec.model_validate(told.findings[0].spec.model_dump()) == told.findings[0].spec
+
+
+LINK = (
+    '<robot name="arm"><link name="base"/><link name="link"><inertial><origin xyz="0 0 -0.2"/><mass value="5"/>'
+    '<inertia ixx="0.25" iyy="0.25" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="lift" type="revolute"><parent link="base"/><child link="link"/><axis xyz="0 1 0"/>'
+    '<limit lower="-2.6" upper="2.6" effort="90" velocity="6"/></joint></robot>'
+)
+
+
+def test_friction_that_grows_from_rest_is_friction_and_no_effort_without_a_name(tmp_path: Path) -> None:
+    """As industrial arms have it (Gaz 2019); a table over the speed is nearer to it than a sign of the speed is."""
+    (tmp_path / "arm.urdf").write_text(LINK, encoding="utf-8")
+    random, time = np.random.default_rng(4), np.arange(0.0, 16.0, 0.004)
+    runs = {"slow": "train", "fast": "train", "other": "held_out"}
+    for name, waves in zip(runs, ([(0.5, 0.3), (0.2, 0.8)], [(0.5, 0.4), (0.1, 1.3)], [(0.6, 0.35)]), strict=True):
+        q, w, a = np.zeros((3, len(time)))
+        for size, f in waves:
+            s = 2 * np.pi * f
+            q, w, a = q + size * np.sin(s * time), w + size * s * np.cos(s * time), a - size * s**2 * np.sin(s * time)
+        friction = 8.0 * np.tanh(w / 0.02) + 15.0 * w
+        effort = 0.45 * a + 5.0 * GRAVITY * 0.2 * np.sin(q) + friction + 0.4 * random.standard_normal(len(time))
+        table = np.column_stack([time, np.round(q / 1e-4) * 1e-4, effort])
+        np.savetxt(tmp_path / f"{name}.csv", table, delimiter=",", header="time,position,effort", comments="")
+    content = {
+        "name": "arm",
+        "robot": {"urdf": "arm.urdf", "base": "fixed"},
+        "motion": {"followed": True},
+        "recordings": {
+            "virtual": True,
+            "effort": "motor",
+            "runs": [{"path": f"{name}.csv", "use": use} for name, use in runs.items()],
+        },
+    }
+    (tmp_path / "scenario.yaml").write_text(yaml.safe_dump(content), encoding="utf-8")
+    found = {f.effect: f.parameters for f in diagnose(tmp_path / "scenario.yaml", ["mujoco"], workers=1).findings}
+    assert set(found) == {"coulomb_friction", "viscous_friction"}
+    assert found["coulomb_friction"]["torque"] == pytest.approx(8.0, rel=0.1)
+    assert found["viscous_friction"]["coefficient"] == pytest.approx(15.0, rel=0.1)
