@@ -50,8 +50,8 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         less, (joint,) = len(round_.now.fit.changes) - len(way.beside), way.tables[0].suspect.indices
         place = f" in place of {less}" if less else ""
         round_.say(f"  {'; '.join(str(t.suspect) for t in way.tables)}{place}: {gain:+.1f}")
-        spare = gain - max(round_.limit * len(way.tables), round_.little(scored))
-        told = spare > 0.0 and not round_.yardstick.ordinary(round_.now, joint, scored.fit)
+        needs, spare = max(round_.limit * len(way.tables), round_.little(scored)), round_.spare(scored)
+        told = gain > needs and not round_.yardstick.ordinary(round_.now, joint, scored.fit)
         if told and (best is None or spare > best[0]) and not _alike(round_, keep, joint, scored):
             best = spare, scored
     return None if best is None else best[1]
