@@ -49,7 +49,7 @@ SCENARIO = """name: bench
 robot: {{urdf: bench.urdf, base: fixed}}
 servos: [{{joints: hinge, kind: pid, kp: {gain}, armature: {armature}, friction: {{coulomb: {frictionloss}, viscous: {damping}}}}}]
 motion: {{recorded: command}}
-yardstick: none
+ground: none
 physics: {{step_rate: 1000}}
 recordings:
   virtual: true
