@@ -16,6 +16,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.library import Diagnosed, diagnose
+from realitygap.diagnose.propose.told import mended, origin_of
 from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.summary import summary
 from realitygap.diagnose.search.round import Round
@@ -111,6 +112,16 @@ def test_it_is_told_by_what_it_depends_on_and_never_by_a_law(told: Diagnosed, tm
     assert content["findings"][0]["parameters"]["values"]["unit"] == "N·m"
     assert_same(told.result.problem, told.result.changes, load_scenario(tmp_path / "revised" / "scenario.yaml"))
     assert EffectSpec.model_validate(told.findings[0].spec.model_dump()) == told.findings[0].spec
+
+
+def test_a_proposal_starts_from_it_too(told: Diagnosed, tmp_path: Path) -> None:
+    told.save(tmp_path)
+    problem, (found,) = told.result.problem, told.result.changes
+    changes = mended(problem, origin_of(tmp_path), tmp_path)
+    assert changes is not None
+    (change,) = changes
+    assert (change.suspect, change.free) == (found.suspect, found.free)
+    assert change.parameters == pytest.approx(found.parameters, rel=1e-4)
 
 
 LINK = (

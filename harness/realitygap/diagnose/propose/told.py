@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.candidates.told import told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
@@ -24,6 +26,8 @@ from realitygap.diagnose.search.round import Round, Say
 from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError
 from realitygap.files.plain_file import read_written
+from realitygap.robot.effects import EFFORT_MAP
+from realitygap.robot.effort_map import Table
 
 DIAGNOSIS = "diagnosis.json"
 
@@ -92,6 +96,9 @@ def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Pa
     out = []
     for told in findings:
         target = told["target"] if isinstance(told["target"], str) else tuple(told["target"])
+        if told["effect"] == EFFORT_MAP.name and target in problem.plant.model.joint_names:
+            out.append(_tabulated(told, problem.plant.model.joint_names.index(target)))
+            continue
         suspect = everyone.get((told["effect"], target))
         if suspect is None:
             raise InputError(
@@ -106,6 +113,15 @@ def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Pa
         free = tuple(n for n, p in parameters.items() if p["low"] < p["high"])
         out.append(Change(suspect, tuple(values.items()), free))
     return out
+
+
+def _tabulated(told: dict[str, Any], joint: int) -> Change:
+    """The change of an effort that no law explains, which is no suspect before its table is known."""
+    variables, knots, values = (told["parameters"][name]["value"] for name in ("variables", "knots", "values"))
+    table = Table(tuple(variables), tuple(tuple(map(float, row)) for row in knots))
+    flat = map(float, np.ravel(values))
+    suspect = Suspect(EFFORT_MAP.name, told["target"], (joint,), table=table)
+    return Change(suspect, tuple(zip(table.names, flat, strict=True)), table.names)
 
 
 def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say) -> tuple[Open, Floors]:
