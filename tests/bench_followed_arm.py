@@ -10,6 +10,7 @@ stands beside what was planted, and how large the error of the true model is in 
 import sys
 import tempfile
 import time as clock
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,13 +21,13 @@ from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.robot.effects.place import place
-from realitygap.robot.plant import build_plant
+from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.rollout import rollout
 from realitygap.simulate.start import start_state
-from realitygap.trace.trace import Array
+from realitygap.trace.trace import Array, Trace
 from realitygap_engines import Physics
 
 URDF = '"${REALITYGAP_DATA}/ur10e/ur10e.urdf"'
@@ -38,6 +39,10 @@ HOME, REACH = np.array([0.0, -1.4, 1.2, -1.4, -1.5, 0.0]), np.array([0.8, 0.4, 0
 NOISE = np.array([0.6, 0.6, 0.45, 0.3, 0.3, 0.3])  # N·m
 ENCODERS = {"1 mrad at 100 Hz": (100.0, 1e-3, 1.5), "0.1 mrad at 500 Hz": (500.0, 1e-4, 0.8)}
 """Rate [Hz], quantum [rad], and the load that is planted [kg]."""
+
+
+Motion = Callable[[np.random.Generator, Array], Array]
+"""The goals of six joints over times (t,), drawn. Shape (t, 6)."""
 
 
 def sines(rng: np.random.Generator, time: Array) -> Array:
@@ -81,24 +86,29 @@ def record(folder: Path, load: float, rate: float, quantum: float) -> None:
         planted.append(EffectSpec(effect="payload", target="wrist_3_link", mass=load, x=0.02, y=0.03, z=0.08))
     plant = place(build_plant(file), planted)
     for name, motion, seed in MOTIONS:
-        rng, time = np.random.default_rng([seed, bool(load)]), np.arange(0.0, LENGTH, STEP)
-        goals = motion(rng, time)
-        with engines.load("dart").open(plant.machine(), Physics(STEP)) as simulation:
-            start = start_state(plant, goals[0])
-            trace = rollout(simulation, plant, Commands(time, goals), start, float(time[-1])).trace
-        stamps = np.arange(0.05, LENGTH - 0.05, 1 / rate) + rng.uniform(0.0, 0.1 / rate, round((LENGTH - 0.1) * rate))
-        seen = trace.at(stamps)
-        assert seen.position is not None
+        rng = np.random.default_rng([seed, bool(load)])
+        seen = read(plant, motion, rng, rate)
         assert seen.effort is not None
-        table = [
-            stamps,
-            np.round(seen.position / quantum) * quantum,
-            seen.effort + NOISE * rng.normal(size=(len(stamps), 6)),
-        ]
-        header = ",".join(["time", *(f"{s}_{j}" for s in ("position", "effort") for j in JOINTS)])
-        np.savetxt(
-            folder / f"{name}.csv", np.column_stack(table), fmt="%.7g", delimiter=",", header=header, comments=""
-        )
+        write(folder / f"{name}.csv", seen, quantum, seen.effort + NOISE * rng.normal(size=seen.effort.shape))
+
+
+def read(plant: Plant, motion: Motion, rng: np.random.Generator, rate: float) -> Trace:
+    """A motion in DART, at stamps that are late by up to a tenth of their distance."""
+    time = np.arange(0.0, LENGTH, STEP)
+    goals = motion(rng, time)
+    with engines.load("dart").open(plant.machine(), Physics(STEP)) as simulation:
+        start = start_state(plant, goals[0])
+        trace = rollout(simulation, plant, Commands(time, goals), start, float(time[-1])).trace
+    late = rng.uniform(0.0, 0.1 / rate, round((LENGTH - 0.1) * rate))
+    return trace.at(np.arange(0.05, LENGTH - 0.05, 1 / rate) + late)
+
+
+def write(path: Path, seen: Trace, quantum: float, effort: Array) -> None:
+    """A table of positions, to a quantum [rad], and efforts [N·m], (t, 6)."""
+    assert seen.position is not None
+    table = np.column_stack([seen.time, np.round(seen.position / quantum) * quantum, effort])
+    header = ",".join(["time", *(f"{s}_{j}" for s in ("position", "effort") for j in JOINTS)])
+    np.savetxt(path, table, fmt="%.7g", delimiter=",", header=header, comments="")
 
 
 def scenario(folder: Path, *, friction: float | None) -> Path:

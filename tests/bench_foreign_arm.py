@@ -19,17 +19,12 @@ from pathlib import Path
 
 import numpy as np
 import realitygap as rg
-import realitygap_engines as engines
-from bench_followed_arm import COULOMB, JOINTS, LENGTH, MOTIONS, NOISE, STEP, VISCOUS
+from bench_followed_arm import COULOMB, JOINTS, MOTIONS, NOISE, VISCOUS, read, write
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import EffectSpec
-from realitygap.simulate.commands import Commands
-from realitygap.simulate.rollout import rollout
-from realitygap.simulate.start import start_state
 from realitygap.trace.trace import Array
-from realitygap_engines import Physics
 
 RATE, QUANTUM = 250.0, 1e-4
 NUMBER = r'((?:<mass value|i[xyz]{2}|effort)=")([^"]+)'
@@ -93,22 +88,15 @@ def machine(folder: Path, rng: np.random.Generator, truth: Truth, load: float) -
 
 def record(folder: Path, plant: Plant, truth: Truth, seed: int, heavier: float) -> None:
     """The motions as tables."""
-    header = ",".join(["time", *(f"{s}_{j}" for s in ("position", "effort") for j in JOINTS)])
     for name, motion, number in MOTIONS:
-        rng, time = np.random.default_rng([number, seed]), np.arange(0.0, LENGTH, STEP)
-        goals = motion(rng, time)
-        with engines.load("dart").open(plant.machine(), Physics(STEP)) as simulation:
-            start = start_state(plant, goals[0])
-            trace = rollout(simulation, plant, Commands(time, goals), start, float(time[-1])).trace
-        stamps = np.arange(0.05, LENGTH - 0.05, 1 / RATE) + rng.uniform(0.0, 0.1 / RATE, round((LENGTH - 0.1) * RATE))
-        seen = trace.at(stamps)
+        rng = np.random.default_rng([number, seed])
+        seen = read(plant, motion, rng, RATE)
         assert seen.position is not None
         assert seen.velocity is not None
         assert seen.effort is not None
-        rubbed = seen.effort + truth.friction(stamps, seen.position, seen.velocity, seen.effort)
+        rubbed = seen.effort + truth.friction(seen.time, seen.position, seen.velocity, seen.effort)
         effort = truth.constant * rubbed + 0.7 * heavier * NOISE * rng.normal(size=rubbed.shape)
-        table = np.column_stack([stamps, np.round(seen.position / QUANTUM) * QUANTUM, effort])
-        np.savetxt(folder / f"{name}.csv", table, fmt="%.7g", delimiter=",", header=header, comments="")
+        write(folder / f"{name}.csv", seen, QUANTUM, effort)
 
 
 def main() -> None:

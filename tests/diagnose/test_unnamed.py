@@ -28,6 +28,7 @@ from realitygap.robot.effort_map import Table
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import EffectSpec
 from realitygap_engines import GRAVITY
+from recorded_joint import LINK
 from revised import assert_same
 
 TABLE = Table(("speed",), ((-1.0, -0.05, 0.05, 1.0),))
@@ -122,14 +123,6 @@ def test_a_proposal_starts_from_it_too(told: Diagnosed, tmp_path: Path) -> None:
     (change,) = changes
     assert (change.suspect, change.free) == (found.suspect, found.free)
     assert change.parameters == pytest.approx(found.parameters, rel=1e-4)
-
-
-LINK = (
-    '<robot name="arm"><link name="base"/><link name="link"><inertial><origin xyz="0 0 -0.2"/><mass value="5"/>'
-    '<inertia ixx="0.25" iyy="0.25" izz="0.05" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    '<joint name="lift" type="revolute"><parent link="base"/><child link="link"/><axis xyz="0 1 0"/>'
-    '<limit lower="-2.6" upper="2.6" effort="90" velocity="6"/></joint></robot>'
-)
 
 
 def test_friction_that_grows_from_rest_is_friction_and_no_effort_without_a_name(tmp_path: Path) -> None:

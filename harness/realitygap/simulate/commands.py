@@ -38,7 +38,8 @@ def on_steps(commands: Commands, steps: int, h: float, delay: Array, first: int 
     out = np.empty((steps, commands.value.shape[1]))
     for late in np.unique(delay):
         columns = np.flatnonzero(delay == late)
-        out[:, columns] = means(commands.time, commands.value[:, columns], commands.held, edges - late, h)
+        value = np.ascontiguousarray(commands.value[:, columns])  # compiled once, for one joint and for many
+        out[:, columns] = _means(commands.time, value, commands.held, edges - late, h)
     return out
 
 
@@ -55,7 +56,7 @@ def _about(commands: Commands, begin: float, end: float) -> Commands:
 
 
 @compiled
-def means(time, value, held, edges, h):  # type: ignore[no-untyped-def]
+def _means(time, value, held, edges, h):  # type: ignore[no-untyped-def]
     """The mean of commands over every step between edges [s], of which the first is the earliest. Shape (steps, n).
 
     Times [s] are Shape (m,) and commands (m, n). A command's integral from the first stamp on is piecewise linear

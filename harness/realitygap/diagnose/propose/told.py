@@ -82,8 +82,8 @@ def mended(problem: Problem, origin: Origin, file: Path) -> list[Change] | None:
     """
     if origin.findings is None:
         return None
-    adjusted = found_changes(problem, origin.adjusted, file)
-    return [*found_changes(problem, origin.findings, file), *(replace(c, free=()) for c in adjusted)]
+    changes, named = found_changes(problem, [*origin.findings, *origin.adjusted], file), len(origin.findings)
+    return [*changes[:named], *(replace(c, free=()) for c in changes[named:])]
 
 
 def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Path) -> list[Change]:
