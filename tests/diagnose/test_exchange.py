@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 from demo_problem import FRICTION, demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import Change, Standing, standing
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -17,6 +20,7 @@ from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
+from realitygap.diagnose.search.rivals import Place, _said_otherwise
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 from realitygap.scenario.file import load_scenario
@@ -68,6 +72,24 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
     assert better is not None
     assert standing(better.fit.changes) == at.right
     assert better.evidence - at.round_.now.evidence > at.round_.limit
+
+
+def test_one_of_several_is_tried_as_what_excludes_it_too() -> None:
+    """Friction that falls with speed beside a constant effort, where straight lines tell of friction and that effort:
+    friction by direction excludes it, and alone it gains nothing in the place of that.
+    """
+    problem = demo_problem()
+    everyone = [s for s in suspects(problem) if s.kind.law == "friction"]
+    effort, dry, wrong = (
+        guess(problem, suspect_of(problem, name, "elbow"))
+        for name in ("constant_effort", "coulomb_friction", "direction_friction")
+    )
+    round_ = SimpleNamespace(simulations=SimpleNamespace(problem=problem), everyone=everyone)
+    place = cast("Place", SimpleNamespace(round_=round_, change=wrong))
+    ((kept, other),) = _said_otherwise(place, [effort, dry])
+    assert kept is effort
+    assert (other.suspect.effect, other.suspect.target) == ("stribeck_friction", "elbow")
+    assert "static" in other.free
 
 
 def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:

@@ -70,6 +70,22 @@ def test_what_held_out_runs_say_by_chance_speaks_for_nothing(simulations: Simula
     assert "with the 3.1 that held-out runs gain it explains less than laws leave" in _against(friction, told)
 
 
+def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulations: Simulations, found: Found) -> None:
+    """A stop beyond the angles of the runs that were kept back, however much it gained on the others."""
+    (friction, _), far = found.best.fit.changes, {"lower": -60.0, "upper": 60.0}
+    stop = guess(problem, suspect_of(problem, "joint_stop", "elbow")).at(far)
+    best = replace(found.best, fit=replace(found.best.fit, changes=(friction, stop)))
+    alone = replace(best, fit=replace(best.fit, changes=(friction,)))
+    reached = replace(found, best=best, without={stop.suspect: alone}, gains={stop.suspect: 100.0})
+    told = _asked(simulations, reached, stop.suspect)
+    assert told.silent
+    assert "shows on training runs only" in _against(stop.suspect, told)
+    left, against = supported(simulations, replace(reached, least={stop.suspect: 6.0}), [friction.suspect])
+    assert list(against) == [stop.suspect]
+    assert standing(left.best.fit.changes) == standing([friction])
+    assert not any(Against(Verdict(gain, error), (1.4, 1.4)).silent for gain, error in ((3.0, 1.0), (-0.5, 0.0)))
+
+
 def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
     simulations: Simulations, found: Found
 ) -> None:

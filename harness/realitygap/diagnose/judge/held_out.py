@@ -27,7 +27,8 @@ from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
 NOTHING = 0.1
-"""What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9)."""
+"""What a model that changes nothing on the held-out runs may seem to lose (odds of 10 : 9), and what one that does
+nothing there may seem to gain."""
 
 CHOSE = 10.0
 """How many times as much held-out runs say against a finding as training runs say for it, which chose it. Of 147 names
@@ -101,6 +102,13 @@ class Against:
         return min(self.verdict.least, CHOSE * self.verdict.least)
 
     @property
+    def silent(self) -> bool:
+        """Whether they say nothing of it, as of a limit that they do not reach: names are shown where none was fitted.
+        Of some hundred names that were true of planted machines none did nothing there; a limit did, that was a droop.
+        """
+        return abs(self.verdict.gain) + self.verdict.error <= NOTHING
+
+    @property
     def widens(self) -> bool:
         """Whether the gap that is shown is clearly larger with it, and above the floor."""
         without, with_ = self.gaps
@@ -114,8 +122,9 @@ def supported(
     what they say against each of these. `keep` stays.
 
     Training and held-out runs together have to say as much for a finding as one has to be worth (`Found.least`), where
-    what held-out runs may say against it counts `CHOSE` times; and no finding may widen the gap that is shown. What
-    they speak for beside all that was found stays: without another finding it may seem worse than it is.
+    what held-out runs may say against it counts `CHOSE` times; and no finding may widen the gap that is shown, or do
+    nothing there. What they speak for beside all that was found stays: without another finding it may seem worse than
+    it is.
     """
     against: dict[Suspect, Against] = {}
     asked = set(found.without).difference(keep)
@@ -123,7 +132,7 @@ def supported(
         doubted = {}
         for s in asked & set(found.without):
             told = _asked(simulations, found, s)
-            if told.widens or found.gains[s] + told.weight < found.least[s]:
+            if told.widens or told.silent or found.gains[s] + told.weight < found.least[s]:
                 doubted[s] = told
         if not doubted and against:
             found = _completed(found, keep)

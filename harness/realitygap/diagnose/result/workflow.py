@@ -221,6 +221,8 @@ def _against(suspect: Suspect, told: Against) -> str:
     """Why held-out runs speak against a finding."""
     if told.widens:
         return "{} widens the held-out gap, from {:.4g} to {:.4g} floors: not named".format(suspect, *told.gaps)
+    if told.silent:
+        return f"{suspect} is not named: it shows on training runs only; hold out a run that shows it, too"
     gain, error = told.verdict.gain, told.verdict.error
     if gain <= 0.0:
         return (

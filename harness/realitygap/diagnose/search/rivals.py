@@ -193,12 +193,28 @@ def several_for(place: Place) -> Scored | None:
     numbers = [i for i, b in enumerate(lines.blocks) if any(b is p.block for p in several)]
     if len(several) < 2 or lines.gain(numbers) < CLOSE * place.gain:
         return None
-    quick = place.quick([p.change for p in several])
+    changes = [p.change for p in several]
+    tried = [place.quick(way) for way in [changes, *_said_otherwise(place, changes)]]
+    quick = max((q for q in tried if q is not None), key=lambda q: q.evidence, default=None)
     scored = round_.yardstick.refined(quick) if quick is not None and place.close(quick) else None
     if scored is None:
         return None
     gain, needs = scored.evidence - round_.now.evidence, round_.limit * (len(several) - 1)
-    round_.say(f"  {'; '.join(str(p.block.suspect) for p in several)} for {own}: {gain:+.1f}")
+    round_.say(f"  {'; '.join(str(c.suspect) for c in scored.fit.changes[-len(several) :])} for {own}: {gain:+.1f}")
     if own.table is not None:
         return scored if gain > -EQUAL else None
     return scored if gain > max(needs, round_.little(scored)) else None
+
+
+def _said_otherwise(place: Place, changes: Sequence[Change]) -> list[list[Change]]:
+    """The same changes with one of them in the words of an effect that excludes it there, as it says the same and more:
+    of friction by side an effort and dry friction promise as much, and only beside that effort the friction may fall
+    with speed, which straight lines do not tell.
+    """
+    problem, own, ways = place.round_.simulations.problem, place.change.suspect, []
+    for i, change in enumerate(changes):
+        for other in place.round_.everyone:
+            same = other.kind.rules_out(change.suspect.kind) and other.indices == change.suspect.indices
+            if same and other != own:
+                ways.append([*changes[:i], guess(problem, other), *changes[i + 1 :]])
+    return ways
