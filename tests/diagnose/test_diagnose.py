@@ -18,7 +18,11 @@ from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
 from realitygap.diagnose.likelihood.disturbance import LIKELY, disturbances, sensitivities, spread
+from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.patience import Patience
+from realitygap.diagnose.propose.told import opened
+from realitygap.diagnose.rehearse.rehearse import rehearse
+from realitygap.diagnose.rehearse.visible import visible
 from realitygap.diagnose.result.summary import summary
 from realitygap.diagnose.result.workflow import run_diagnosis
 from realitygap.diagnose.search.search import search
@@ -207,6 +211,33 @@ def test_what_cannot_be_fitted_and_judged_is_refused(
 ) -> None:
     with pytest.raises(InputError, match=re.escape(said)):
         build_problem(load_scenario(variant(tmp_path, change, **recordings)), "mujoco")
+
+
+BLOWS_UP: dict[str, Any] = {
+    "servos": [{"joints": "*", "kind": "pid", "kp": 20000.0, "kd": 0.0}],
+    "physics.step_rate": 20.0,
+}
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    "begun",
+    [
+        lambda s: search(s, [], [], lambda _: None),
+        lambda s: rehearse(s, [], 60.0),
+        lambda s: visible(s, measure(s, []), [], 1.0),
+        lambda s: opened(s, None, lambda _: None),
+    ],
+    ids=["diagnose", "rehearse", "screen", "propose"],
+)
+def test_a_model_that_blows_up_is_one_sentence(begun: Callable[[Simulations], object], workers: int) -> None:
+    """Nothing can be said of recordings beside it; it is told before anything is looked for."""
+    problem = build_problem(load_scenario(DEMO).override(BLOWS_UP), "mujoco")
+    with Simulations(problem, workers) as simulations, pytest.raises(InputError) as told:
+        begun(simulations)
+    (sentence,) = str(told.value).splitlines()
+    for part in ("recordings.runs[0]: MuJoCo cannot", "in steps_1: diverged at ", "than 20 Hz", "lower gains"):
+        assert part in sentence
 
 
 def test_a_motion_that_is_both_fitted_and_judged_on_is_said(tmp_path: Path) -> None:

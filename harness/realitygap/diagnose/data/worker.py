@@ -67,10 +67,9 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     if not all(c.suspect.possible(plant) for c in query.changes):  # a compliance whose rotor was left out
         return None
     try:
-        traces = [_simulated(plant, query, e, number) for number, e in enumerate(case.pieces)]
+        trace = simulated(problem, query)
     except (Diverged, Failed, Unsupported):
         return None
-    trace = joined(case.pieces, traces)
     signals = problem.signals(query.case)
     at = trace.only(signals).at(case.measured.time)
     out = {s: np.asarray(getattr(at, s)) for s in signals}
@@ -83,6 +82,16 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
         footing = footing_of(plant.loaded(), trace.between(case.measured.time[0] - SPAN, np.inf))
         out["footing"] = np.interp(case.measured.time, footing.time, beyond(footing))
     return out
+
+
+def simulated(problem: Problem, query: Query) -> Trace:
+    """The whole motion of a query, at every step.
+
+    Raises:
+        Unsupported, Diverged, Failed: as they say.
+    """
+    case, plant = problem.cases[query.case], problem.changed_plant(query.changes, query.case)
+    return joined(case.pieces, [_simulated(plant, query, e, number) for number, e in enumerate(case.pieces)])
 
 
 def _simulated(plant: Plant, query: Query, experiment: Experiment, number: int) -> Trace:

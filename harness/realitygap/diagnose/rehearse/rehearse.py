@@ -19,6 +19,7 @@ from realitygap.diagnose.candidates.told import told_by_recordings
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.judge.gaps import CLEAR, cost
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.rehearse.planting import plant_recordings, planted
@@ -140,6 +141,7 @@ def rehearse(
     """Plant, look, search and compare, within a budget [s]; `others` are engines that may play the robot."""
     began = time.monotonic()
     problem = simulations.problem
+    demanded(simulations, [], problem.of("train"))  # before another engine plays what this one cannot
     say(f"floors of {len(problem.cases)} motions")
     floors = measure(simulations, [])
     result = _quiet(problem, others, floors)

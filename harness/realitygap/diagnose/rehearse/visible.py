@@ -18,6 +18,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.bounded import bounded
+from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
@@ -95,6 +96,9 @@ def visible(
         suspects: what to plant.
         limit: the evidence that a name needs.
         say: told what is being done.
+
+    Raises:
+        InputError: for a scenario whose own model cannot be simulated.
     """
     problem = simulations.problem
     look = Look(simulations, floors)
@@ -132,6 +136,7 @@ class Look:
     def __init__(self, simulations: Simulations, floors: Floors) -> None:
         self.simulations, self.coarse = simulations, floors.coarse
         self.train = simulations.problem.of("train")
+        demanded(simulations, [], self.train)
         self.channels = tuple(channels(simulations.problem, floors, self.train))
         random = np.random.default_rng(0)
         self.noise = np.concatenate([c.noise * random.standard_normal(len(c.time)) for c in self.channels])

@@ -11,8 +11,9 @@ from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.candidates.suspects import everyday
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import Block, at_once, residual, residuals, single
+from realitygap.diagnose.fit.responses import Block, at_once, residuals, single
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored, stretches
@@ -89,9 +90,7 @@ class Round:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
         self.patience = patience
         self.yardstick = yardstick = Yardstick(simulations, at.changes)
-        first = residual(simulations, at.changes, yardstick.train)
-        if first is None:
-            raise RuntimeError("the model that the search stands at cannot be simulated")
+        first = demanded(simulations, at.changes, yardstick.train)
         yardstick.take_facts(first)
         start = yardstick.score(replace(at, residual=first))  # what is free is known from before where no fit is found
         done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None

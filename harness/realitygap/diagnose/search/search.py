@@ -10,8 +10,9 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import plain_first
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import Block, at_once, residual
+from realitygap.diagnose.fit.responses import Block, at_once
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.evidence import Scored
@@ -88,12 +89,12 @@ def search(
         say: told what is being done.
         patience: how long to look for more: the first round ends with what gains enough, and what was found by then is
             still asked whether it is needed, and what could stand in its place, which is told.
+
+    Raises:
+        InputError: for a scenario whose own model cannot be simulated.
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
-    base = residual(simulations, told, simulations.problem.of("train"))
-    if base is None:
-        raise RuntimeError("the scenario's own model cannot be simulated")
-    nothing = Fit(tuple(told), base)
+    nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
     at, seen, again = nothing, set[Standing](), True
     asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
