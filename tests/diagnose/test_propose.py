@@ -21,6 +21,7 @@ from realitygap.diagnose.propose.told import origin_of
 from realitygap.diagnose.propose.weak import _half
 from realitygap.diagnose.propose.words import OPEN, one_sided
 from realitygap.diagnose.propose.words import expected as odds_told
+from realitygap.diagnose.propose.words import now as odds_now
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import Array
 from realitygap.scenario.propose import ProposeSpec, SegmentKind
@@ -87,6 +88,12 @@ def test_what_does_all_that_the_other_one_does_can_only_be_shown_itself() -> Non
     assert "center of mass" in one_sided(question, one)
     assert one_sided(question, both) == ""
     assert odds_told(question, none) == odds_told(question, Answer(0.5, -2.0)) == OPEN
+
+
+def test_odds_now_are_those_of_the_side_that_is_named_first() -> None:
+    """A question that leans to its second side says so: a page told it the other way round."""
+    for leaning, said in ((1.0, "2.7 : 1"), (-1.0, "1 : 2.7")):
+        assert odds_now(Question(0, 1, ("coulomb friction at elbow", "backlash at elbow"), (), leaning)) == said
 
 
 def test_what_tells_most_in_its_time_is_chosen_and_the_worst_question_counts() -> None:

@@ -20,7 +20,7 @@ from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import animation, waypoints
 from realitygap.diagnose.propose.page import write_page
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
-from realitygap.diagnose.propose.words import odds, settles
+from realitygap.diagnose.propose.words import now, settles
 from realitygap.diagnose.rehearse.files import to_json
 from realitygap.diagnose.rehearse.page import label, words
 from realitygap.diagnose.rehearse.rehearse import Rehearsal
@@ -146,7 +146,7 @@ def to_file(result: Proposal) -> ProposalFile:
             }
             for n, a, b, v, e in rows
         },
-        open=[f"{q} ({odds(q.now)} now)" for q in result.open.questions],
+        open=[f"{q} ({now(q)} now)" for q in result.open.questions],
         out_of_reach=[str(q) for q in result.hopeless],
         motions=[_motion(result, p) for p in result.proposed],
         shows=[] if result.shown is None else shows(result.shown),
@@ -256,9 +256,7 @@ def summary(result: Proposal) -> list[str]:
     """Lines for the terminal: each motion with what it will settle, and what no motion can."""
     lines = [f"{p.motion.name}, {p.motion.seconds:.1f} s: {settles(result, p)}" for p in result.proposed]
     lines += [f"  {row}" for row in (seen(result.shown) if result.shown else [])]
-    lines += [
-        f"out of reach: {q}: no motion within the limits moves these odds ({odds(q.now)})" for q in result.hopeless
-    ]
+    lines += [f"out of reach: {q}: no motion within the limits moves these odds ({now(q)})" for q in result.hopeless]
     return [*lines, *(f"  {note}" for note in result.notes)]
 
 

@@ -45,8 +45,8 @@ def one_sided(question: Question, answer: Answer) -> str:
 
 
 def now(question: Question) -> str:
-    """The odds on the present recordings, for the side that is ahead."""
-    return odds(abs(question.now))
+    """The odds on the present recordings, for the side that is named first."""
+    return odds(question.now)
 
 
 def settles(result: Proposal, proposed: Proposed) -> str:
