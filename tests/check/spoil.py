@@ -149,6 +149,16 @@ def far(team: Team, j: int) -> None:
         table.velocity[:, j] -= decay / 0.15
 
 
+def stuck_encoder(team: Team, j: int) -> None:
+    for table in team.tables.values():
+        table.position[:, j] = table.position[0, j]
+
+
+def other_zero(team: Team, j: int) -> None:
+    for table in team.tables.values():
+        table.position[:, j] -= 1.2
+
+
 def start_elsewhere(team: Team, j: int) -> None:
     team.scenario["robot"]["start"] = {team.joints[j]: 1.4}
 
@@ -263,4 +273,6 @@ MISTAKES = (
     Planted("a pattern that matches nothing", "servo_pattern", pattern, "none"),
     Planted("no servos", "drives_nothing", no_servos, "all"),
     Planted("no motion", "drives_nothing", no_motion, "all"),
+    Planted("an encoder that is stuck", "stuck_position", stuck_encoder),
+    Planted("another zero", "far_zero", other_zero, slides=False),
 )

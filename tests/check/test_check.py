@@ -19,7 +19,7 @@ from realitygap.scenario.file import load_scenario
 sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 
 from spoil import scaled, start_elsewhere
-from teams import Table, Team, demo
+from teams import DEMO, Table, Team, demo
 
 
 @pytest.fixture(scope="module")
@@ -125,6 +125,56 @@ def test_a_servo_that_is_off_for_a_while_hides_nothing(
 
 def resampled(time: np.ndarray, known: np.ndarray, value: np.ndarray) -> np.ndarray:
     return np.column_stack([np.interp(time, known, column) for column in value.T])
+
+
+@pytest.mark.parametrize("off", [True, False])
+def test_a_joint_whose_servo_is_off_may_stand_still(off: bool, team: Team, tmp_path: Path) -> None:
+    """Its command is none then; one that is told to move by half a radian and stands still is not read at all."""
+    still = team.copy()
+    still.scenario["recordings"]["effort"] = "none"
+    for table in still.tables.values():
+        table.position[:, 1], table.velocity[:, 1] = table.position[0, 1], 0.0
+        if off:
+            table.command[:, 1] = np.nan
+    found = [(m.kind, m.certainty, m.joints) for m in check(load_scenario(still.write(tmp_path)))]
+    assert found == [("undriven_joint" if off else "stuck_position", "likely", ("elbow",))]
+
+
+def test_a_weak_servo_that_sags_by_less_than_a_radian_has_no_other_zero(team: Team, tmp_path: Path) -> None:
+    for sag, kinds in ((0.5, set[str]()), (1.0, {"far_zero"})):
+        low = team.copy()
+        low.scenario["recordings"]["effort"] = "none"
+        for table in low.tables.values():
+            table.position[:, 0] -= sag
+        assert {m.kind for m in check(load_scenario(low.write(tmp_path / f"{sag}")))} == kinds
+
+
+EFFORTS = DEMO.parents[1] / "effort_driven" / "scenario.yaml"
+
+
+@pytest.mark.parametrize(
+    ("times", "kind", "said"),
+    [
+        (1.0, None, ""),
+        (3.0, None, ""),  # a gear that takes, a torque constant that is only known so well
+        (1000.0, "milliamperes", "a thousand times too large, as of mN·m or of a current in mA"),
+        (1e-3, "milliamperes", "the measured effort of elbow is "),
+        (1 / 0.0980665, "effort_size", "the commanded effort of elbow is 10."),
+        (-1.0, "flipped_sign", "the measured effort of elbow goes against the commanded one: -1.00 times it"),
+    ],
+)
+def test_commanded_efforts_are_those_that_were_measured(
+    times: float, kind: str | None, said: str, tmp_path: Path
+) -> None:
+    for path in EFFORTS.parent.glob("*.csv"):
+        table = pd.read_csv(path)
+        table["command_elbow"] *= times
+        table.to_csv(tmp_path / path.name, index=False)
+    for path in (EFFORTS, EFFORTS.with_name("pendulum.urdf")):
+        (tmp_path / path.name).write_text(path.read_text())
+    found = check(load_scenario(tmp_path / EFFORTS.name))
+    assert [(m.kind, m.certainty, m.joints) for m in found] == ([(kind, "certain", ("elbow",))] if kind else [])
+    assert all(said in m.text for m in found)
 
 
 @pytest.mark.parametrize(("rest", "found"), [(0.0, []), (0.04, []), (1.0, ["far_start"])])

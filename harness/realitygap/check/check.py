@@ -8,6 +8,7 @@ import numpy as np
 
 from realitygap.check.asked import asked_efforts
 from realitygap.check.clocks import clock_offset, no_overlap, time_unit
+from realitygap.check.commanded_effort import commanded_efforts
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
 from realitygap.check.few import few_samples
@@ -17,6 +18,7 @@ from realitygap.check.load import load_mistakes
 from realitygap.check.mistake import KINDS, Mistake, merged
 from realitygap.check.motion import motion_mistakes, moving
 from realitygap.check.observed import Mask, Observed, Read, observe
+from realitygap.check.reading import stuck_readings
 from realitygap.check.repetitions import repetition_mistakes
 from realitygap.check.start import constant_command, start_mistakes
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
@@ -102,12 +104,15 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
     speeds = [m for o in rest for m in velocity_mistakes(o, _without(o, _joints(angles)), usual)]
     named = _joints(m for m in speeds if m.kind != "velocity")  # in any of them
     found += [m for m in speeds if m.kind != "velocity" or not named & set(m.joints)]
+    found += [m for o in rest for m in stuck_readings(o) if not _joints(found) & set(m.joints)]
     if undriven_robot or late:
         return found
     held = [m for o in rest for m in constant_command(o)]
     found += [m for m in held if not _joints(found) & set(m.joints)]
     told = _joints(found)
     found += [m for o in rest for m in start_mistakes(o) if not told & set(m.joints)]
+    asked_for = [m for o in rest for m in commanded_efforts(o, _without(o, told))]
+    found, told = [*found, *asked_for], told | _joints(asked_for)
     heavy = load_mistakes([o for o in rest if o.follows.any()])
     efforts = [(o, not heavy and not link_mistakes(o.plant)) for o in rest]
     return found + _plainest([m for o, known in efforts for m in effort_mistakes(o, _without(o, told), weighed=known)])

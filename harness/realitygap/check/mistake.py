@@ -21,6 +21,8 @@ KINDS: dict[str, str] = {
     "velocity": "the reported velocity is not the derivative of the position",
     "effort_size": "an effort that no servo of this robot gives",
     "effort_direction": "an effort that does not push towards the command",
+    "stuck_position": "a position that never changes while the joint is moved",
+    "far_zero": "a position that is far from its command all along",
     "undriven_joint": "nothing drives a joint: it has no servo, or no command",
     "constant_command": "a command that never changes while the joint is moved",
     "far_start": "the motion begins far from its first command, or the simulation far from the motion",

@@ -9,6 +9,7 @@ from realitygap.check.effort import pushed
 from realitygap.check.follow import OFTEN, WEAK, Following, following
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Mask, Observed
+from realitygap.check.reading import beside_command
 from realitygap.check.servo import stiffness
 from realitygap.check.velocity import opposed
 from realitygap.check.words import FAR_BETTER, STRONGEST, WEAKEST, factor_of, joined, unit, wide
@@ -56,7 +57,8 @@ def motion_mistakes(o: Observed, others: Sequence[Observed]) -> list[Mistake]:
     flipped = [m for j in left if (m := _flipped(o, either, along, j)) is not None]
     done |= {joint for m in flipped for joint in m.joints}
     left = [j for j in left if o.joints[j] not in done]
-    return [*units, *swapped, *flipped, *_another(o, along, left, int(chosen.sum()), others)]
+    another = _another(o, along, left, int(chosen.sum()), others)
+    return [*units, *swapped, *flipped, *another, *beside_command(o, along, left)]
 
 
 def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:

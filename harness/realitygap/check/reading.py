@@ -1,0 +1,93 @@
+"""Readings of a joint's position that stand still while it moves, or stand beside the command all along."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from realitygap.check.follow import WEAK, Following
+from realitygap.check.mistake import Certainty, Mistake
+from realitygap.check.observed import Observed
+from realitygap.check.servo import stiffness
+from realitygap.check.velocity import travels
+from realitygap.check.words import STRONGEST, unit, wide
+
+TOLD, TOLD_SLIDE = 0.35, 0.05
+"""rad (20°) and m: friction holds a joint still while its command moves by twice friction over stiffness: by less than
+0.02 rad of eight machines, and by a fifth of this where the gain is `WEAK` times less than it says."""
+WENT, WENT_SLIDE = 0.1, 0.01
+"""rad and m: so much more than in its least stretch a velocity goes in one of its stretches of time; noise comes to a
+tenth of that."""
+FEWEST = 10
+"""Samples that tell that a reading never changes."""
+BESIDE, BESIDE_SLIDE = 0.7, 0.1
+"""rad (40°) and m: twice what a robot that holds its first command sags by at most (`start.FAR`). Six real machines are
+0.08 rad from it all along, at most."""
+FOLLOWS = 0.9
+"""The share of a position's variance that its command explains where it follows it, as in `motion`."""
+LEAST_SLOPE = 0.5
+"""And the least that it moves per command: weaker, a sag is what the servo is."""
+
+
+def stuck_readings(o: Observed) -> list[Mistake]:
+    """Positions that never change while the command or the reported velocity says that the joint moves.
+
+    A servo that is off, whose commands are none, may stand still.
+    """
+    position, found, out = o.recording.trace.position, travels(o), []
+    if position is None:
+        return []
+    told = wide(o.command)
+    went = np.zeros(len(o.joints)) if found is None else wide(found[1])
+    fastest = np.zeros(len(o.joints)) if o.velocity is None else np.abs(np.nan_to_num(o.velocity)).max(axis=0)
+    for j, joint in enumerate(o.joints):
+        known = position[np.isfinite(position[:, j]), j]
+        if len(known) < FEWEST or np.ptp(known) > 0.0:
+            continue
+        asked = bool(o.follows[j]) and told[j] > (TOLD_SLIDE if o.prismatic(j) else TOLD)
+        moved = went[j] > (WENT_SLIDE if o.prismatic(j) else WENT)
+        if not (asked or moved):
+            continue
+        rad = unit(o, j)
+        says = [f"its command moves by {told[j]:.3g} {rad}"] if asked else []
+        says += [f"its reported velocity reaches {fastest[j]:.3g} {rad}/s"] if moved else []
+        sentence = (
+            f"the position of {joint} never changes from {known[0]:.4g} {rad}, while {' and '.join(says)}: a stuck "
+            "encoder, a wrong column, or a servo that was off; expected the position that was measured, or no command "
+            "where the servo was off"
+        )
+        certainty: Certainty = "certain" if moved else "likely"
+        out.append(Mistake("stuck_position", certainty, (joint,), sentence, o.line("position"), (o.name,)))
+    return out
+
+
+def beside_command(o: Observed, along: Following, joints: Sequence[int]) -> list[Mistake]:
+    """Positions that follow their command as far as it goes, and are as far from it all along as no servo sags.
+
+    On a fixed base that is also `WEAK` times what moving its links takes of the servo: a load or a gain may be off.
+    """
+    out = []
+    for j in joints:
+        error = o.position[:, j] - o.command[:, j]
+        error = error[np.isfinite(error)]
+        share, slope = np.nan_to_num(along.share[j, j]), np.nan_to_num(along.slope[j, j])
+        if not (share >= FOLLOWS and LEAST_SLOPE <= slope <= STRONGEST and len(error)):
+            continue
+        middle = float(np.median(error))
+        least = float(np.quantile(np.sign(middle) * error, 0.05))
+        if least <= max(BESIDE_SLIDE if o.prismatic(j) else BESIDE, _sag(o, j)):
+            continue
+        degrees = "" if o.prismatic(j) else f" ({np.rad2deg(middle):.0f}°)"
+        sentence = (
+            f"the position of {o.joints[j]} is {middle:+.3g} {unit(o, j)}{degrees} from its command throughout, and "
+            f"follows it otherwise (explains {share:.1%}): another zero or mounting offset, another unit, or another "
+            "joint; expected both to count from the URDF's zero"
+        )
+        out.append(Mistake("far_zero", "likely", (o.joints[j],), sentence, o.line("position"), (o.name,)))
+    return out
+
+
+def _sag(o: Observed, j: int) -> float:
+    """How far a load may pull a joint of a fixed base from its command [rad or m]."""
+    if o.plant.model.floating:
+        return 0.0
+    return WEAK * float(np.quantile(np.abs(o.needed_effort[:, j]), 0.95) / stiffness(o)[j])
