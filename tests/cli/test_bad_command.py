@@ -36,6 +36,15 @@ COMMANDS = {
         ["run", "scenario.yaml", "--out", "broken"],
         "is a link to nothing; expected a folder",
     ),
+    "out of nobody": (["run", "scenario.yaml", "--out", ""], "--out' / '-o': found an empty name, expected a folder"),
+    "a run into a diagnosis": (
+        ["run", "scenario.yaml", "--out", "diagnosed"],
+        "--out: diagnosed holds the result of `diagnose`, whose report.html `run` would write over; expected another",
+    ),
+    "a proposal into a diagnosis": (["propose", "diagnosed", "--out", "diagnosed"], "the result of `diagnose`, whose"),
+    "a diagnosis into a run": (["diagnose", "scenario.yaml", "--out", "ran"], "--out: ran holds the result of `run`"),
+    "a rehearsal into a run": (["rehearse", "scenario.yaml", "--out", "ran"], "--out: ran holds the result of `run`"),
+    "a page of a diagnosis": (["report", "diagnosed"], "holds the result of `diagnose`, which writes its page itself"),
     "no matrix": (["matrix", "none.yaml"], "none.yaml: cannot be read (No such file"),
     "no results": (["report", "none"], "none: found no gaps.csv"),
     "results that are no table": (
@@ -79,6 +88,9 @@ def test_commands_refuse(
     (case / "results" / "gaps.csv").write_text("engine\nmujoco\n")
     (case / "tables").mkdir()
     (case / "tables" / "run.csv").write_text("time\n0\n")
+    for folder, name, key in (("diagnosed", "diagnosis.json", "verdict"), ("ran", "manifest.json", "files")):
+        (case / folder).mkdir()
+        (case / folder / name).write_text(f'{{"{key}": []}}')
     (case / "broken").symlink_to(case / "nothing")
     before = sorted(case.rglob("*"))
     assert refused(*arguments) == 2

@@ -30,7 +30,7 @@ def diagnose(
     """
     from realitygap.diagnose.data.processes import started
 
-    folder = folder_for(out, f"{named_after(scenario)}_diagnosis")
+    folder = folder_for(out, f"{named_after(scenario)}_diagnosis", "diagnose")
     with started(jobs if scenario.is_file() else 1) as ahead:  # they load their packages while this one loads its own
         from realitygap.diagnose.result.summary import summary
         from realitygap.diagnose.result.workflow import run_diagnosis
@@ -63,7 +63,7 @@ def rehearse(
     from realitygap.diagnose.rehearse.rehearse import run_rehearsal
     from realitygap.files.progress import Progress
 
-    folder = folder_for(out, f"{named_after(scenario)}_rehearsal")
+    folder = folder_for(out, f"{named_after(scenario)}_rehearsal", "rehearse")
     result = run_rehearsal(scenario, engine or [], Progress(), budget, jobs)
     write_rehearsal(result, folder)
     say([*summary(result), f"rehearsal: {folder / 'rehearsal.json'}", f"report: {folder / 'report.html'}"])
@@ -85,7 +85,8 @@ def propose(
     from realitygap.diagnose.propose.propose import run_proposal
     from realitygap.files.progress import Progress
 
-    folder = folder_for(out, f"{path.resolve().name if path.is_dir() else named_after(path)}_proposal")
+    name = path.resolve().name if path.is_dir() else named_after(path)
+    folder = folder_for(out, f"{name}_proposal", "propose")
     result = run_proposal(path, engine or [], seconds, motions, Progress(), jobs)
     write_proposal(result, folder)
     if result.ended is not None:

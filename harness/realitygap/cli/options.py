@@ -7,7 +7,16 @@ from typing import Annotated
 import typer
 
 Engines = Annotated[list[str] | None, typer.Option("--engine", "-e", help="engine; may be repeated (default: all)")]
-Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder")]
+
+
+def named_folder(name: str) -> Path:
+    """A folder that is named; an empty name, as of a shell variable that is not set, is not the one where one is."""
+    if not name:
+        raise typer.BadParameter("found an empty name, expected a folder")
+    return Path(name)
+
+
+Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder", parser=named_folder, metavar="<path>")]
 MaxGap = Annotated[
     list[str] | None,
     typer.Option(
@@ -19,16 +28,20 @@ Junit = Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: ev
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker processes (default: one per core)")]
 
 
-def folder_for(out: Path | None, name: str = "") -> Path:
-    """The folder to write to, checked before the work: `--out`, or one below results/runs.
+def folder_for(out: Path | None, name: str = "", command: str | None = None) -> Path:
+    """The folder to write to, checked before the work: `--out`, or one below results/runs; with a `command`, also that
+    it holds no other one's result.
 
     What a command left there that was killed is removed.
     """
+    from realitygap.files.result_kind import check_free
     from realitygap.files.unfinished import sweep
     from realitygap.files.whole import check_writable
 
     folder = out or Path("results/runs") / name
     check_writable(folder)
+    if command is not None:
+        check_free(folder, command)
     sweep(folder)
     return folder
 

@@ -34,7 +34,7 @@ def run(
     budget = parse_budget(max_gap or [])
     if junit is not None:
         check_writable_file(junit, "--junit")
-    folder = folder_for(out, named_after(scenario))
+    folder = folder_for(out, named_after(scenario), "run")
     _judged(
         results.run(
             scenario, engine or [], folder, budget, junit, Progress(), missing=missing_effort, whole=whole_traces
@@ -74,7 +74,7 @@ def matrix(
     budget = parse_budget(max_gap or [])
     if junit is not None:
         check_writable_file(junit, "--junit")
-    folder = folder_for(out, named_after(matrix))
+    folder = folder_for(out, named_after(matrix), "run")
     settings = Settings(jobs, scheduler, cells, retry_crashed=retry_crashed)
     with leaving("cells that are done are kept, and the same command goes on from there"):
         if dry_run:

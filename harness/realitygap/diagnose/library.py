@@ -11,6 +11,7 @@ from realitygap.diagnose.result.revise import write_revised
 from realitygap.diagnose.result.workflow import diagnosed, write_diagnosis
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
+from realitygap.files.result_kind import check_free
 from realitygap.files.whole import check_writable
 from realitygap.scenario.file import Source, load_scenario
 from realitygap.scenario.schema import EffectSpec
@@ -131,10 +132,11 @@ class Diagnosed:
         """Write what the command writes: `diagnosis.json`, the page, the figures and `revised/`. Returns the folder.
 
         Raises:
-            InputError: for a folder that cannot be written.
+            InputError: for a folder that cannot be written, or holds the result of another command.
         """
         out = Path(folder)
         check_writable(out, "save")
+        check_free(out, "diagnose", "save")
         write_diagnosis(self.result, out)
         return out
 

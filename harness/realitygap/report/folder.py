@@ -12,6 +12,7 @@ from realitygap.compare.row import CELL, Cell
 from realitygap.compare.table import means, read_gaps
 from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
+from realitygap.files.result_kind import held_results
 from realitygap.page.style import AXES, SIGNALS
 from realitygap.report.manifest import read_manifest
 
@@ -66,7 +67,10 @@ def read_folder(folder: Path) -> Results:
     """
     path = folder / "gaps.csv"
     if not path.is_file():
-        raise InputError(f"{folder}: found no gaps.csv; expected a folder written by `realitygap run` or `matrix`")
+        expected = "expected a folder written by `realitygap run` or `matrix`"
+        if held := held_results(folder):
+            raise InputError(f"{folder}: holds the result of `{held[0]}`, which writes its page itself; {expected}")
+        raise InputError(f"{folder}: found no gaps.csv; {expected}")
     raw = read_gaps(path)
     _check(path, raw)
     manifest = read_manifest(folder)
