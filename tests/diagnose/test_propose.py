@@ -218,6 +218,9 @@ def test_what_is_no_diagnosis_and_what_has_lost_its_scenario_are_one_sentence(tm
         file.write_text(content, encoding="utf-8")
         with pytest.raises(InputError, match="is no diagnosis that names its scenario"):
             origin_of(tmp_path)
+    file.write_text('{"schema": 99, "scenario_file": "a", "engines": ["mujoco"], "findings": []}', encoding="utf-8")
+    with pytest.raises(InputError, match=r"diagnosis.json: schema: found 99; expected 1: diagnose it again"):
+        origin_of(file)
     file.write_text('{"scenario_file": "gone.yaml", "engines": ["mujoco"], "findings": []}', encoding="utf-8")
     with pytest.raises(InputError, match=r"scenario_file: gone.yaml does not exist"):
         origin_of(file)

@@ -1,5 +1,6 @@
 """The page and its parts as files: a pure function of the result folder."""
 
+import errno
 import json
 import re
 import shutil
@@ -12,7 +13,7 @@ import synthetic
 from realitygap.cli.main import app
 from realitygap.compare.traces import read_traces
 from realitygap.files.errors import InputError
-from realitygap.report import write_figures, write_page
+from realitygap.report import remake, write_figures, write_page
 from realitygap.report.curves import read_curves, unpack, write_curves
 from realitygap.report.folder import read_folder
 from realitygap.report.spread import spread
@@ -213,3 +214,29 @@ def test_only_pages_of_the_thesis_robot_show_its_tables(tmp_path: Path) -> None:
         gaps = {("mujoco", (("scenario", name),), "position", "moving"): 1.0}
         page = write_page(synthetic.write_planted(tmp_path / name, synthetic.planted(gaps))).read_text()
         assert ("table 6.1" in page) is shown
+
+
+@pytest.mark.parametrize("cut", ["garbage", "header", "row"])
+def test_timings_that_are_cut_or_none_are_one_sentence(cut: str, folder: Path, tmp_path: Path) -> None:
+    """Within the header or a row, as a copy that was interrupted leaves them."""
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+    file = tmp_path / "timings.csv"
+    whole = file.read_text()
+    last = whole.splitlines()[-1]
+    kept = {"garbage": "garbage", "header": whole[:40], "row": whole[: -len(last) // 2]}
+    file.write_text(kept[cut])
+    with pytest.raises(InputError, match=r"timings.csv: is not a table of timings .*; take it away or run again"):
+        read_folder(tmp_path)
+
+
+def test_a_folder_that_takes_no_files_is_one_sentence(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
+
+    def refused(**_: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refused)
+    with pytest.raises(InputError, match=r"^report: .* cannot be written, .* takes no files .Read-only file system."):
+        remake(tmp_path)

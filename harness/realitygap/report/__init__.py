@@ -4,6 +4,7 @@ from pathlib import Path
 
 from realitygap.files.errors import spared
 from realitygap.files.result_folder import settle, written_whole
+from realitygap.files.whole import check_writable
 from realitygap.report.each import Each, one_by_one
 from realitygap.report.figures import write_figures
 from realitygap.report.folder import read_folder
@@ -32,10 +33,12 @@ def remake(folder: Path) -> list[str]:
     """Write figures and page of a result folder again, whole. Returns sentences on figures that could not be drawn.
 
     Raises:
-        InputError: where the folder holds no result table, or a file of it is damaged; nothing is written then.
+        InputError: where the folder holds no result table, a file of it is damaged, or it takes no files; nothing is
+            written then.
     """
     settle(folder)
     read_folder(folder)  # before anything is made there
+    check_writable(folder, "report")
     failures: list[str] = []
     with written_whole(folder, keeps=RESULTS) as part:
         write_figures(folder, part, failures)

@@ -138,6 +138,8 @@ def _cells(folder: Path, raw: pd.DataFrame, traces: dict[tuple[str, ...], Path])
     try:
         timings = pd.read_csv(path, dtype=text | numbers, keep_default_na=False, na_values=[""])
         timed = {cell_key(r): r for r in timings.to_dict("records")}
+        if timings[[*columns, "step_rate"]].isna().any(axis=None):
+            raise ValueError("a row of it is cut off")
     except Exception as error:  # pandas raises many kinds for a broken file
         raise InputError(f"{path}: is not a table of timings ({in_a_line(error)}); take it away or run again") from None
     for column in columns:

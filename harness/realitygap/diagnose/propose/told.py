@@ -25,11 +25,14 @@ from realitygap.diagnose.search.rivals import ODDS
 from realitygap.diagnose.search.round import Round, Say
 from realitygap.diagnose.search.search import needed, search
 from realitygap.files.errors import InputError
+from realitygap.files.found import shown
 from realitygap.files.plain_file import read_written
 from realitygap.robot.effects import EFFORT_MAP
 from realitygap.robot.effort_map import Table
 
 DIAGNOSIS = "diagnosis.json"
+SCHEMA = 1
+"""The form of it that is read here."""
 
 
 @dataclass(frozen=True)
@@ -62,12 +65,15 @@ def origin_of(path: Path) -> Origin:
         raise InputError(f"{path}: holds no {DIAGNOSIS}; expected a scenario file or the folder of a diagnosis")
     try:
         content = json.loads(read_written(file))
+        version = content.get("schema", SCHEMA)
         scenario, engine = Path(content["scenario_file"]), str(content["engines"][0])
         findings, adjusted = list(content["findings"]), tuple(content.get("adjusted", ()))
-    except (ValueError, KeyError, TypeError, IndexError, RecursionError):
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError):
         raise InputError(
             f"{file}: is no diagnosis that names its scenario; expected what `realitygap diagnose` writes"
         ) from None
+    if version != SCHEMA:
+        raise InputError(f"{file}: schema: found {shown(version)}; expected {SCHEMA}: diagnose it again")
     if not scenario.is_file():
         raise InputError(f"{file}: scenario_file: {scenario} does not exist; expected the scenario that was diagnosed")
     return Origin(scenario, engine, findings, adjusted)
