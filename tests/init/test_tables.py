@@ -82,6 +82,23 @@ def test_units_that_columns_name_are_taken(
     np.testing.assert_allclose(Signals(recording.trace).velocity[:, 1], np.gradient(goal(clock), clock), atol=1e-12)
 
 
+@pytest.mark.parametrize(("word", "guessed"), [("command", True), ("goal_position", False), ("target_pos", False)])
+def test_that_a_command_is_a_position_is_a_guess_where_its_name_says_nothing(
+    word: str, guessed: bool, tmp_path: Path
+) -> None:
+    """Torques that were asked for are called command, too."""
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock})
+    for joint in ("shoulder", "elbow"):
+        frame[f"position_{joint}"], frame[f"{word}_{joint}"] = goal(clock), np.cos(9 * clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    (motion,) = [line for line in draft.path.read_text().splitlines() if line.startswith("motion:")]
+    assert ("# GUESS: positions" in motion and "as: effort" in motion) == guessed
+    scenario, _ = read_all(draft.path, ["shoulder", "elbow"])
+    assert there(scenario.motion).meaning == "position"
+
+
 @pytest.mark.parametrize(("word", "meaning"), [("torque", "effort"), ("speed", "velocity")])
 def test_a_command_that_is_no_position_gets_a_servo_of_its_kind(word: str, meaning: str, tmp_path: Path) -> None:
     clock = np.arange(100) * 0.01

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
-from realitygap.init.names import UNITS, Stem, by_stem, measured_joints, role_of, words
+from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, words
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
@@ -144,7 +144,9 @@ def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> l
         ]
     name = columns["command"]
     kind = "" if meaning == "position" else f", as: {meaning}"
-    return [f"motion: {{recorded: {quoted(name) if isinstance(name, str) else 'command'}{kind}}}"]
+    plain = meaning == "position" and not _words(name) & QUANTITIES["position"]
+    guess = "  # GUESS: positions, as its name says nothing else; or as: effort, velocity or duty" if plain else ""
+    return [f"motion: {{recorded: {quoted(name) if isinstance(name, str) else 'command'}{kind}}}{guess}"]
 
 
 def _columns(columns: Mapping[str, Column]) -> list[str]:
