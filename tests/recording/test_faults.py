@@ -133,7 +133,8 @@ def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal: str, jo
     (fault,) = faults(replace(sound, trace=trace, outliers=outliers))
     assert fault.kind == "outlier"
     assert f"1 {signal} reading of {sound.trace.joints[joint]} jumps far away and back" in fault.sentence
-    assert f"({value:.4g} at {sound.trace.time[730]:.3f} s)" in fault.sentence
+    unit = {"position": "rad", "velocity": "rad/s"}[signal]
+    assert f"({value:.4g} at {sound.trace.time[730]:.3f} s) in {unit}, of a slide" in fault.sentence
     mended, before = getattr(trace, signal), getattr(sound.trace, signal)
     assert mended[730, joint] == pytest.approx(before[[729, 731], joint].mean())
     assert np.array_equal(np.delete(mended, 730, axis=0), np.delete(before, 730, axis=0))

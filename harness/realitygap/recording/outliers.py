@@ -12,13 +12,14 @@ FAR = 10.0
 """How many times further than anything near it a reading must be to be no motion."""
 USUAL = 0.99
 """The share of a joint's steps from reading to reading that are taken as usual."""
+UNITS = {"position": "in rad, of a slide in m", "velocity": "in rad/s, of a slide in m/s"}
 SHOWN = 3
 """Outliers that a sentence lists."""
 
 
 @dataclass(frozen=True)
 class Outlier:
-    """A reading that was taken out: of which joint and signal, when [s], and what it was."""
+    """A reading that was taken out: of which joint and signal, when [s], and what it was [rad or m, or per s]."""
 
     joint: str
     signal: str
@@ -33,8 +34,8 @@ def told(outliers: Sequence[Outlier]) -> dict[tuple[str, str], str]:
         readings.setdefault((o.joint, o.signal), []).append(f"{o.value:.4g} at {o.time:.3f} s")
     return {
         (joint, signal): f"{len(all_)} {signal} reading{'s' * (len(all_) > 1)} of {joint} jump{'s' * (len(all_) == 1)} "
-        f"far away and back ({', '.join(all_[:SHOWN])}{', ...' * (len(all_) > SHOWN)}): the bus, not the robot; the "
-        "mean of the neighbours is taken"
+        f"far away and back ({', '.join(all_[:SHOWN])}{', ...' * (len(all_) > SHOWN)}) {UNITS[signal]}: the bus, not "
+        "the robot; the mean of the neighbours is taken"
         for (joint, signal), all_ in readings.items()
     }
 
