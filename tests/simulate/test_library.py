@@ -62,13 +62,15 @@ def test_what_was_measured(demo: rg.ScenarioFile) -> None:
     [
         ("mojoco", {"run": "chirp_1"}, "engine: found mojoco; expected one of dart, .*; did you mean mujoco"),
         ("mujoco", {"run": "chrip_1"}, "run: found chrip_1; expected one of steps_1, .*; did you mean chirp_1"),
+        ("mujoco", {"run": 7}, "run: found 7; expected one of steps_1, "),
         ("mujoco", {}, "run: is missing; expected one of steps_1, sines_1_rep1"),
         ("mujoco", {"run": "chirp_1", "effects": [{"efect": "backlash"}]}, "effect: is missing"),
         (
             "mujoco",
             {"run": "chirp_1", "effects": [{"effect": "backlsh"}]},
-            "backlsh; .*did you mean backlash",
+            r"effects\[0\]: unknown effect backlsh; .*did you mean backlash",
         ),
+        ("mujoco", {"run": "chirp_1", "effects": ["backlash"]}, r"yaml: effects\[0\]: found 'backlash'; expected"),
     ],
 )
 def test_what_is_wrong_is_one_sentence(

@@ -24,8 +24,8 @@ def spared(what: str, failures: list[str]) -> Iterator[None]:
         failures.append(f"{what} could not be made ({type(error).__name__}: {in_a_line(error)}); all else is there")
 
 
-def did_you_mean(found: str, known: Iterable[str]) -> str:
-    """The end of such a sentence: the known name that is close to the one found, "" where none is."""
+def did_you_mean(found: object, known: Iterable[str]) -> str:
+    """The end of such a sentence: the known name that is close to what was found, "" where none is."""
     lower = {name.lower(): name for name in known}
-    close = difflib.get_close_matches(found.lower(), lower, n=1)
+    close = difflib.get_close_matches(str(found).lower(), lower, n=1)
     return f"; did you mean {lower[close[0]]}?" if close else ""

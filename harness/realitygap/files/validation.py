@@ -32,8 +32,8 @@ UNPARSED = re.compile(r", unable to parse string as an? \w+$")
 INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
 
-def validate(path: Path, model: type[Checked], raw: dict[str, Any]) -> Checked:
-    """Checked data.
+def validate(path: Path | str, model: type[Checked], raw: Any) -> Checked:
+    """Checked data; the path may go on with a key, where they are a part of a file.
 
     Raises:
         InputError: one sentence with the file, the key, what was found and what was expected.
@@ -61,7 +61,8 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
     if kind == "invalid_key":
         return f"{key or 'its top'}: found the key {shown(found)}, expected text"
     meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
-    return f"{key}: found {shown(found)}; {expectation(error)}" + (f" ({meaning})" if meaning else "")
+    at = f"{key}: " if key else ""  # all of what is read
+    return f"{at}found {shown(found)}; {expectation(error)}" + (f" ({meaning})" if meaning else "")
 
 
 def expectation(error: ErrorDetails) -> str:

@@ -6,14 +6,13 @@ from typing import Any
 
 import pandas as pd
 
-from realitygap.files.errors import InputError
-from realitygap.files.validation import validate
+from realitygap.files.errors import InputError, did_you_mean
 from realitygap.missing.effort import MissingEffort, missing_of
 from realitygap.missing.shape import Shape, shape_of
 from realitygap.missing.words import sentence
+from realitygap.scenario.added_effects import added_effects
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import Source, load_scenario
-from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate.experiment import experiments
 
@@ -38,8 +37,12 @@ class Missing:
         """What the missing effort of a joint depends on, told from the recordings that are not held out.
 
         Raises:
-            ValueError: for a joint that the robot does not have.
+            InputError: for a joint that the robot does not have.
         """
+        joints = self.runs[0].joints
+        if joint not in joints:
+            hint = did_you_mean(joint, joints)
+            raise InputError(f"{self.scenario}: joint: found {joint}; expected one of {', '.join(joints)}{hint}")
         if joint not in self._fitted:
             used = [run for run in self.runs if run.use != "held_out"]
             self._fitted[joint] = shape_of(used or self.runs, joint)
@@ -97,7 +100,7 @@ def missing_effort(
     """
     (name,) = engine_names([engine], "engine")
     file = load_scenario(scenario)
-    added = [e if isinstance(e, EffectSpec) else validate(file.path, EffectSpec, plain(e)) for e in effects]
+    added = added_effects(file, effects)
     found = experiments(file, only=list(runs), effects=added)
     if not found:
         raise InputError(f"{file.path}: runs: {', '.join(runs)} matches no recording")

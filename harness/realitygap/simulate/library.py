@@ -5,11 +5,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from realitygap.files.errors import InputError, did_you_mean
-from realitygap.files.validation import validate
 from realitygap.recording.recording import Recording
+from realitygap.scenario.added_effects import added_effects
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, Source, load_scenario
-from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
 from realitygap.simulate import experiment as one
 from realitygap.trace.trace import Trace
@@ -41,7 +40,7 @@ def simulate(
     """
     (name,) = engine_names([engine], "engine")
     file = load_scenario(scenario)
-    added = [e if isinstance(e, EffectSpec) else validate(file.path, EffectSpec, plain(e)) for e in effects]
+    added = added_effects(file, effects)
     return one.simulate(_experiment(file, run, added), name, step_rate=step_rate).trace
 
 

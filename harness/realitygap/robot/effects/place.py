@@ -69,11 +69,11 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
     return out
 
 
-def known(name: str) -> Effect:
-    """The effect of that name. Raises InputError with those there are."""
+def known(name: str, key: str = "effects") -> Effect:
+    """The effect of that name, which stands at a key. Raises InputError with those there are."""
     if name not in WRITABLE:
         hint = did_you_mean(name, WRITABLE)
-        raise InputError(f"effects: unknown effect {name}; known: {', '.join(WRITABLE)}{hint}")
+        raise InputError(f"{key}: unknown effect {name}; known: {', '.join(WRITABLE)}{hint}")
     return WRITABLE[name]
 
 
@@ -87,8 +87,8 @@ def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
     plant = plant.copy()
     seen: set[tuple[str, int]] = set()
     waiting: list[tuple[Effect, EffectSpec, list[int], dict[str, float]]] = []
-    for spec in specs:
-        effect = known(spec.effect)
+    for number, spec in enumerate(specs):
+        effect = known(spec.effect, f"effects[{number}]")
         indices = targets(plant, effect, spec.target)
         for i in indices:
             for other in (effect.name, *effect.excludes):
