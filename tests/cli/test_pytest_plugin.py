@@ -93,7 +93,7 @@ def test_without_engines_nothing_is_collected(project: Project) -> None:
 
 @pytest.mark.parametrize(
     ("engines", "sentence"),
-    [("havok", "--engine: found havok; expected one of"), ("mujoco", "budget: is missing")],
+    [("havok", "--engines: found havok; expected one of"), ("mujoco", "budget: is missing")],
 )
 def test_what_is_wrong_is_one_sentence(project: Project, engines: str, sentence: str) -> None:
     done = project("--engines", engines, "demo/scenario.yaml")

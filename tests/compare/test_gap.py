@@ -233,12 +233,12 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("budget", "sentences"),
     [
-        ({"position": 10.0}, ["drake, kick: position: diverged: diverged at 1.2 s at knee: NaN; budget 10 deg"]),
+        ({"position": 10.0}, ["drake, kick: position: diverged at 1.2 s at knee: NaN; budget 10 deg"]),
         (
             {"position": 3.0},
             [
                 'dart, ground ×2, "quoted": position 7 deg, budget 3 deg; worst joint knee with 7 deg (floor 0.25)',
-                "drake, kick: position: diverged: diverged at 1.2 s at knee: NaN; budget 3 deg",
+                "drake, kick: position: diverged at 1.2 s at knee: NaN; budget 3 deg",
             ],
         ),
         ({"effort": 1.0}, []),

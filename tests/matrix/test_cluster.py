@@ -123,3 +123,5 @@ def test_a_store_at_a_url_is_one_at_a_folder(tmp_path: Path) -> None:
 def test_a_url_that_cannot_be_reached_is_one_sentence() -> None:
     with pytest.raises(InputError, match=r"nowhere://cells: cannot be reached .*; expected a URL that fsspec knows"):
         open_store("nowhere://cells")
+    with pytest.raises(InputError, match=r"^file:///proc/a: cannot be reached .*; expected a place that takes files"):
+        open_store("file:///proc/a")

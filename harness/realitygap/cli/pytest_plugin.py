@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from realitygap.compare.comparison import Comparison, RepeatedMotion
     from realitygap.scenario.file import ScenarioFile
 
+OPTION = "--engines"
 INI = "realitygap_engines"
 FIXTURE = "reality_gap"
 
@@ -66,6 +67,7 @@ class RealityGap:
             OverBudget: where the budget is exceeded, nothing was measured that it is about, or the simulation blew up.
         """
         from realitygap.compare.budget import SIGNALS, not_judged, over_budget
+        from realitygap.compare.row import outcome_told
         from realitygap.compare.table import table
 
         unknown = [s for s in budget if s not in SIGNALS]
@@ -79,7 +81,7 @@ class RealityGap:
         if done.outcome == "unsupported":
             pytest.skip(done.note)
         if done.outcome != "ok":
-            raise OverBudget(f"{self.name}: {done.outcome}: {done.note}")
+            raise OverBudget(f"{self.name}: {outcome_told(done.outcome, done.note)}")
         gaps = table(done.rows)
         lines = over_budget(gaps, limits) + not_judged(gaps, limits)
         if lines:
@@ -121,8 +123,8 @@ class ScenarioTests(pytest.File):
         return str(excinfo.value) if isinstance(excinfo.value, pytest.UsageError) else super().repr_failure(excinfo)
 
 
-def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
-    """Every engine and motion of a scenario.
+def gaps_of(path: Path, names: Sequence[str], where: str = OPTION) -> list[RealityGap]:
+    """Every engine and motion of a scenario; `where` says where the engines are named.
 
     Raises:
         pytest.UsageError: for an engine or a scenario that cannot be used, in one sentence.
@@ -136,14 +138,14 @@ def gaps_of(path: Path, names: Sequence[str]) -> list[RealityGap]:
     try:
         file = load_scenario(path)
         found = motions_of(file)
-        return [RealityGap(file, motion, engine) for engine in engine_names(names) for motion in found]
+        return [RealityGap(file, motion, engine) for engine in engine_names(names, where) for motion in found]
     except RealityGapError as error:
         raise pytest.UsageError(str(error)) from None
 
 
 def wanted_engines(config: pytest.Config) -> list[str] | None:
     """The engines of `--engines` or of the ini file; None where neither is given, empty for all installed."""
-    text = config.getoption("--engines") or config.getini(INI)
+    text = config.getoption(OPTION) or config.getini(INI)
     if not text:
         return None
     names = [name.strip() for name in text.split(",") if name.strip()]
@@ -153,7 +155,7 @@ def wanted_engines(config: pytest.Config) -> list[str] | None:
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option and the ini key."""
     what = "engines of realitygap, separated by commas, or `all`: scenario files on the command line become tests"
-    parser.getgroup("realitygap").addoption("--engines", metavar="NAMES", help=what)
+    parser.getgroup("realitygap").addoption(OPTION, metavar="NAMES", help=what)
     parser.addini(INI, what, default="")
 
 
@@ -176,8 +178,8 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if marker is None or FIXTURE not in metafunc.fixturenames:
         return
     (scenario,) = marker.args
-    names = wanted_engines(metafunc.config)
+    names, where = wanted_engines(metafunc.config), OPTION
     if names is None:
-        names = list(marker.kwargs.get("engines") or [])
-    gaps = gaps_of(metafunc.definition.path.parent / scenario, names)
+        names, where = list(marker.kwargs.get("engines") or []), "realitygap(engines=)"
+    gaps = gaps_of(metafunc.definition.path.parent / scenario, names, where)
     metafunc.parametrize(FIXTURE, gaps, ids=[g.name for g in gaps], scope="session")

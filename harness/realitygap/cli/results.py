@@ -8,6 +8,7 @@ import pandas as pd
 
 from realitygap.cli.missing_effort import add_missing
 from realitygap.compare.budget import stated_budget
+from realitygap.compare.row import outcome_told
 from realitygap.compare.table import means
 from realitygap.files.errors import spared
 from realitygap.files.progress import Progress
@@ -91,7 +92,7 @@ def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, flo
 def summary(made: Collected) -> list[str]:
     """What failed, and the mean gap of every engine beside both floors."""
     lines = [
-        f"{o.cell.engine}, {o.cell.recording or o.cell.scenario}: {o.outcome}: {o.note}"
+        f"{o.cell.engine}, {o.cell.recording or o.cell.scenario}: {outcome_told(o.outcome, o.note)}"
         for _, o in made.cells
         if o.outcome != "ok"
     ]

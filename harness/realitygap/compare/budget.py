@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from realitygap.compare.row import CELL, EXCLUDED
+from realitygap.compare.row import CELL, EXCLUDED, outcome_told
 from realitygap.files.errors import InputError
 from realitygap.scenario.schema import Budget
 
@@ -63,7 +63,7 @@ def _excess(rows: pd.DataFrame, signal: str, value: float, limit: float, unit: s
     worst = rows.sort_values("mean_abs", ascending=False, kind="stable").to_dict("records")[0]
     what = f"{worst['engine']}, {worst['recording']}: {signal}"
     if worst["outcome"] != "ok":
-        return f"{what}: {worst['outcome']}: {worst['note']}; budget {limit:g} {unit}"
+        return f"{what}: {outcome_told(worst['outcome'], worst['note'])}; budget {limit:g} {unit}"
     floor = np.nanmax([worst["noise_floor"], worst["numerical_floor"], 0.0])
     return (
         f"{what} {value:.3g} {unit}, budget {limit:g} {unit}; worst joint {worst['joint']} with "

@@ -104,3 +104,8 @@ def failed(cell: Cell, difference: Difference, noise: float, outcome: str, note:
         outcome=outcome,
         note=note,
     )
+
+
+def outcome_told(outcome: str, note: str) -> str:
+    """An outcome with its note, which may begin with it: "diverged at 1.2 s at knee: NaN"."""
+    return note if note.startswith(f"{outcome} ") else f"{outcome}: {note}"

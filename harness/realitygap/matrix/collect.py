@@ -8,7 +8,7 @@ import pandas as pd
 
 from realitygap.compare.budget import not_judged, over_budget
 from realitygap.compare.comparison import failure
-from realitygap.compare.row import slug
+from realitygap.compare.row import outcome_told, slug
 from realitygap.compare.size import told
 from realitygap.compare.table import table, to_csv
 from realitygap.files.whole import write_whole
@@ -85,7 +85,7 @@ def collect(
         matrix.matrix.name,
         ((t.file, t.motion) for t in tasks),
         [(o.cell, o.settings) for _, o in cells if o.settings],
-        {slug(o.cell): f"{o.outcome}: {o.note}" for _, o in cells if o.outcome != "ok"},
+        {slug(o.cell): outcome_told(o.outcome, o.note) for _, o in cells if o.outcome != "ok"},
         [f for f in files if f.endswith(".mcap")],
         warnings,
         told([t.motion for t, o in cells if t.traces is True and o.outcome == "ok"], whole=False),

@@ -53,9 +53,11 @@ class RemoteStore(Store):
             raise InputError(f"{url}: needs fsspec; install it with: pip install 'realitygap[cluster]'") from None
         try:
             self.files, self.folder = fsspec.core.url_to_fs(url)
+            self.files.makedirs(self.folder, exist_ok=True)
         except (ValueError, ImportError) as error:
             raise InputError(f"{url}: cannot be reached ({error}); expected a URL that fsspec knows") from None
-        self.files.makedirs(self.folder, exist_ok=True)
+        except OSError as error:  # a host that nobody knows, a place that takes no files
+            raise InputError(f"{url}: cannot be reached ({error}); expected a place that takes files") from None
 
     def keys(self) -> set[str]:
         self.files.invalidate_cache(self.folder)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from realitygap.compare.row import outcome_told
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_label, number, quantity
 from realitygap.report.folder import GROUPS, Results
 from realitygap.report.levels import Level, differ, joined, levels
@@ -64,7 +65,8 @@ def failures(cells: pd.DataFrame) -> list[Sentence]:
         first = part.iloc[0]
         count = f"{len(part)} of {(cells['engine'] == engine).sum()} cells"
         what = {"timeout": "took too long"}.get(str(outcome), f"{outcome}")
-        out.append(Sentence("failed", f"{engine_label(str(engine))}: {count} {what}: {_stop(first['note'])}"))
+        why = _stop(outcome_told(what, first["note"]))
+        out.append(Sentence("failed", f"{engine_label(str(engine))}: {count} {why}"))
     return out
 
 
