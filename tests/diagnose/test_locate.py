@@ -60,3 +60,12 @@ def test_of_even_floors_the_noise_told_is_the_mean_absolute_noise(simulations: S
         sigma = np.sqrt(np.mean([even.noise[i][p.signal][j] ** 2 for i in range(len(problem.cases))]))
         assert p.noise_floor == pytest.approx(np.sqrt(2 / np.pi) * sigma * scale, rel=0.05)
         assert p.numerical_floor == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_motion_without_effort_is_never_loaded_beside_others_that_are(simulations: Simulations) -> None:
+    """As an arm that was let go, beside motions that efforts drove."""
+    problem, floors = simulations.problem, measure(simulations, [])
+    simulated = {i: a for i, a in enumerate(simulations.of([], range(len(problem.cases)))) if a is not None}
+    simulated[0] = simulated[0] | {"effort": np.zeros_like(simulated[0]["effort"])}
+    assert len(locate(problem, floors, simulated)) > 2
+    assert not [p for p in locate(problem, floors, {0: simulated[0]}) if "loaded" in p.when]

@@ -18,6 +18,18 @@ from realitygap.scenario.file import load_scenario
 from realitygap_engines import available
 from synthetic_tosses import write_tosses
 
+ARM = """<robot name="arm"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 -0.5"/><mass value="1"/>
+<inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 -1 0"/></joint></robot>"""
+DRIVEN = """name: driven
+robot: {urdf: arm.urdf, base: fixed}
+servos: [{joints: "*", kind: effort}]
+motion: {recorded: effort, as: effort, held: false}
+recordings:
+  virtual: true
+  effort: none
+  runs: [{path: first.csv, use: train}, {path: second.csv, use: held_out}]
+"""
 CLOCK = np.arange(0.0, 8.0, 1 / 200)
 TRUE = {"effects": [{"effect": "viscous_friction", "target": "elbow", "coefficient": FRICTION}]}
 
@@ -68,6 +80,25 @@ def test_a_swing_that_was_recorded_once_is_cut_where_it_forgets_its_start(
     problem = build_problem(file, "mujoco")
     assert all(bool(c.windows) == cut for c in problem.cases)
     assert any("in the model, first_0, second_0 forget within" in note for note in problem.notes) == cut
+
+
+@pytest.mark.parametrize("upright", [True, False])
+def test_what_efforts_held_is_cut_where_the_model_lets_it_fall(tmp_path: Path, upright: bool) -> None:
+    """An arm that swings freely, and one that a controller held upright whose efforts alone were recorded."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    clock = np.arange(0.0, 6.0, 1 / 200)
+    noise = np.random.default_rng(1)
+    held = np.column_stack([clock, np.pi + 0.02 * np.sin(3 * clock), 0.0 * clock])
+    held[:, 2] = 0.25 * -9 * 0.02 * np.sin(3 * clock) + 0.5 * 9.81 * np.sin(held[:, 1])
+    swing = np.column_stack([clock, 0.2 * np.cos(4.43 * clock), 0.0 * clock])
+    for name, table in (("first", held if upright else swing), ("second", swing)):
+        table = table + [0.0, NOISE, 0.0] * noise.standard_normal(table.shape)
+        np.savetxt(tmp_path / f"{name}.csv", table, delimiter=",", header="time,position_j,effort_j", comments="")
+    (tmp_path / "scenario.yaml").write_text(DRIVEN)
+    problem = build_problem(load_scenario(tmp_path / "scenario.yaml"), "mujoco")
+    assert [bool(c.windows) for c in problem.cases] == [upright, upright], "of efforts, one that forgets is enough"
+    assert all(0.3 < c.length < 2.0 for c in problem.cases if c.windows)
+    assert any("of 2 motions that nothing holds forget" in note for note in problem.notes) == upright
 
 
 def test_over_windows_the_true_model_is_at_its_floor(forgetful: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.compare.comparison import RepeatedMotion, on_first_clock
 from realitygap.diagnose.data.alike import alike_for, reproduced
 from realitygap.diagnose.data.case import TINY, Case
-from realitygap.diagnose.data.diverging import forgotten, let_go
+from realitygap.diagnose.data.diverging import forgotten, let_go, told_efforts
 from realitygap.diagnose.data.windows import FEWEST, cut
 from realitygap.robot.drive import Array
 from realitygap.simulate.experiment import Experiment
@@ -26,7 +26,9 @@ def windowed(cases: Sequence[Case], motions: Sequence[RepeatedMotion], engine: s
 
     Repetitions that do not reproduce their motion are a case each: their mean is no motion. Where a motion was recorded
     once and something moves in it that nothing holds, the model says how soon it forgets its start; where it says so of
-    most of them, another model may say it of the others, and all are cut.
+    most of them, another model may say it of the others, and all are cut. Where motors were told efforts, it is enough
+    that it says so of one: efforts add up twice, and what a model lacks leads every motion away from where they were
+    told. A pendulum that swings freely for ten seconds told neither its friction nor its rotor; in pieces both.
 
     Args:
         cases: split into those that are fitted and those that are judged on.
@@ -41,14 +43,17 @@ def windowed(cases: Sequence[Case], motions: Sequence[RepeatedMotion], engine: s
         out.append([case])
         if case.experiment.followed is not None:
             continue
-        if len(motion.experiments) > 1:
+        whole = len(motion.experiments) == 1
+        if not whole:
             out[-1], said = _repeated(case, motion)
             notes += said
-        elif let_go(case.experiment) and not _stands(case.experiment):
+            whole = told_efforts(case.experiment) and out[-1] == [case]  # who told them made it repeat, not the model
+        if whole and let_go(case.experiment) and not _stands(case.experiment):
             alone[k] = forgotten(case, engine)
     untils = [until for until in alone.values() if until is not None]
     if untils:
-        length, most = float(np.median(untils)), 2 * len(untils) > len(alone)
+        driven = any(told_efforts(cases[k].experiment) for k in alone)
+        length, most = float(np.median(untils)), driven or 2 * len(untils) > len(alone)
         chosen = [k for k, until in alone.items() if most or until is not None]
         for k in chosen:
             out[k] = [cut(cases[k], length)]
@@ -122,7 +127,7 @@ def _once(names: Sequence[str], count: int, length: float, cases: Sequence[Case]
     if len(names) <= NAMED and count == len(names):
         shown = ", ".join(names)
     else:
-        shown = f"{count} of {len(names)} motions that were recorded once"
+        shown = f"{count} of {len(names)} motions that nothing holds"
     forgets = "forget within {:.2g} s how they began" if count > 1 else "forgets within {:.2g} s how it began"
     told = f"in the model, {shown} {forgets.format(length)}, as far as the readings tell that"
     if all(c.windows for c in cases):

@@ -46,6 +46,15 @@ def cut(case: Case, length: float) -> Case:
     return replace(case, windows=windows, length=length)
 
 
+def begun(case: Case, number: int) -> list[Experiment]:
+    """What is left of a case's motion from so many samples on, the first and others evenly after it, each from its
+    measured state; none where that is too few samples.
+    """
+    time, moments = case.measured.time, Moments(case)
+    end, apart = float(time[-1]) + case.experiment.scenario.timestep, len(time) // number
+    return [_window(case, moments, k * apart, end) for k in range(number)] if apart >= FEWEST else []
+
+
 def _window(case: Case, moments: Moments, k: int, end: float) -> Experiment:
     """The piece of a case's motion from sample k to a time on the recording's clock [s]."""
     whole, begin = case.experiment, float(case.measured.time[k])

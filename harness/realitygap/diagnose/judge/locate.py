@@ -96,20 +96,20 @@ def _place(
 ) -> Place:
     unit, scale = unit_of(signal, problem.plant.model.joints[j].prismatic)
     gaps, scaled, noises = [], [], []
-    masks: dict[str, list[Mask]] = {}
+    masks: list[dict[str, Mask]] = []
     for i, sim in simulated.items():
         case, sigma = problem.cases[i], floors.sigma(i, signal)[:, j]
         delta = sim[signal][:, j] - case.value(signal)[:, j]
         gaps.append(np.abs(delta))
         scaled.append(delta / sigma)
         noises.append(floors.noise[i][signal][j] / sigma)
-        for phase, mask in phases(case, j, sim).items():
-            masks.setdefault(phase, []).append(mask)
+        masks.append(phases(case, j, sim))
     residual = np.nan_to_num(np.concatenate(scaled))
     whole = float(np.sqrt(np.mean(residual**2)))
     when = []
-    for phase, parts in masks.items():
-        mask = np.concatenate(parts)
+    for phase in dict.fromkeys(phase for of in masks for phase in of):
+        never = [np.zeros(len(part), dtype=bool) for part in scaled]  # a motion without effort is never loaded
+        mask = np.concatenate([of.get(phase, none) for of, none in zip(masks, never, strict=True)])
         if mask.sum() >= 5 and np.sqrt(np.mean(residual[mask] ** 2)) > STANDS_OUT * whole:
             when.append(phase)
     gap = float(np.nanmean(np.concatenate(gaps)) * scale)
