@@ -93,7 +93,7 @@ def followed(size: float, rate: float) -> Command:
 
     def command(time: float, angle: float, speed: float) -> float:
         wanted, turns = size * np.sin(rate * time), size * rate * np.cos(rate * time)
-        return 8.0 * (wanted - angle) + 0.5 * (turns - speed)
+        return float(8.0 * (wanted - angle) + 0.5 * (turns - speed))
 
     return command
 
