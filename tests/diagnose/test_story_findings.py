@@ -62,6 +62,7 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
         "name": "command profile",
         "target": "elbow",
         "sits_at": "joint",
+        "indices": (0,),
         "before": "3",
         "after": "1",
     }
@@ -71,7 +72,7 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
         "values": {"speed": _Value(2.0, 1.0, 3.0, "rad/s", None), "acceleration": fast},
     }
     less = {"parameters": [("acceleration", "7 rad/s²", "6 to 8", "none")], "values": {"acceleration": slow}}
-    rows = story._table([one | both, one | less | {"target": "knee"}])
+    rows = story._table([one | both, one | less | {"target": "knee", "indices": (1,)}])
     assert rows == [
         ("command profile", "elbow", "speed", "2 rad/s", "1 to 3", "none"),
         (
@@ -85,6 +86,18 @@ def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pyt
     ]
 
 
+def test_findings_at_many_joints_each_are_as_many_joints(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(story, "MANY", 0)
+    one: dict[str, Any] = {"name": "coulomb friction", "sits_at": "joint", "parameters": [], "values": {}}
+    ((title, _),) = story._groups([one | {"indices": (0, 1, 2)}, one | {"indices": (3, 4)}])
+    assert title == "coulomb friction at 5 joints"
+
+
+def test_sentences_call_effects_by_words_and_joints_by_their_names() -> None:
+    said = "coulomb_friction at left_knee widens the gap of base_tilted"
+    assert story_text.in_words(said) == "coulomb friction at left_knee widens the gap of base_tilted"
+
+
 @pytest.mark.parametrize("joints", [1, 2, 3, 4, 7])
 def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of few joints each has its row; of many, values, intervals and what the model had reach from and to."""
@@ -94,7 +107,14 @@ def test_the_table_tells_no_value_that_none_of_the_joints_has(joints: int, monke
         for k in range(1, joints + 1)
     ]
     found: list[dict[str, Any]] = [
-        {"name": "coulomb friction", "target": f"j{k}", "sits_at": "joint", "before": "3", "after": "1"}
+        {
+            "name": "coulomb friction",
+            "target": f"j{k}",
+            "sits_at": "joint",
+            "indices": (k,),
+            "before": "3",
+            "after": "1",
+        }
         | {"parameters": [("torque", f"{v.value} N·m", "its own", "its own")], "values": {"torque": v}}
         for k, v in enumerate(at)
     ]
@@ -171,7 +191,7 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
     ("effect", "values", "said"),
     [
         ("center_of_mass", {"x": 0.01, "y": 0.0, "z": -0.1}, "is wrong (x 0.0100 m instead of 0 m"),
-        ("link_inertia", {"scale": 1.2}, "is wrong (1.20 instead of 1.00"),
+        ("link_inertia", {"scale": 1.2}, "is wrong (scale 1.20 instead of 1.00"),
         ("joint_compliance", {"stiffness": 60.0, "damping": 0.0}, "is missing (60.0 N·m/rad)"),
         ("velocity_filter", {"time": 0.02, "scale": 1.1}, "is missing (time 0.0200 s and scale 1.10)"),
     ],

@@ -45,12 +45,12 @@ def closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -
 
 def _short_of(found: Found, promise: Promise) -> str:
     """Why what promised most was not named."""
-    promised = f"it promises {promise.gain:.1f} in evidence over something else; a name needs {found.limit:.1f}"
+    promised = f"straight lines promise it {promise.gain:.1f} in evidence, where a name needs {found.limit:.1f}"
     if promise.gain < found.limit:
         return promised
     gain, least = found.short.get(promise.change.suspect, (-np.inf, found.limit))
     if gain < found.limit:
-        return f"{promised}, and fitted it gains less than that"
+        return f"{promised}, but once it was fitted it gained less than a name needs"
     return (
         f"{promised}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
         "of the recordings scatter, and from what laws leave"

@@ -22,6 +22,7 @@ from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, 
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
     better,
+    in_words,
     interval,
     lacks,
     model_value,
@@ -103,7 +104,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "faults": result.faults,
         "closest": [_closest(result, c) for c in result.closest],
         "units": [(u.signal, number(u.before), number(u.after), unit_label(u.unit)) for u in result.units],
-        "notes": result.notes,
+        "notes": [in_words(note) for note in result.notes],
         "split": problem.split,
         "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
         "repeated": sum(c.repetitions > 1 for c in problem.cases),
@@ -151,6 +152,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "command": suspect.effect,
         "target": target_label(suspect),
         "sits_at": effect.sits_at,
+        "indices": suspect.indices,
         "said": lacks(result, change),
         "better": better(result, change),
         "parameters": _parameters(result, change, content["parameters"]),
@@ -158,6 +160,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "page": effect.page,
         "before": number(done.before),
         "after": number(done.after),
+        "rises": done.after > done.before and number(done.after) != number(done.before),
         "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {name_label(suspect)}, by engine")),
         "drawing": Markup(draw_table(result, change)) if suspect.table is not None else "",
         "missing": missing,
@@ -199,8 +202,13 @@ def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]
         if len(alike) == 1 or len(found) <= MANY:
             groups.append(("", [member]))
         elif member is alike[0]:
-            groups.append((f"{member['name']} at {len(alike)} {member['sits_at']}s", alike))
+            groups.append((f"{member['name']} at {_places(alike)}", alike))
     return groups
+
+
+def _places(found: list[dict[str, Any]]) -> str:
+    """At how many joints, or links, findings are: one may be at many."""
+    return f"{len({i for f in found for i in f['indices']})} {found[0]['sits_at']}s"
 
 
 def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
@@ -218,7 +226,7 @@ def _table(found: list[dict[str, Any]]) -> list[tuple[str, ...]]:
             values = [f["values"][name] for f, _ in alike if name in f["values"]]
             if FEW < len(alike) == len(values) and len({v.unit for v in values}) == 1:
                 first = alike[0][0]
-                rows.append((first["name"], f"{len(alike)} {first['sits_at']}s", name, *_reach(values)))
+                rows.append((first["name"], _places([f for f, _ in alike]), name, *_reach(values)))
             else:
                 rows += [(f["name"], f["target"], *p) for f, p in alike]
     order = list(dict.fromkeys(f["name"] for f in found))
@@ -317,4 +325,4 @@ def _spans(time: np.ndarray[Any, Any], inside: np.ndarray[Any, Any]) -> list[tup
 
 
 def _sentences(text: str) -> list[str]:
-    return [t[0].upper() + t[1:].replace("_", " ") for t in text.split("; ") if t]
+    return [t[0].upper() + in_words(t)[1:] for t in text.split("; ") if t]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from realitygap.diagnose.candidates.told import TELLERS
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
+from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis
@@ -21,6 +23,8 @@ WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
 CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
+NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
+"""An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
 
@@ -101,12 +105,17 @@ def lacks(result: Diagnosis, change: Change) -> str:
     missing = not factors and all(_none(p, zero[p.name]) for p in shown)
     parts = []
     for p in shown:
-        name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 else ""
+        name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 or not units[p.name] else ""
         low, high = own_reach(problem, change.suspect, p)
         had = _people(low, units[p.name]) if low == high else interval(low, high, units[p.name])
         own = "" if missing else f" instead of {had}"
         parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
     return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
+
+
+def in_words(text: str) -> str:
+    """A sentence in which effects are called by words; joints and links keep their names."""
+    return NAMED.sub(lambda found: found[0].replace("_", " "), text)
 
 
 def _none(parameter: Parameter, value: float) -> bool:
@@ -165,6 +174,7 @@ def verdict(result: Diagnosis) -> str:
     beside = f", and {_adjusted(result.adjusted)}," if result.adjusted else ""
     text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
+        text += ", less than a tenth of what it was" if after > CLEAR else ""
         return f"{text}. {CUT}." if result.found.cut else f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"
     return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
