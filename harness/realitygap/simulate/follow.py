@@ -50,9 +50,9 @@ class Followed:
             return "followed: no joint moves"
         band, error = found.bandwidth[moved], np.sqrt(np.mean(found.error[2][:, moved] ** 2, axis=0))
         worst = int(np.argmax(error))
+        bands = " to ".join(dict.fromkeys(f"{b:.3g}" for b in (band.min(), band.max())))
         return (
-            f"followed: velocities and accelerations by a quintic smoothing spline of {band.min():.3g} to "
-            f"{band.max():.3g} Hz; standard error of the acceleration up to {error[worst]:.2g} rad/s² or m/s² "
+            f"followed: velocities and accelerations by a quintic smoothing spline of {bands} Hz; standard error of the acceleration up to {error[worst]:.2g} rad/s² or m/s² "
             f"({joints[moved[worst]]})"
         )
 

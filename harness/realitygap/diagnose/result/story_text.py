@@ -23,6 +23,8 @@ WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
 CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
+MOST = 6
+"""Decades of odds that are told: what is beyond is sure, and no model is known so well."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
 """An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
@@ -222,8 +224,10 @@ def better(result: Diagnosis, change: Change) -> str:
 
 
 def _odds(evidence: float) -> str:
-    """Odds as people say them: 40, 10^12."""
+    """Odds as people say them: 40, 10^5, more than 10^6."""
     decades = evidence / math.log(10)
+    if decades > MOST:
+        return f"more than 10^{MOST}"
     return f"{math.exp(max(evidence, 0.0)):.0f}" if decades < 4 else f"10^{decades:.0f}"
 
 
