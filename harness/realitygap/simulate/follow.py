@@ -52,8 +52,8 @@ class Followed:
         worst = int(np.argmax(error))
         bands = " to ".join(dict.fromkeys(f"{b:.3g}" for b in (band.min(), band.max())))
         return (
-            f"followed: velocities and accelerations by a quintic smoothing spline of {bands} Hz; standard error of the acceleration up to {error[worst]:.2g} rad/s² or m/s² "
-            f"({joints[moved[worst]]})"
+            f"followed: velocities and accelerations by a quintic smoothing spline of {bands} Hz; standard error of "
+            f"the acceleration up to {error[worst]:.2g} rad/s² or m/s² ({joints[moved[worst]]})"
         )
 
 
