@@ -13,13 +13,12 @@ import os
 import re
 import sys
 import tempfile
-import time as clock
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import realitygap as rg
 from bench_followed_arm import COULOMB, JOINTS, MOTIONS, NOISE, VISCOUS, read, write
+from named import named
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import load_scenario
@@ -125,13 +124,7 @@ def main() -> None:
         (folder / "scenario.yaml").write_text(arm + followed, encoding="utf-8")
         for what in ("dry", "viscous", "rotor"):
             sys.stdout.write(f"planted {what}: {np.round(getattr(truth, what), 2)}\n")
-        began = clock.monotonic()
-        found = rg.diagnose(folder / "scenario.yaml", ["mujoco"])
-        before, after = found.gap["held_out"]
-        took = f"{clock.monotonic() - began:.0f} s"
-        sys.stdout.write(f"{found.verdict}, held out {before:.2f} -> {after:.2f} floors, {took}\n")
-        sys.stdout.write("".join(f"    {f!r}\n" for f in found.findings))
-        sys.stdout.write("".join(f"    adjusted {f!r}\n" for f in found.adjusted))
+        sys.stdout.write(named(folder / "scenario.yaml"))
 
 
 if __name__ == "__main__":

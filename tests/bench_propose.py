@@ -39,7 +39,8 @@ from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.told import opened
-from realitygap.diagnose.propose.words import MOST, SURE
+from realitygap.diagnose.propose.words import SURE
+from realitygap.diagnose.result.story_text import MOST
 from realitygap.scenario.file import load_scenario
 
 Result = dict[str, Any]

@@ -5,12 +5,12 @@ A motor with a current controller gives what it is told, through a lag and a gai
 
 import numpy as np
 
+from realitygap.check.effort import THOUSAND
 from realitygap.check.follow import Following, following
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Mask, Observed
 from realitygap.robot.drive import TORQUE
 
-THOUSAND = 1000.0
 FITS = 0.9
 """The share of an effort that its command explains where a unit or a sign is read off: 0.998 of motors with current
 controllers."""

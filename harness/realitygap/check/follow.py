@@ -23,6 +23,10 @@ WEAK = 5.0
 
 LEAST = 0.02
 """s: a servo lags by its own sampling and friction, too."""
+EXPLAINED = 0.9
+"""The share of a position's variance that its command explains through a lag and a gain: 0.91 to 1 was measured on five
+machines, weak, saturated and rate-limited ones among them."""
+
 OFTEN = 0.4
 """The share of the time that a command must be in force to be judged."""
 

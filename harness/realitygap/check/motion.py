@@ -6,7 +6,7 @@ import numpy as np
 from realitygap_engines.law.dynamics import Dynamics
 
 from realitygap.check.effort import pushed
-from realitygap.check.follow import OFTEN, WEAK, Following, following
+from realitygap.check.follow import EXPLAINED, OFTEN, WEAK, Following, following
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Mask, Observed
 from realitygap.check.reading import beside_command
@@ -18,9 +18,6 @@ MOVES, SLIDES = 0.1, 0.01
 """rad and m: a command or a position with less range is not told from sag, backlash, friction and offsets."""
 QUANTA = 20.0
 """A motion has so many quanta, or its shape is not judged."""
-EXPLAINED = 0.9
-"""The share of a position's variance that its command explains through a lag and a gain: 0.91 to 1 was measured on five
-machines, weak, saturated and rate-limited ones among them."""
 UNEXPLAINED = 0.5
 """What two different motions of one robot explain of one another at most."""
 NOTHING, MOST = 0.35, 0.75

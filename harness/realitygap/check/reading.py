@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from realitygap.check.follow import WEAK, Following
+from realitygap.check.follow import EXPLAINED, WEAK, Following
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import stiffness
@@ -22,10 +22,8 @@ FEWEST = 10
 BESIDE, BESIDE_SLIDE = 0.7, 0.1
 """rad (40°) and m: twice what a robot that holds its first command sags by at most (`start.FAR`). Six real machines are
 0.08 rad from it all along, at most."""
-FOLLOWS = 0.9
-"""The share of a position's variance that its command explains where it follows it, as in `motion`."""
 LEAST_SLOPE = 0.5
-"""And the least that it moves per command: weaker, a sag is what the servo is."""
+"""The least that a position moves per command where it follows it: weaker, a sag is what the servo is."""
 
 
 def stuck_readings(o: Observed) -> list[Mistake]:
@@ -70,7 +68,7 @@ def beside_command(o: Observed, along: Following, joints: Sequence[int]) -> list
         error = o.position[:, j] - o.command[:, j]
         error = error[np.isfinite(error)]
         share, slope = np.nan_to_num(along.share[j, j]), np.nan_to_num(along.slope[j, j])
-        if not (share >= FOLLOWS and LEAST_SLOPE <= slope <= STRONGEST and len(error)):
+        if not (share >= EXPLAINED and LEAST_SLOPE <= slope <= STRONGEST and len(error)):
             continue
         middle = float(np.median(error))
         least = float(np.quantile(np.sign(middle) * error, 0.05))

@@ -47,8 +47,8 @@ def cut(case: Case, length: float) -> Case:
 
 
 def begun(case: Case, number: int) -> list[Experiment]:
-    """What is left of a case's motion from so many samples on, the first and others evenly after it, each from its
-    measured state; none where that is too few samples.
+    """What is left of a case's motion from so many of its samples on, the first and others evenly after it, each from
+    its measured state; none where there are too few samples between them.
     """
     time, moments = case.measured.time, Moments(case)
     end, apart = float(time[-1]) + case.experiment.scenario.timestep, len(time) // number

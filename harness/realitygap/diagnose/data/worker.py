@@ -16,6 +16,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from realitygap_engines import Diverged, Failed, Unsupported
 
+from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.push import Push
@@ -67,7 +68,7 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     if not all(c.suspect.possible(plant) for c in query.changes):  # a compliance whose rotor was left out
         return None
     try:
-        trace = simulated(problem, query)
+        trace = simulated(case, plant, query)
     except (Diverged, Failed, Unsupported):
         return None
     signals = problem.signals(query.case)
@@ -84,13 +85,12 @@ def answer(problem: Problem, query: Query) -> dict[str, Array] | None:
     return out
 
 
-def simulated(problem: Problem, query: Query) -> Trace:
-    """The whole motion of a query, at every step.
+def simulated(case: Case, plant: Plant, query: Query) -> Trace:
+    """The whole motion of a query, of a changed plant, at every step.
 
     Raises:
         Unsupported, Diverged, Failed: as they say.
     """
-    case, plant = problem.cases[query.case], problem.changed_plant(query.changes, query.case)
     return joined(case.pieces, [_simulated(plant, query, e, number) for number, e in enumerate(case.pieces)])
 
 

@@ -36,12 +36,12 @@ class _Outcome:
     query: Query
 
     def answer(self, problem: Problem, /) -> str:
-        experiment = problem.cases[self.query.case].experiment
+        case, plant = problem.cases[self.query.case], problem.changed_plant(self.query.changes, self.query.case)
         try:
-            simulated(problem, self.query)
+            simulated(case, plant, self.query)
         except Diverged as error:
-            rate = f"a higher physics.step_rate than {experiment.scenario.physics.step_rate:g} Hz"
-            gains = ", or servos with lower gains and more damping" if experiment.plant.model.joints else ""
+            rate = f"a higher physics.step_rate than {case.experiment.scenario.physics.step_rate:g} Hz"
+            gains = ", or servos with lower gains and more damping" if plant.model.joints else ""
             return f"{error}; expected {rate}{gains}"
         except (Failed, Unsupported) as error:
             return f"{error}; expected another engine to search in (the first --engine)"

@@ -19,6 +19,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.explanations import MOST, Open, left_open
+from realitygap.diagnose.result.diagnosis import SCHEMA
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.rivals import ODDS
@@ -31,8 +32,6 @@ from realitygap.robot.effects import EFFORT_MAP
 from realitygap.robot.effort_map import Table
 
 DIAGNOSIS = "diagnosis.json"
-SCHEMA = 1
-"""The form of it that is read here."""
 
 
 @dataclass(frozen=True)

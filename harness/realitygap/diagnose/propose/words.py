@@ -7,14 +7,12 @@ import math
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
-from realitygap.diagnose.result.story_text import suspect_label
+from realitygap.diagnose.result.story_text import MOST, suspect_label
 
 SURE = math.log(20.0)
 """Odds beyond this settle a question: those at which a diagnosis takes a rival out of the confidence set."""
 WEAKEST = 3
 """Values that are told in one sentence: the weakest."""
-MOST = 6
-"""Odds are told up to so many decades: beyond, a model's own faults decide."""
 
 
 def odds(logarithm: float) -> str:

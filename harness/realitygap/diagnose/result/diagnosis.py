@@ -22,6 +22,8 @@ from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
+SCHEMA = 1
+"""The form of `diagnosis.json`."""
 Z95 = 1.96
 """Standard deviations of a 95 % interval."""
 LAW = 0.1
@@ -114,7 +116,7 @@ class Diagnosis:
     def to_json(self) -> dict[str, Any]:
         """The content of `diagnosis.json`."""
         return {
-            "schema": 1,
+            "schema": SCHEMA,
             "scenario": self.problem.file.scenario.name,
             "scenario_file": str(self.problem.file.path.absolute()),
             "engines": self.engines,

@@ -24,7 +24,7 @@ WITH = {"error": "position error", "reversal": "time since the last reversal"}
 CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
 MOST = 6
-"""Decades of odds that are told: what is beyond is sure, and no model is known so well."""
+"""Odds are told up to so many decades: beyond, a model's own faults decide."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
 """An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
@@ -117,7 +117,7 @@ def lacks(result: Diagnosis, change: Change) -> str:
 
 def in_words(text: str) -> str:
     """A sentence in which effects are called by words; joints and links keep their names."""
-    return NAMED.sub(lambda found: found[0].replace("_", " "), text)
+    return NAMED.sub(lambda found: effect_label(found[0]), text)
 
 
 def _none(parameter: Parameter, value: float) -> bool:
