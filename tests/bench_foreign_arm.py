@@ -1,6 +1,6 @@
 """An arm whose laws are of another form than ours, followed, with what `diagnose` names (synthetic recordings).
 
-    REALITYGAP_DATA=... python tests/bench_foreign_arm.py [--seed 1] [--heavier 1] [--load 0]
+    REALITYGAP_DATA=... python tests/bench_foreign_arm.py [--seed 1] [--heavier 1] [--load 0] [--onset 1]
 
 The links are those of a UR10e, `--heavier` times as heavy, and 3 % off. Friction grows from rest as a hyperbolic
 tangent of the speed, then less than with it, by side, with angle and load, and falls while the arm warms up; rotors are
@@ -46,8 +46,8 @@ class Truth:
     constant: Array
 
     @classmethod
-    def drawn(cls, rng: np.random.Generator, heavier: float) -> "Truth":
-        """A machine."""
+    def drawn(cls, rng: np.random.Generator, heavier: float, onset: float) -> "Truth":
+        """A machine, whose friction needs so many times the usual speed to grow."""
         dry = np.array(COULOMB) * heavier * rng.uniform(0.7, 1.3, 6)
         return cls(
             dry=dry,
@@ -59,7 +59,7 @@ class Truth:
             ripple=rng.uniform(0.03, 0.08, 6),
             periods=rng.choice([2.0, 4.0], 6),
             phase=rng.uniform(0.0, 6.0, 6),
-            onset=rng.uniform(0.01, 0.03, 6),
+            onset=onset * rng.uniform(0.01, 0.03, 6),
             constant=1.0 + rng.uniform(-0.03, 0.03, 6),
         )
 
@@ -104,10 +104,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--heavier", type=float, default=1.0)
     parser.add_argument("--load", type=float, default=0.0, help="kg")
+    parser.add_argument("--onset", type=float, default=1.0, help="how much more slowly friction grows")
     options = parser.parse_args()
     data = Path(os.environ["REALITYGAP_DATA"])
     rng = np.random.default_rng(options.seed)
-    truth = Truth.drawn(rng, options.heavier)
+    truth = Truth.drawn(rng, options.heavier, options.onset)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         text = (data / "ur10e" / "ur10e.urdf").read_text(encoding="utf-8")

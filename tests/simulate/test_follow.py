@@ -65,6 +65,19 @@ def test_an_arm_takes_what_the_closed_form_says(engine: str) -> None:
     np.testing.assert_allclose(effort[inner, 0], (smooth + 0.05 * np.sign(v))[inner], rtol=0, atol=2e-3)
 
 
+@pytest.mark.parametrize("onset", [0.02, 0.5])
+def test_friction_that_grows_from_rest_is_a_hyperbolic_tangent_of_the_speed(onset: float) -> None:
+    plant, time = arm(), np.arange(0.0, 3.0, 0.002)
+    creeping = place(plant, [EffectSpec(effect="coulomb_friction", target="hinge", torque=0.05, onset=onset)])
+    q, v, _ = swing(time)
+    plant.drive["coulomb"] = plant.drive["static"] = 0.0
+    effort, without = (followed(p, time, q[:, None]).effort for p in (creeping, plant))
+    assert effort is not None
+    assert without is not None
+    inner = slice(50, -50)
+    np.testing.assert_allclose((effort - without)[inner, 0], 0.05 * np.tanh(v[inner] / onset), rtol=0, atol=5e-4)
+
+
 def off(plant: Plant) -> list[Array]:
     """What a driven motion's effort is off while it moves, followed with its own plant and with the plain one."""
     trace = driven(plant)

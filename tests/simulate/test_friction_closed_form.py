@@ -60,6 +60,30 @@ def test_viscous_friction_decays_exponentially(engine: str) -> None:
     assert_allclose(out.velocity[:, 0], exact, rtol=rounding, err_msg="the law makes a free decay exact")
 
 
+@everywhere
+def test_friction_that_grows_from_rest_slows_as_the_hyperbolic_sine_decays(engine: str) -> None:
+    """m·dω/dt = −torque·tanh(ω/onset) has sinh(ω/onset) = sinh(ω₀/onset)·exp(−torque·t/(m·onset))."""
+    plant = added(effort_servo(wheel()), "coulomb_friction", torque=0.2, onset=0.3)
+    for h, error in ((H, 1.6e-3), (H / 4, 4e-4)):  # it is half a step late
+        out = run(plant, 0.0, 0.6, engine=engine, velocity=0.8, h=h)
+        decay = np.exp(-0.2 * (out.time + h / 2) / (0.3 * (LINK + ARMATURE)))
+        assert_allclose(out.velocity[1:-1, 0], 0.3 * np.arcsinh(np.sinh(0.8 / 0.3) * decay)[1:-1], atol=error)
+
+
+@everywhere
+@pytest.mark.parametrize("onset", [1e-4, 0.02, 0.3])
+@pytest.mark.parametrize("softened", [False, True])
+def test_friction_that_grows_from_rest_creeps_at_the_speed_that_balances_it(
+    softened: bool, onset: float, engine: str
+) -> None:
+    """0.1 N·m against 0.2: ω = onset·atanh(0.5), also where friction grows within far less than a step."""
+    plant = added(effort_servo(wheel()), "coulomb_friction", torque=0.2, onset=onset)
+    if softened:
+        plant = added(plant, "joint_compliance", stiffness=50.0, damping=0.05)
+    out = run(plant, 0.1, 1.5, engine=engine)
+    assert_allclose(out.velocity[-1, 0], onset * np.arctanh(0.5), rtol=1e-3, atol=1e-5)
+
+
 @pytest.mark.parametrize("mass", [0.1, 95.0])
 def test_a_linear_axis_moves_at_its_terminal_speed(mass: float) -> None:
     plant = added(effort_servo(slider(mass)), "viscous_friction", coefficient=203.5)

@@ -50,6 +50,7 @@ DRIVE = np.dtype(
         ("armature", np.float64),
         ("coulomb", np.float64),
         ("static", np.float64),
+        ("onset", np.float64),  # speed over which dry friction grows from rest; 0: it is all there at once
         ("stribeck_velocity", np.float64),
         ("stribeck_exponent", np.float64),
         ("load", np.float64),

@@ -3,6 +3,7 @@
 The numbers are those of `robot.drive` and the dry friction is that of `robot.drive_law`; what a servo does with a
 command plays no part. Dry friction opposes the motion, and at rest it is not determined by the motion: in place of the
 sign of the velocity stands its expected value for a velocity that is known with a standard error, erf(v/(√2·error)).
+Where it grows from rest, over an onset, the hyperbolic tangent has the slope at rest that both leave together.
 """
 # mypy: allow-untyped-defs
 # (the compiled function takes arrays and numbers only; its callers are typed)
@@ -47,7 +48,13 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
             if d.ripple != 0.0:
                 smooth += d.ripple * np.sin(d.ripple_periods * q + d.ripple_phase)
             side = math.erf(v / (math.sqrt(2.0) * error[k, j])) if error[k, j] > 0.0 else np.sign(v)
-            steady = smooth + viscous(d, v) * v - uneven * d.lean
+            unknown, lean = 1.0 - abs(side), uneven * d.lean
+            if d.onset > 0.0:
+                blurred = math.hypot(d.onset, math.sqrt(0.5 * math.pi) * error[k, j])
+                side = np.tanh(v / blurred)
+                unknown *= error[k, j] / blurred
+                lean *= abs(side)
+            steady = smooth + viscous(d, v) * v - lean
             given = steady
             for _ in range(PASSES):
                 found = steady + side * uneven * dry_bound(d, abs(v), given, transmitted)
@@ -56,5 +63,5 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
                 if change <= CLOSE * abs(found):
                     break
             motor[k, j] = given
-            left[k, j] = (1.0 - abs(side)) * uneven * dry_bound(d, abs(v), given, transmitted)
+            left[k, j] = unknown * uneven * dry_bound(d, abs(v), given, transmitted)
             joint[k, j] = smooth

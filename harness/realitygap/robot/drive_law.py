@@ -20,7 +20,7 @@ import numpy as np
 from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.law.controller import look
-from realitygap.robot.law.friction import dry_bound, unevenness, viscous
+from realitygap.robot.law.friction import creeping, dry_bound, grown, unevenness, viscous
 from realitygap.robot.law.motor import motor_torque
 from realitygap.robot.law.springs import springs
 from realitygap.robot.law.supply import sag
@@ -56,10 +56,14 @@ def drive_effort(  # type: ignore[no-untyped-def]
         turn = s.rotor if separate(d) else q[j]
         uneven = unevenness(d, turn)
         bound = uneven * dry_bound(d, abs(speed), torque - back * speed, s.transmitted)
-        torque += uneven * d.lean
+        lean, total = uneven * d.lean, back + viscous(d, speed)
+        if d.onset > 0.0:
+            total += bound * creeping(d, abs(speed))
+            lean *= grown(d, abs(speed))
+            bound = 0.0
+        torque += lean
         if d.ripple != 0.0:
             torque -= d.ripple * np.sin(d.ripple_periods * turn + d.ripple_phase)
-        total = back + viscous(d, speed)
         if separate(d):
             late = weight(h * total / d.armature)
             s.momentum = d.armature * speed + h * (torque - (1.0 - late) * total * speed)

@@ -49,6 +49,7 @@ WORDS = {
     "lag": "current_lag",
     "braking": "motor_braking",
     "static": "stribeck_friction",
+    "onset": "coulomb_friction that grows from rest",
     "load": "load_dependent_friction",
     "load_static": "load_dependent_friction at rest",
     "lean": "direction_friction",

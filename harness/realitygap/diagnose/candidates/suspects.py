@@ -80,6 +80,7 @@ ALWAYS_FREE = {
 }
 """Effects that say nothing without fitting their shape too."""
 LATER = {
+    "coulomb_friction": ("torque", "onset"),
     "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
     "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
     "command_profile": ("speed", "acceleration"),
@@ -147,9 +148,11 @@ def richer(plant: Plant, change: Change) -> Change | None:
     if free is None:
         return None
     values = change.parameters
+    slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
+    if values.get("onset") == 0.0:
+        values["onset"] = slow
     if values.get("static_coefficient") == 0.0:
         half = 0.5 * values["coefficient"]
-        slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
         values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
     first = change.suspect.kind.first_size(plant, change.suspect.indices[0])
     values |= {n: first[n] for n in free if n not in change.free and not np.isfinite(values[n])}

@@ -11,10 +11,12 @@ FRICTION_HIGH = 200.0
 def _coulomb(plant: Plant, indices: list[int], values: Values) -> None:
     plant.drive["coulomb"][indices] = values["torque"]
     plant.drive["static"][indices] = values["torque"]
+    plant.drive["onset"][indices] = values["onset"]
 
 
 def _more_coulomb(plant: Plant, index: int) -> dict[str, float]:
-    return {"torque": float(plant.drive["coulomb"][index]) + 0.02 * effort_scale(plant, index)}
+    d = plant.drive[index]
+    return {"torque": float(d["coulomb"]) + 0.02 * effort_scale(plant, index), "onset": float(d["onset"])}
 
 
 COULOMB_FRICTION = Effect(
@@ -22,21 +24,26 @@ COULOMB_FRICTION = Effect(
     changes="torque",
     sits_at="joint",
     law="friction",
-    parameters=(Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),),
+    parameters=(
+        Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),
+        Parameter("onset", "rad/s", 0.0, 5.0, 0.0, absent=0.0, default=0.0, shape=True),
+    ),
     signals=("position", "velocity"),
-    own=reads(torque="coulomb"),
+    own=reads(torque="coulomb", onset="onset"),
     apply=_coulomb,
     possible=anywhere,
     scaled=_more_coulomb,
     page=Page(
         physics="Dry friction of bearings, seals and gears: a torque that opposes motion and does not depend on "
-        "speed. At rest it takes any value up to the bound and holds the joint.",
-        equation="sliding: τ = −torque·sign(ω); stuck: |τ| ≤ torque",
+        "speed. At rest it takes any value up to the bound and holds the joint. In gears that creep it grows from rest "
+        "over a speed, onset, and holds nothing.",
+        equation="sliding: τ = −torque·sign(ω); stuck: |τ| ≤ torque; with an onset: τ = −torque·tanh(ω/onset)",
         signature="The joint stops short of its goal and stays there; flat spots at reversals; a hysteresis of "
         "constant width between effort and position.",
         confused_with="stribeck_friction (without slow motion), load_dependent_friction (at one load), backlash (a "
         "flat spot at reversals too, but without an effort offset).",
-        source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4.",
+        source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4; Gaz, "
+        "Cognetti, Oliva, Robuffo Giordano, De Luca, RA-L 4(4), 2019 (a friction that is a sigmoid of the speed).",
     ),
     excludes=("stribeck_friction", "direction_friction"),
     dissipative=True,

@@ -22,6 +22,24 @@ def dry_bound(d, speed, motor, transmitted):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def grown(d, speed):  # type: ignore[no-untyped-def]
+    """The share of dry friction that is there at a speed, where it grows from rest (`d.onset` above zero)."""
+    return np.tanh(speed / d.onset)
+
+
+@compiled
+def creeping(d, speed):  # type: ignore[no-untyped-def]
+    """That share over the speed: dry friction that grows from rest is a damping that falls with speed.
+
+    As a damping it is stable for any step, however soon it has grown; that of the speed before the step is half a step
+    late, and where a joint creeps steadily exact.
+    """
+    if speed < 1e-6 * d.onset:
+        return 1.0 / d.onset
+    return grown(d, speed) / speed
+
+
+@compiled
 def viscous(d, speed):  # type: ignore[no-untyped-def]
     """The coefficient of viscous friction at a speed; at rest the mean of both directions."""
     if d.viscous_asymmetry == 0.0:
