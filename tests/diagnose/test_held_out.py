@@ -22,7 +22,9 @@ from realitygap.diagnose.search.yardstick import Yardstick
 @pytest.fixture(scope="module")
 def found(problem: Problem, simulations: Simulations) -> Found:
     """The missing friction, and beside it an offset that the robot has not, as if training runs had shown it."""
-    friction = Change(suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION),), ("torque",))
+    friction = Change(
+        suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
+    )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow")).at({"angle": 0.02})
     yardstick = Yardstick(simulations, [friction])
 

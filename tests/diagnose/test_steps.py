@@ -18,7 +18,9 @@ from realitygap.diagnose.search.yardstick import Yardstick
 @pytest.fixture(scope="module")
 def found(problem: Problem, simulations: Simulations) -> Found:
     """Half of the missing friction, as if what else was found did the other half."""
-    friction = Change(suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION),), ("torque",))
+    friction = Change(
+        suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
+    )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow"))
     yardstick = Yardstick(simulations, [friction])
     fitted = yardstick.fit([friction, offset])

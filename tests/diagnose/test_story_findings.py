@@ -38,7 +38,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
         monkeypatch.setattr(story, name, number)
     result = told("partly explained")
     other = Suspect("coulomb_friction", "shoulder", (0,))
-    both = (*result.changes, Change(other, (("torque", 0.2),), ("torque",)))
+    both = (*result.changes, Change(other, (("torque", 0.2), ("onset", 0.0)), ("torque",)))
     place = result.where[0]
     result = replace(
         result, changes=both, shown={**result.shown, other: Shown(1.05, 1.02)}, where=[place, place, place]
@@ -134,7 +134,7 @@ def test_cards_are_numbered_in_their_order(
     result = told("partly explained")
     first = result.changes[0]
     others = [
-        Change(Suspect("coulomb_friction", "shoulder", (0,)), (("torque", 0.2),), ("torque",)),
+        Change(Suspect("coulomb_friction", "shoulder", (0,)), (("torque", 0.2), ("onset", 0.0)), ("torque",)),
         Change(Suspect("viscous_friction", "shoulder", (0,)), (("coefficient", 0.2),), ("coefficient",)),
         Change(Suspect("viscous_friction", "elbow", (1,)), (("coefficient", 0.2),), ("coefficient",)),
     ]
@@ -153,7 +153,7 @@ def test_cards_are_numbered_in_their_order(
     ("change", "said"),
     [
         (
-            Change(FRICTION, (("torque", 0.2),), ("torque",)),
+            Change(FRICTION, (("torque", 0.2), ("onset", 0.0)), ("torque",)),
             "the robot as it was: what was found stands in the scenario",
         ),
         (
@@ -178,7 +178,7 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
     drive = plant.drive.copy()
     drive["coulomb"][[plant.model.joint_names.index(n) for n in joints]] = 0.05, 0.03
     result = replace(result, problem=replace(result.problem, plant=replace(plant, drive=drive)))
-    both = Change(Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2),), ("torque",))
+    both = Change(Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2), ("onset", 0.0)), ("torque",))
     assert (
         story_text.lacks(result, both)
         == "coulomb friction at all joints is wrong (0.200 N·m instead of 0.0300 to 0.0500 N·m)"
@@ -225,6 +225,16 @@ def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis],
     assert "40.0 rad/s²" in words
     assert list(result.to_json()["findings"][0]["parameters"]) == ["acceleration"]
     assert any("acceleration 40" in line and "speed" not in line for line in summary(result))
+
+
+@pytest.mark.parametrize("onset", [0.0, 0.02])
+def test_a_shape_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], onset: float) -> None:
+    friction = Suspect("coulomb_friction", "elbow", (1,))
+    shape = ["onset"] if onset else []
+    change = Change(friction, (("torque", 0.2), ("onset", onset)), ("torque", *shape))
+    result = replace(told("explained"), changes=(change,), shown={friction: Shown(3.0, 1.05)})
+    assert list(result.to_json()["findings"][0]["parameters"]) == ["torque", *shape]
+    assert any("onset" in line for line in summary(result)) == (onset != 0.0)
 
 
 def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(

@@ -204,7 +204,8 @@ class Diagnosis:
         parameters: dict[str, Any] = {}
         for p in suspect.kind.parameters:
             value = change.parameters[p.name]
-            if not np.isfinite(value):  # a limit that is not there
+            shapeless = p.shape and p.name not in change.free and value == p.absent
+            if shapeless or not np.isfinite(value):  # a shape, or a limit, that is not there
                 continue
             low, high = self.interval(change, p.name)
             unit = unit_there(self.problem, suspect, p)

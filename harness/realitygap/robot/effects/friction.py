@@ -11,7 +11,8 @@ FRICTION_HIGH = 200.0
 def _coulomb(plant: Plant, indices: list[int], values: Values) -> None:
     plant.drive["coulomb"][indices] = values["torque"]
     plant.drive["static"][indices] = values["torque"]
-    plant.drive["onset"][indices] = values["onset"]
+    if "onset" in values:
+        plant.drive["onset"][indices] = values["onset"]
 
 
 def _more_coulomb(plant: Plant, index: int) -> dict[str, float]:
