@@ -142,9 +142,27 @@ def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(
         browser.open(path)
         assert browser.complaints == []
         assert browser.run("document.documentElement.scrollWidth") <= width
+        if width < 600:
+            assert_tables_are_cards(browser)
         ink = browser.run("getComputedStyle(document.querySelector('svg.figure text')).fill")
         paper = browser.run("getComputedStyle(document.body).backgroundColor")
         light = [sum(map(int, re.findall(r"\d+", c)[:3])) / 3 for c in (ink, paper)]
         assert abs(light[0] - light[1]) > 90  # text of figures stands out from the page
         browser.press("Tab")
         assert browser.run("document.activeElement.className") == "skip"
+
+
+def assert_tables_are_cards(browser: chromium.Browser) -> None:
+    """Every value stands beside the name of its column, and nothing is reached by scrolling sideways only."""
+    wide = (
+        "[...document.querySelectorAll('.scroll')].filter(n => n.scrollWidth > n.clientWidth).map(n => n.textContent)"
+    )
+    assert browser.run(wide) == []
+    cells = """[...document.querySelectorAll('table.plain')].flatMap(table => {
+      const names = [...table.querySelectorAll('thead th')].map(n => n.textContent.trim().replace(/\\s+/g, ' '));
+      return [...table.querySelectorAll('tbody tr')].flatMap(row => [...row.children].map((cell, k) =>
+        [JSON.stringify(names[k]), getComputedStyle(cell, '::before').content, getComputedStyle(cell).display])); })"""
+    found = browser.run(cells)
+    assert len(found) > 20
+    assert [name for name, _, _ in found] == [shown for _, shown, _ in found]
+    assert {display for _, _, display in found} == {"flow-root"}

@@ -8,6 +8,8 @@ import chromium
 import pytest
 import synthetic
 from invented_page import JOINTS
+from realitygap.page.cards import with_column_names
+from realitygap.page.shell import style
 from realitygap.report import write_page
 from realitygap_engines import ENGINES
 
@@ -167,3 +169,17 @@ def test_a_thousand_cells_stay_usable(shared: chromium.Browser, tmp_path: Path) 
     )
     assert spent < 1000  # ms per switch, on a slow machine too
     assert shared.complaints == []
+
+
+def test_a_cell_over_several_columns_is_called_by_the_first_of_them(shared: chromium.Browser, tmp_path: Path) -> None:
+    head = "<thead><tr><th>effect</th><th>shows\n  from</th><th>taken for</th><th>searched</th></tr></thead>"
+    row = '<tr><th scope="row">backlash</th><td colspan="2">does not show</td><td class="num">never</td></tr>'
+    table = f'<table class="plain wide">{head}<tbody>{row}</tbody></table>'
+    page = tmp_path / "page.html"
+    page.write_text(with_column_names(f"<!doctype html><style>{style()}</style>{table}{table}"), encoding="utf-8")
+    names = "[...document.querySelectorAll('tbody tr > *')].map(n => getComputedStyle(n, '::before').content)"
+    for width, shown in ((599, ['"effect"', '"shows from"', '"searched"']), (601, ["none"] * 3)):
+        shared.resize(width, 900)
+        shared.open(page)
+        assert shared.run(names) == shown * 2
+    shared.resize(1280, 900)
