@@ -39,11 +39,15 @@ def diagnose(
         result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
     lines = [*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"]
     if mjcf:
-        from realitygap.diagnose.result.revise import MJCF, REVISED
+        from realitygap.diagnose.result.revise import MJCF, REVISED, SCENARIO
+        from realitygap.diagnose.result.story import write_story
+        from realitygap.files.own_files import content, own
         from realitygap.robot.mjcf_file import write_scenario_mjcf
 
-        mended = folder / REVISED / "scenario.yaml"
+        mended = folder / REVISED / SCENARIO
         lines += write_scenario_mjcf(mended if mended.exists() else scenario, folder / REVISED / MJCF)
+        written = own(folder, content(folder / "diagnosis.json").get("revised"), (f"{REVISED}/*",))
+        write_story(result, folder, [*written, f"{REVISED}/{MJCF}"])  # once more, with a link to it
     say(lines)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,8 +18,8 @@ from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis, why
-from realitygap.diagnose.result.revise import BODY, mended_name
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_files import told_files
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
     better,
@@ -59,10 +60,17 @@ class _Value:
     own: tuple[float, float] | None
 
 
-def write_story(result: Diagnosis, out: Path) -> Path:
-    """Write the page of a diagnosis into a result folder. Returns the page."""
+def write_story(result: Diagnosis, out: Path, revised: Sequence[str] = ()) -> Path:
+    """Write the page of a diagnosis into a result folder. Returns the page.
+
+    Args:
+        result: of the diagnosis.
+        out: the result folder.
+        revised: the files of the mended model, by their paths in the folder.
+    """
     path = out / "report.html"
-    write_whole(path, render("realitygap.diagnose.result", "story.html.j2", **_story(result)))
+    files = told_files(result, revised)
+    write_whole(path, render("realitygap.diagnose.result", "story.html.j2", **_story(result), revised=files))
     return path
 
 
@@ -80,8 +88,6 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "gaps": gaps,
         "mended": bool(result.mended),
         "above": max(result.gap(use)[1] for use in USES) > CLEAR,
-        "robot": mended_name(problem.file.resolve(problem.file.scenario.robot.urdf, "robot.urdf")),
-        "bodies": any(c.suspect.effect in BODY for c in result.mended),
         "cut": result.found.cut,
         "where": [_place(p) for p in result.where],
         "first": FIRST,

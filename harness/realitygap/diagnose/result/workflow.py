@@ -284,5 +284,5 @@ def write_diagnosis(result: Diagnosis, out: Path) -> None:
     remove(out, {*old, f"{REVISED}/{MJCF}"}.difference(mended))
     failures: list[str] = []
     with spared("the page", failures):
-        write_story(result, out)
+        write_story(result, out, mended)
     result.notes.extend(failures)
