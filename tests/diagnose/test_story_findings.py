@@ -15,8 +15,9 @@ from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
 from realitygap.diagnose.result.summary import summary
+from realitygap.diagnose.result.workflow import write_diagnosis
 from realitygap.robot.effects import EFFECTS
-from told_story import FRICTION, page_of
+from told_story import FRICTION, Page, page_of
 
 
 def test_many_findings_are_told_by_effect_and_in_a_table(
@@ -167,8 +168,11 @@ def test_the_mended_robot_is_told_as_what_it_is(
     told: Callable[[str], Diagnosis], tmp_path: Path, change: Change, said: str
 ) -> None:
     result = replace(told("explained"), changes=(change,), shown={change.suspect: Shown(3.0, 1.05)})
-    _, page, words = page_of(result, tmp_path)
+    write_diagnosis(result, tmp_path)
+    page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    words = " ".join(page.text.split())
     assert f"revised/robot.urdf : {said}" in words
+    assert f"revised/arm_heavy.urdf : {said.replace('the robot', 'the robot of runs that have another one', 1)}" in words
     assert "revised/robot.urdf" in page.links
 
 

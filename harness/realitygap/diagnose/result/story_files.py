@@ -19,6 +19,7 @@ def _about(result: Diagnosis, name: str) -> str:
         return "scenario and robot in one file for plain MuJoCo"
     file = result.problem.file
     own = name == mended_name(file.resolve(file.scenario.robot.urdf, "robot.urdf"))
-    found = any(c.suspect.effect in BODY for c in result.mended)
-    how = "with the masses and inertias that were found" if found else "as it was: the scenario says what was found"
-    return f"the robot{'' if own else ' of runs that have another one'}, {how}"
+    who = "the robot" if own else "the robot of runs that have another one"
+    if any(c.suspect.effect in BODY for c in result.mended):
+        return f"{who}, with the masses and inertias that were found wrong"
+    return f"{who} as it was: what was found stands in the scenario"
