@@ -10,12 +10,14 @@ import chromium
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
-from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
-from realitygap.diagnose.result.story_text import quantity, verdict
+from realitygap.diagnose.result.story_text import interval, quantity, verdict
+from realitygap.diagnose.result.summary import summary
 from realitygap.robot.effects import EFFECTS
 from told_story import VERDICTS, page_of
 
@@ -70,9 +72,9 @@ def test_nothing_named_promises_no_mended_model(told: Callable[[str], Diagnosis]
 @pytest.mark.parametrize(
     ("after", "said"),
     [
-        (1.06, ": with it the gap on held-out motions falls from 3.0 to 1.1 times the floor"),
-        (3.02, ": but with it the gap on held-out motions stays at 3.0 times the floor"),
-        (10.0, ": but with it the gap on held-out motions rises from 3.0 to 10 times the floor"),
+        (1.06, ": with it the gap on held-out motions falls from 3.00 to 1.06 times the floor"),
+        (3.002, ": but with it the gap on held-out motions stays at 3.00 times the floor"),
+        (10.0, ": but with it the gap on held-out motions rises from 3.00 to 10.0 times the floor"),
     ],
 )
 def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis], after: float, said: str) -> None:
@@ -121,10 +123,59 @@ def test_figures_take_the_colours_of_the_page() -> None:
 
 @pytest.mark.parametrize(
     ("value", "unit", "words"),
-    [(0.25, "N·m", "0.250 N·m"), (0.0147, "rad", "0.842° (0.0147 rad)"), (1.5, "", "1.50"), (np.inf, "N/m", "∞ N/m")],
+    [
+        (0.25, "N·m", "0.250 N·m"),
+        (0.0147, "rad", "0.842° (0.0147 rad)"),
+        (1.5, "", "1.50"),
+        (np.inf, "N/m", "∞ N/m"),
+        (0.0018, "s", "1.80 ms"),
+        (0.01, "s", "0.0100 s"),
+        (0.0, "s", "0 s"),
+        (0.002, "m", "0.00200 m"),
+    ],
 )
-def test_angles_are_read_in_degrees(value: float, unit: str, words: str) -> None:
+def test_angles_are_read_in_degrees_and_short_times_in_milliseconds(value: float, unit: str, words: str) -> None:
     assert quantity(value, unit) == words
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "unit", "words"),
+    [
+        (0.0, 0.0018, "s", "0 to 1.80 ms"),
+        (0.004, 0.012, "s", "0.00400 to 0.0120 s"),
+        (-0.1, 0.2, "rad", "−5.73 to 11.5°"),
+        (0.1, np.inf, "N·m", "0.100 to ∞ N·m"),
+    ],
+)
+def test_both_ends_of_an_interval_have_one_unit(low: float, high: float, unit: str, words: str) -> None:
+    assert interval(low, high, unit) == words
+
+
+def test_the_terminal_rounds_as_the_page_does(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    result = told("partly explained")
+    _, _, words = page_of(result, tmp_path)
+    lines = summary(result)
+    pairs = [found for line in lines for found in re.findall(r"([\d.]+) -> ([\d.]+)", line)]
+    assert len(pairs) > 5
+    drawn = ("3.10", "1.20")  # by engine: a picture on the page
+    assert [pair for pair in pairs if pair != drawn and " → ".join(pair) not in words] == []
+    (found,) = (line for line in lines if line.startswith("  coulomb_friction at elbow: "))
+    torque = result.to_json()["findings"][0]["parameters"]["torque"]
+    assert f"torque {torque['value']:.3f} N·m [{torque['low']:.3f} to {torque['high']:.3f} N·m]; " in found
+
+
+def test_a_short_delay_is_told_in_milliseconds_and_written_in_seconds(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    delay = Suspect("command_delay", "*", (0, 1))
+    change = Change(delay, (("time", 0.0018),), ("time",))
+    result = replace(told("explained"), changes=(change,), shown={delay: Shown(3.0, 1.05)})
+    _, _, words = page_of(result, tmp_path)
+    assert "Command delay at all joints is missing (1.80 ms)" in words
+    assert "0.0018" not in words
+    assert "time 1.80 ms" in " ".join(summary(result))
+    told_time = result.to_json()["findings"][0]["parameters"]["time"]
+    assert (told_time["value"], told_time["unit"]) == (0.0018, "s")
 
 
 def test_a_gain_has_the_unit_of_its_servo(judged: Any) -> None:

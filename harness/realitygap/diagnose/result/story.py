@@ -37,6 +37,7 @@ from realitygap.diagnose.result.story_text import (
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number, unit_label
+from realitygap.page.style import quantity as in_unit
 from realitygap.robot.effects import EFFECTS
 
 SHOWN = 4
@@ -77,7 +78,7 @@ def write_story(result: Diagnosis, out: Path, revised: Sequence[str] = ()) -> Pa
 def _story(result: Diagnosis) -> dict[str, Any]:
     problem = result.problem
     changes = result.changes
-    gaps = {use: [number(gap, 3) for gap in result.gap(use)] for use in USES}
+    gaps = {use: [number(gap) for gap in result.gap(use)] for use in USES}
     findings = [_finding(result, c) for c in changes]
     return {
         "title": problem.file.scenario.name,
@@ -103,13 +104,11 @@ def _story(result: Diagnosis) -> dict[str, Any]:
             if listed
         ],
         "experiment": _sentences(result.experiment()),
-        "worsened": [
-            (w.joint, w.signal, number(w.before), number(w.after), unit_label(w.unit)) for w in result.worsened
-        ],
+        "worsened": [(w.joint, w.signal, number(w.before), in_unit(w.after, w.unit)) for w in result.worsened],
         "left": [_place(p) for p in result.left],
         "faults": result.faults,
         "closest": [_closest(result, c) for c in result.closest],
-        "units": [(u.signal, number(u.before), number(u.after), unit_label(u.unit)) for u in result.units],
+        "units": [(u.signal, number(u.before), in_unit(u.after, u.unit)) for u in result.units],
         "notes": [in_words(note) for note in result.notes],
         "split": problem.split,
         "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
@@ -135,7 +134,7 @@ def _place(place: Place) -> dict[str, str]:
         "gap": number(place.gap),
         "noise": number(place.noise_floor),
         "numerical": number(place.numerical_floor),
-        "floors": number(place.floors, 2),
+        "floors": number(place.floors),
         "when": ", ".join(place.when),
     }
 
@@ -251,7 +250,7 @@ def _reach(values: list[_Value]) -> tuple[str, str, str]:
 def _closest(result: Diagnosis, closest: Closest) -> tuple[str, str, str, str]:
     """A candidate that was not named: what it would be, the gap on training runs before and after, and why not."""
     said = lacks(result, closest.change)
-    return said, number(closest.before, 3), number(closest.after, 3), closest.why
+    return said, number(closest.before), number(closest.after), closest.why
 
 
 def _runs(result: Diagnosis) -> list[Pair]:

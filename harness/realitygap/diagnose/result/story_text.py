@@ -16,7 +16,7 @@ from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.page.style import number
+from realitygap.page.style import DIGITS, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
 WITH = {"error": "position error", "reversal": "time since the last reversal"}
@@ -29,6 +29,8 @@ NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
 """An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
+BRIEF = 0.01
+"""Times below this [s] are read in ms."""
 
 
 def effect_label(effect: str) -> str:
@@ -58,24 +60,29 @@ def listed(items: list[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
-def quantity(value: float, unit: str, *, short: bool = False, digits: int = 3) -> str:
-    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad), in short 0.840°."""
+def quantity(value: float, unit: str, *, short: bool = False, digits: int = DIGITS) -> str:
+    """A parameter's value as people read it: 0.250 N·m, 1.80 ms, 0.840° (0.0147 rad), in short 0.840°."""
     if unit in DEGREES and math.isfinite(value) and not short:
         return f"{_people(value, unit)} ({number(value)} {unit})"
     return _people(value, unit, digits)
 
 
-def _people(value: float, unit: str, digits: int = 3) -> str:
-    if unit in DEGREES:
-        return f"{number(math.degrees(value), digits)}{' ' * (unit != 'rad')}{DEGREES[unit]}"
-    return f"{number(value, digits)} {unit}".strip()
+def interval(low: float, high: float, unit: str, *, word: str = "to", digits: int = DIGITS) -> str:
+    """Two values in the same words and one unit: a 95 % interval, or what was and what is."""
+    factor, _ = _for_people(unit, max(abs(low), abs(high)))
+    return f"{number(low * factor, digits)} {word} {_people(high, unit, digits, max(abs(low), abs(high)))}"
 
 
-def interval(low: float, high: float, unit: str) -> str:
-    """A 95 % interval in the same words."""
+def _people(value: float, unit: str, digits: int = DIGITS, largest: float | None = None) -> str:
+    factor, label = _for_people(unit, abs(value) if largest is None else largest)
+    return f"{number(value * factor, digits)}{' ' * (label != '°')}{label}".strip()
+
+
+def _for_people(unit: str, largest: float) -> tuple[float, str]:
+    """What values in a unit are multiplied by for people, where the largest is this, and their unit then."""
     if unit in DEGREES:
-        return f"{number(math.degrees(low))} to {_people(high, unit)}"
-    return f"{number(low)} to {_people(high, unit)}"
+        return math.degrees(1.0), DEGREES[unit]
+    return (1e3, "ms") if unit == "s" and 0.0 < largest < BRIEF else (1.0, unit)
 
 
 def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
@@ -166,7 +173,7 @@ def verdict(result: Diagnosis) -> str:
     if result.verdict == "no gap":
         return (
             "Nothing is missing: simulation and recordings agree within the floors "
-            f"(the gap on held-out motions is {number(before, 2)} times the floor)."
+            f"(the gap on held-out motions is {number(before)} times the floor)."
         )
     if result.verdict == "unexplained":
         return _unexplained(result)
@@ -190,7 +197,7 @@ def _unexplained(result: Diagnosis) -> str:
             "Nothing is missing that is more than laws are ordinarily off by: with "
             f"{_values(result.adjusted)} adjusted the gap on held-out motions {_moved(before, after)} times the floor."
         )
-    text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
+    text = f"the gap on held-out motions is {number(before)} times the floor{_most(result.where)}"
     rest = f" With {_adjusted(result.adjusted)} it {_moved(before, after)}." if result.adjusted else ""
     if result.found.cut:
         return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough.{rest}"
@@ -202,7 +209,7 @@ def _unexplained(result: Diagnosis) -> str:
 
 def _moved(before: float, after: float) -> str:
     """What becomes of a gap: `falls from 45 to 11`; a change that its digits do not show is none."""
-    a, b = number(before, 2), number(after, 2)
+    a, b = number(before), number(after)
     if a == b:
         return f"stays at {a}"
     return f"{'falls' if after < before else 'rises'} from {a} to {b}"

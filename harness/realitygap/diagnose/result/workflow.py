@@ -36,6 +36,7 @@ from realitygap.files.interrupted import last
 from realitygap.files.own_files import content, own, remove
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
+from realitygap.page.style import number
 from realitygap.recording.faults import faults
 from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
@@ -209,8 +210,8 @@ def _against_all(
     closer = bool(units) and all(u.after < u.before for u in units)
     if with_ > max(without, CLEAR) and not closer:
         return (
-            f"what was found widens the held-out gap, from {without:.4g} to {with_:.4g} floors, however much more "
-            "probable it makes these runs: not named"
+            f"what was found widens the held-out gap, from {number(without)} to {number(with_)} floors, however much "
+            "more probable it makes these runs: not named"
         )
     if changes and units and all(u.after > u.before for u in units):
         return f"what was found takes {', '.join(u.signal for u in units)} of held-out runs further off: not named"
@@ -220,7 +221,8 @@ def _against_all(
 def _against(suspect: Suspect, told: Against) -> str:
     """Why held-out runs speak against a finding."""
     if told.widens:
-        return "{} widens the held-out gap, from {:.4g} to {:.4g} floors: not named".format(suspect, *told.gaps)
+        before, after = map(number, told.gaps)
+        return f"{suspect} widens the held-out gap, from {before} to {after} floors: not named"
     if told.silent:
         return f"{suspect} is not named: it shows on training runs only; hold out a run that shows it, too"
     gain, error = told.verdict.gain, told.verdict.error
