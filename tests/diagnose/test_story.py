@@ -82,6 +82,26 @@ def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis
     assert said in verdict(replace(result, costs=(result.costs[0], dict.fromkeys(result.costs[1], after**2))))
 
 
+@pytest.mark.parametrize("use", ["train", "held_out"])
+def test_the_page_says_the_rule_by_which_it_counts_as_explained(
+    told: Callable[[str], Diagnosis], tmp_path: Path, use: str
+) -> None:
+    result = told("explained")
+    _, _, words = page_of(result, tmp_path)
+    (said,) = re.findall(r"left is at most ([\d.]+) floors, or at most (\d+) % of what it was, on held-out and", words)
+    floors, share = float(said[0]), float(said[1]) / 100.0
+    cases = result.problem.of(use)
+    for before, most in ((3.0, floors), (100.0, 100.0 * share)):
+        for after, named in ((0.999 * most, "explained"), (1.001 * most, "partly explained")):
+            was, left = dict.fromkeys(result.costs[0], before**2), dict.fromkeys(result.costs[1], 0.0)
+            now = replace(result, costs=(was, left | dict.fromkeys(cases, after**2)))
+            assert now.verdict == named
+            assert (f"at most {said[1]} % of what it was" in verdict(now)) == (
+                named == "explained" and before == 100.0 and use == "held_out"
+            )
+    assert f"Counts as no gap up to {said[0]} floors" in page_of(told("no gap"), tmp_path)[2]
+
+
 @pytest.mark.parametrize("kind", ["explained", "partly explained", "unexplained"])
 @pytest.mark.parametrize("cut", [False, True])
 def test_what_was_not_tried_is_not_said_to_explain_nothing(

@@ -15,7 +15,7 @@ from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
-from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.diagnosis import LAW, Diagnosis
 from realitygap.page.style import DIGITS, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
@@ -23,6 +23,8 @@ WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
 CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
+SHARE = f"{100 * LAW:g} %"
+"""What laws that are only nearly right may leave of a gap, in words."""
 MOST = 6
 """Odds are told up to so many decades: beyond, a model's own faults decide."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
@@ -183,10 +185,20 @@ def verdict(result: Diagnosis) -> str:
     beside = f", and {_adjusted(result.adjusted)}," if result.adjusted else ""
     text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
-        text += ", less than a tenth of what it was" if after > CLEAR else ""
+        text += f", at most {SHARE} of what it was" if after > CLEAR else ""
         return f"{text}. {CUT}." if result.found.cut else f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"
     return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
+
+
+def rule(result: Diagnosis) -> str:
+    """Up to which gap the verdict is a good one, in one sentence."""
+    if result.verdict == "no gap":
+        return f"Counts as no gap up to {CLEAR:g} floors, on held-out and on training motions."
+    return (
+        f"Counts as explained where the gap that is left is at most {CLEAR:g} floors, or at most {SHARE} of what it "
+        "was, on held-out and on training motions."
+    )
 
 
 def _unexplained(result: Diagnosis) -> str:
