@@ -102,6 +102,36 @@ def test_the_page_says_the_rule_by_which_it_counts_as_explained(
     assert f"Counts as no gap up to {said[0]} floors" in page_of(told("no gap"), tmp_path)[2]
 
 
+@pytest.mark.parametrize(
+    ("others", "said"),
+    [
+        ({}, ""),
+        (
+            {"dart": (9.0, 1.0605)},
+            "2 engines agree on the gap that is left on held-out motions within 1.0 %: from 1.05 floors in "
+            "MuJoCo to 1.06 in DART.",
+        ),
+        (
+            {"dart": (9.0, 1.2), "drake": (9.0, 0.8)},
+            "3 engines agree on the gap that is left on held-out motions within 50 %: "
+            "from 0.800 floors in Drake to 1.20 in DART.",
+        ),
+        (
+            {"dart": (9.0, 1.0501)},
+            "2 engines agree on the gap that is left on held-out motions within 0.10 %: 1.05 floors in each of them.",
+        ),
+    ],
+)
+def test_the_page_says_how_closely_engines_agree_on_what_is_left(
+    told: Callable[[str], Diagnosis], tmp_path: Path, others: dict[str, tuple[float, float]], said: str
+) -> None:
+    result = told("explained")
+    result = replace(result, shown={result.changes[-1].suspect: Shown(3.0, 1.05, others)})
+    _, _, words = page_of(result, tmp_path)
+    assert ("engines agree on" in words) == bool(others)
+    assert said in words
+
+
 @pytest.mark.parametrize("kind", ["explained", "partly explained", "unexplained"])
 @pytest.mark.parametrize("cut", [False, True])
 def test_what_was_not_tried_is_not_said_to_explain_nothing(

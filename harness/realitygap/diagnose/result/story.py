@@ -22,6 +22,7 @@ from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, 
 from realitygap.diagnose.result.story_files import told_files
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
+    agreement,
     better,
     in_words,
     interval,
@@ -87,7 +88,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "virtual": problem.file.scenario.virtual,
         "verdict": result.verdict,
         "sentence": verdict(result),
-        "rule": rule(result),
+        "rule": f"{rule(result)} {agreement(result)}".rstrip(),
         "gaps": gaps,
         "mended": bool(result.mended),
         "above": max(result.gap(use)[1] for use in USES) > CLEAR,

@@ -16,7 +16,7 @@ from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import LAW, Diagnosis
-from realitygap.page.style import DIGITS, number
+from realitygap.page.style import DIGITS, engine_label, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
 WITH = {"error": "position error", "reversal": "time since the last reversal"}
@@ -25,6 +25,8 @@ CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
 SHARE = f"{100 * LAW:g} %"
 """What laws that are only nearly right may leave of a gap, in words."""
+LEAST = 0.1
+"""Engines are told to agree within this [%] where they agree better."""
 MOST = 6
 """Odds are told up to so many decades: beyond, a model's own faults decide."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
@@ -199,6 +201,20 @@ def rule(result: Diagnosis) -> str:
         f"Counts as explained where the gap that is left is at most {CLEAR:g} floors, or at most {SHARE} of what it "
         "was, on held-out and on training motions."
     )
+
+
+def agreement(result: Diagnosis) -> str:
+    """How closely engines agree on the gap that the mended model leaves, in one sentence; empty without another one."""
+    if not result.mended or not (others := result.shown[result.mended[-1].suspect].engines):
+        return ""
+    left = {result.engines[0]: result.shown[result.mended[-1].suspect].after, **{e: a for e, (_, a) in others.items()}}
+    low, high = min(left, key=lambda e: left[e]), max(left, key=lambda e: left[e])
+    apart = 100.0 * (left[high] / left[low] - 1.0)
+    ends = f"from {number(left[low])} floors in {engine_label(low)} to {number(left[high])} in {engine_label(high)}"
+    if number(left[low]) == number(left[high]):
+        ends = f"{number(left[low])} floors in each of them"
+    within = number(max(apart, LEAST), 2)
+    return f"{len(left)} engines agree on the gap that is left on held-out motions within {within} %: {ends}."
 
 
 def _unexplained(result: Diagnosis) -> str:
