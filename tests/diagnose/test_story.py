@@ -14,6 +14,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import interval, quantity, verdict
@@ -54,7 +55,8 @@ def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(
     assert "3.00 → 1.05" in words
     assert "DART" in words
     assert "Drake cannot express it, or failed" in words
-    assert "viscous friction at elbow : its own fit is behind by 0.4 in evidence" in words
+    rival = "viscous friction at elbow : fitted in its place, it makes the recordings 1.5 times less probable, which is"
+    assert f"{rival} too little to decide (in logarithms 0.4 ± 0.6)" in words
     assert "velocity of shoulder: 1.00 → 1.40 °/s" in words
     assert "it gains 2.0 in evidence over something else" in words
     assert ("Something else is missing" in words) == (verdict == "partly explained")
@@ -80,6 +82,14 @@ def test_nothing_named_promises_no_mended_model(told: Callable[[str], Diagnosis]
 def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis], after: float, said: str) -> None:
     result = told("partly explained")
     assert said in verdict(replace(result, costs=(result.costs[0], dict.fromkeys(result.costs[1], after**2))))
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [(1.49, "1.5"), (9.9, "9.9"), (40.0, "40"), (9000.0, "9000"), (2e5, "10^5"), (1e9, "more than 10^6")],
+)
+def test_evidence_is_told_as_odds(times: float, said: str) -> None:
+    assert odds(np.log(times)) == said
 
 
 @pytest.mark.parametrize("use", ["train", "held_out"])
@@ -143,6 +153,13 @@ def test_what_was_not_tried_is_not_said_to_explain_nothing(
     nothing_else = ("which no effect explains", "that no effect explains", "nothing worth a name is left")
     assert any(no in words for no in nothing_else) != cut
     assert ("effects at every place where they could act" in words) == (kind == "unexplained" and not cut)
+
+
+def test_notes_are_sentences_and_names_in_them_stay(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    notes = ["link_mass at forearm is not named: too little", "sines_1 is judged over windows", "elbow sticks"]
+    _, _, words = page_of(replace(told("explained"), notes=notes), tmp_path)
+    for said in ("Link mass at forearm is not named: too little.", "sines_1 is judged over windows.", "elbow sticks."):
+        assert said in words
 
 
 def test_the_same_diagnosis_is_the_same_page(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:

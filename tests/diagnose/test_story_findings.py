@@ -244,6 +244,9 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     assert not page.open, "an element is left open"
     assert "with it, and controller gain at elbow adjusted as far as laws are ordinarily off, the gap" in words
     assert "Adjusted besides: 1.05 → 1.01 floors" in words
+    assert "The gap rises with them" not in words
+    rising = replace(result, shown={**result.shown, gain.suspect: Shown(1.01, 1.05)})
+    assert "The gap rises with them: they were fitted together" in page_of(rising, tmp_path)[2]
     assert "controller gain elbow gain 5.20 duty/rad" in words
     assert "1. coulomb friction at elbow" in words
     assert "2. " not in words.split("Adjusted besides")[0].split("What was found")[1], "it is no finding"

@@ -7,7 +7,8 @@ import math
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
-from realitygap.diagnose.result.story_text import MOST, interval, suspect_label
+from realitygap.diagnose.result.odds import MOST
+from realitygap.diagnose.result.story_text import interval, suspect_label
 
 SURE = math.log(20.0)
 """Odds beyond this settle a question: those at which a diagnosis takes a rival out of the confidence set."""

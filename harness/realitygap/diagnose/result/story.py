@@ -14,7 +14,7 @@ from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.closest import Closest
-from realitygap.diagnose.judge.gaps import CLEAR
+from realitygap.diagnose.judge.gaps import CLEAR, Shown
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis, why
@@ -112,7 +112,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "faults": result.faults,
         "closest": [_closest(result, c) for c in result.closest],
         "units": [(u.signal, number(u.before), in_unit(u.after, u.unit)) for u in result.units],
-        "notes": [in_words(note) for note in result.notes],
+        "notes": [_begun(result, in_words(note)) for note in result.notes],
         "split": problem.split,
         "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
         "repeated": sum(c.repetitions > 1 for c in problem.cases),
@@ -166,13 +166,17 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "parameters": _parameters(result, change, content["parameters"]),
         "values": values,
         "page": effect.page,
-        "before": number(done.before),
-        "after": number(done.after),
-        "rises": done.after > done.before and number(done.after) != number(done.before),
+        **_step(done),
         "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {name_label(suspect)}, by engine")),
         "drawing": Markup(draw_table(result, change)) if suspect.table is not None else "",
         "missing": missing,
     }
+
+
+def _step(done: Shown) -> dict[str, Any]:
+    """The held-out gap before and after a step, and whether it is seen to rise."""
+    before, after = number(done.before), number(done.after)
+    return {"before": before, "after": after, "rises": done.after > done.before and before != after}
 
 
 def _parameters(result: Diagnosis, change: Change, content: dict[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -199,7 +203,7 @@ def _adjusted(result: Diagnosis) -> dict[str, Any]:
     if not rows:
         return {}
     done = result.shown[result.adjusted[0].suspect]
-    return {"rows": rows, "before": number(done.before), "after": number(done.after)}
+    return {"rows": rows, **_step(done)}
 
 
 def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -330,6 +334,13 @@ def _spans(time: np.ndarray[Any, Any], inside: np.ndarray[Any, Any]) -> list[tup
     """The intervals [s] in which a mask holds."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _begun(result: Diagnosis, sentence: str) -> str:
+    """A sentence with a capital, unless a name begins it."""
+    names = [*result.problem.plant.model.joint_names, *(c.name for c in result.problem.cases)]
+    named = any(sentence.startswith(name.split(" ")[0]) for name in names)
+    return sentence if named else sentence[0].upper() + sentence[1:]
 
 
 def _sentences(text: str) -> list[str]:

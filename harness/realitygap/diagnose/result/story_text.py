@@ -16,6 +16,7 @@ from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import LAW, Diagnosis
+from realitygap.diagnose.result.odds import odds
 from realitygap.page.style import DIGITS, engine_label, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
@@ -27,8 +28,6 @@ SHARE = f"{100 * LAW:g} %"
 """What laws that are only nearly right may leave of a gap, in words."""
 LEAST = 0.1
 """Engines are told to agree within this [%] where they agree better."""
-MOST = 6
-"""Odds are told up to so many decades: beyond, a model's own faults decide."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
 """An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
@@ -249,21 +248,13 @@ def better(result: Diagnosis, change: Change) -> str:
         return f"Recordings show it by themselves, before anything is simulated: {TELLERS[change.suspect.effect].how}."
     rivals = result.found.rivals.get(change.suspect, [])
     gain = result.found.gains.get(change.suspect)
-    said = "" if gain is None else f"Without it the recordings are {_odds(gain)} times less probable"
+    said = "" if gain is None else f"Without it the recordings are {odds(gain)} times less probable"
     if not rivals:
         return f"{said}, and nothing on the list comes near it." if said else ""
     if rivals[0].open:
         return f"{said}; {suspect_label(rivals[0].suspect)} in its place explains them as well."
-    other, odds = suspect_label(rivals[0].suspect), _odds(rivals[0].behind)
-    return f"{said}; with the next best explanation, {other}, they are {odds} times less probable than with it."
-
-
-def _odds(evidence: float) -> str:
-    """Odds as people say them: 40, 10^5, more than 10^6."""
-    decades = evidence / math.log(10)
-    if decades > MOST:
-        return f"more than 10^{MOST}"
-    return f"{math.exp(max(evidence, 0.0)):.0f}" if decades < 4 else f"10^{decades:.0f}"
+    other, less = suspect_label(rivals[0].suspect), odds(rivals[0].behind)
+    return f"{said}; with the next best explanation, {other}, they are {less} times less probable than with it."
 
 
 def _most(places: list[Place]) -> str:
