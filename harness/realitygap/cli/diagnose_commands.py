@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from realitygap.cli.options import Engines, Jobs, Out, folder_for, named_after, say
+from realitygap.diagnose.patience import EACH, MINUTES
 
 
 def diagnose(
@@ -19,8 +20,9 @@ def diagnose(
         typer.Option(
             "--minutes",
             min=0.0,
-            help="how long to look for more by the clock; what was found by then is proven; inf: to the end",
-            show_default="as many simulations as take about 2.25, or a fifth for every joint",
+            help="how many minutes, by the clock, to look for more; then the search stops, and what it found by then "
+            "is judged on held-out runs and written, which takes a little longer; inf: until nothing more is found",
+            show_default=f"as many simulations as take about {MINUTES:g} minutes, or {60 * EACH:g} s for every joint",
         ),
     ] = None,
 ) -> None:
