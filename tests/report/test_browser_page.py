@@ -1,6 +1,7 @@
 """The page as a whole in a real browser: any width, dark and light, few results and very many."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -32,6 +33,9 @@ def test_names_and_values_of_all_engines_stay_in_their_columns(
       return text.slice(1).map((t, i) => t.left - text[i].right); }).filter(space => space < 1).length"""
     assert shared.run("document.querySelectorAll('.heat thead th').length") == len(ENGINES)
     assert shared.run(overlaps) == 0
+    assert re.fullmatch(r"0  \d\.\d+°", shared.texts(".legend span:first-child")[0]), (
+        "a degree sign stands at its number"
+    )
     assert shared.run("document.documentElement.scrollWidth") <= width
     assert shared.complaints == []
     shared.resize(1280, 900)
