@@ -40,7 +40,7 @@ from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.told import opened
 from realitygap.diagnose.propose.words import SURE
-from realitygap.diagnose.result.story_text import MOST
+from realitygap.diagnose.result.odds import MOST
 from realitygap.scenario.file import load_scenario
 
 Result = dict[str, Any]

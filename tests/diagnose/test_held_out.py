@@ -68,8 +68,9 @@ def test_what_held_out_runs_say_by_chance_speaks_for_nothing(simulations: Simula
     by_chance, told = (Against(Verdict(3.1, error), (1.4, 1.4)) for error in (20.3, 0.5))
     assert by_chance.weight == pytest.approx(CHOSE * (3.2 - 1.64 * 20.3))
     assert told.weight == pytest.approx(3.2 - 1.64 * 0.5)
-    assert "gain 3.1 ± 20.3 in evidence by it, which is chance" in _against(offset, by_chance)
-    assert "with the 3.1 that held-out runs gain it explains less than laws leave" in _against(friction, told)
+    said = "with it held-out runs are 22 times more probable, "
+    assert f"{said}which may be chance (in logarithms 3.1 ± 20.3)" in _against(offset, by_chance)
+    assert f"{said}and it explains less than laws leave" in _against(friction, told)
 
 
 def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulations: Simulations, found: Found) -> None:
@@ -107,9 +108,10 @@ def test_held_out_runs_have_to_speak_for_what_was_found_beyond_how_they_scatter(
 ) -> None:
     changes = found.without[found.best.fit.changes[1].suspect].fit.changes
     said = {v: _against_all(simulations, found, changes, v, []) for v in (Verdict(8.2, 5.7), Verdict(-8.2, 0.1))}
-    assert [text.partition(" in evidence")[0] for text in said.values()] == [
-        "what was found on training runs makes held-out runs more probable by 8.2 ± 5.7",
-        "what was found on training runs makes held-out runs less probable by 8.2 ± 0.1",
+    found_there = "with what was found on training runs, held-out runs are 3641 times "
+    assert list(said.values()) == [
+        f"{found_there}more probable, which may be chance (in logarithms 8.2 ± 5.7): nothing is named",
+        f"{found_there}less probable (in logarithms -8.2 ± 0.1): nothing is named",
     ]
     for told in (Verdict(8.2, 4.0), Verdict(0.0, 0.0)):
         assert not _against_all(simulations, found, changes, told, [])

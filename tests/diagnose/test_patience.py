@@ -4,9 +4,10 @@ import time
 from dataclasses import replace
 
 import pytest
+from realitygap.cli.main import main
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.patience import AGAIN, FEWEST, FOREVER, Patience
+from realitygap.diagnose.patience import AGAIN, EACH, FEWEST, FOREVER, MINUTES, Patience
 
 
 def test_steps_count_as_they_are_asked_for_however_many_take_them(problem: Problem) -> None:
@@ -31,6 +32,15 @@ def test_more_is_looked_for_until_the_steps_or_the_time_are_over() -> None:
     assert Patience.of(0, None, now).steps == Patience.of(FEWEST, None, now).steps, "a body without joints"
     assert Patience.of(1, None, now).steps > ordinary.steps, "what is around a step counts, too"
     assert Patience.of(20, None, now).steps * 20 > ordinary.steps * 6, "a humanoid takes longer"
+
+
+def test_the_help_says_its_unit_and_what_the_end_of_the_time_means(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["diagnose", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "how many minutes, by the clock" in said
+    assert "then the search stops, and what it found by then is judged on held-out runs and written" in said
+    assert f"about {MINUTES:g} minutes, or {60 * EACH:g} s for every joint" in said
 
 
 def test_a_round_that_explains_much_again_costs_nothing_of_it() -> None:

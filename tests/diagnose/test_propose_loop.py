@@ -27,7 +27,7 @@ from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.told import Origin, mended, opened
 from realitygap.diagnose.propose.wrong import wrong
-from realitygap.diagnose.result.story_text import MOST
+from realitygap.diagnose.result.odds import MOST
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.files.errors import InputError
 from realitygap.files.interrupted import Interrupted

@@ -10,12 +10,15 @@ import chromium
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
-from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
+from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
-from realitygap.diagnose.result.story_text import quantity, verdict
+from realitygap.diagnose.result.story_text import interval, quantity, verdict
+from realitygap.diagnose.result.summary import summary
 from realitygap.robot.effects import EFFECTS
 from told_story import VERDICTS, page_of
 
@@ -52,7 +55,8 @@ def test_a_finding_stands_with_its_value_its_evidence_and_its_doubts(
     assert "3.00 → 1.05" in words
     assert "DART" in words
     assert "Drake cannot express it, or failed" in words
-    assert "viscous friction at elbow : its own fit is behind by 0.4 in evidence" in words
+    rival = "viscous friction at elbow : fitted in its place, it makes the recordings 1.5 times less probable, which is"
+    assert f"{rival} too little to decide (in logarithms 0.4 ± 0.6)" in words
     assert "velocity of shoulder: 1.00 → 1.40 °/s" in words
     assert "it gains 2.0 in evidence over something else" in words
     assert ("Something else is missing" in words) == (verdict == "partly explained")
@@ -70,14 +74,72 @@ def test_nothing_named_promises_no_mended_model(told: Callable[[str], Diagnosis]
 @pytest.mark.parametrize(
     ("after", "said"),
     [
-        (1.06, ": with it the gap on held-out motions falls from 3.0 to 1.1 times the floor"),
-        (3.02, ": but with it the gap on held-out motions stays at 3.0 times the floor"),
-        (10.0, ": but with it the gap on held-out motions rises from 3.0 to 10 times the floor"),
+        (1.06, ": with it the gap on held-out motions falls from 3.00 to 1.06 times the floor"),
+        (3.002, ": but with it the gap on held-out motions stays at 3.00 times the floor"),
+        (10.0, ": but with it the gap on held-out motions rises from 3.00 to 10.0 times the floor"),
     ],
 )
 def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis], after: float, said: str) -> None:
     result = told("partly explained")
     assert said in verdict(replace(result, costs=(result.costs[0], dict.fromkeys(result.costs[1], after**2))))
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [(1.49, "1.5"), (9.9, "9.9"), (40.0, "40"), (9000.0, "9000"), (2e5, "10^5"), (1e9, "more than 10^6")],
+)
+def test_evidence_is_told_as_odds(times: float, said: str) -> None:
+    assert odds(np.log(times)) == said
+
+
+@pytest.mark.parametrize("use", ["train", "held_out"])
+def test_the_page_says_the_rule_by_which_it_counts_as_explained(
+    told: Callable[[str], Diagnosis], tmp_path: Path, use: str
+) -> None:
+    result = told("explained")
+    _, _, words = page_of(result, tmp_path)
+    (said,) = re.findall(r"left is at most ([\d.]+) floors, or at most (\d+) % of what it was, on held-out and", words)
+    floors, share = float(said[0]), float(said[1]) / 100.0
+    cases = result.problem.of(use)
+    for before, most in ((3.0, floors), (100.0, 100.0 * share)):
+        for after, named in ((0.999 * most, "explained"), (1.001 * most, "partly explained")):
+            was, left = dict.fromkeys(result.costs[0], before**2), dict.fromkeys(result.costs[1], 0.0)
+            now = replace(result, costs=(was, left | dict.fromkeys(cases, after**2)))
+            assert now.verdict == named
+            assert (f"at most {said[1]} % of what it was" in verdict(now)) == (
+                named == "explained" and before == 100.0 and use == "held_out"
+            )
+    assert f"Counts as no gap up to {said[0]} floors" in page_of(told("no gap"), tmp_path)[2]
+
+
+@pytest.mark.parametrize(
+    ("others", "said"),
+    [
+        ({}, ""),
+        (
+            {"dart": (9.0, 1.0605)},
+            "2 engines agree on the gap that is left on held-out motions within 1.0 %: from 1.05 floors in "
+            "MuJoCo to 1.06 in DART.",
+        ),
+        (
+            {"dart": (9.0, 1.2), "drake": (9.0, 0.8)},
+            "3 engines agree on the gap that is left on held-out motions within 50 %: "
+            "from 0.800 floors in Drake to 1.20 in DART.",
+        ),
+        (
+            {"dart": (9.0, 1.0501)},
+            "2 engines agree on the gap that is left on held-out motions within 0.10 %: 1.05 floors in each of them.",
+        ),
+    ],
+)
+def test_the_page_says_how_closely_engines_agree_on_what_is_left(
+    told: Callable[[str], Diagnosis], tmp_path: Path, others: dict[str, tuple[float, float]], said: str
+) -> None:
+    result = told("explained")
+    result = replace(result, shown={result.changes[-1].suspect: Shown(3.0, 1.05, others)})
+    _, _, words = page_of(result, tmp_path)
+    assert ("engines agree on" in words) == bool(others)
+    assert said in words
 
 
 @pytest.mark.parametrize("kind", ["explained", "partly explained", "unexplained"])
@@ -91,6 +153,13 @@ def test_what_was_not_tried_is_not_said_to_explain_nothing(
     nothing_else = ("which no effect explains", "that no effect explains", "nothing worth a name is left")
     assert any(no in words for no in nothing_else) != cut
     assert ("effects at every place where they could act" in words) == (kind == "unexplained" and not cut)
+
+
+def test_notes_are_sentences_and_names_in_them_stay(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    notes = ["link_mass at forearm is not named: too little", "sines_1 is judged over windows", "elbow sticks"]
+    _, _, words = page_of(replace(told("explained"), notes=notes), tmp_path)
+    for said in ("Link mass at forearm is not named: too little.", "sines_1 is judged over windows.", "elbow sticks."):
+        assert said in words
 
 
 def test_the_same_diagnosis_is_the_same_page(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
@@ -121,10 +190,59 @@ def test_figures_take_the_colours_of_the_page() -> None:
 
 @pytest.mark.parametrize(
     ("value", "unit", "words"),
-    [(0.25, "N·m", "0.250 N·m"), (0.0147, "rad", "0.842° (0.0147 rad)"), (1.5, "", "1.50"), (np.inf, "N/m", "∞ N/m")],
+    [
+        (0.25, "N·m", "0.250 N·m"),
+        (0.0147, "rad", "0.842° (0.0147 rad)"),
+        (1.5, "", "1.50"),
+        (np.inf, "N/m", "∞ N/m"),
+        (0.0018, "s", "1.80 ms"),
+        (0.01, "s", "0.0100 s"),
+        (0.0, "s", "0 s"),
+        (0.002, "m", "0.00200 m"),
+    ],
 )
-def test_angles_are_read_in_degrees(value: float, unit: str, words: str) -> None:
+def test_angles_are_read_in_degrees_and_short_times_in_milliseconds(value: float, unit: str, words: str) -> None:
     assert quantity(value, unit) == words
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "unit", "words"),
+    [
+        (0.0, 0.0018, "s", "0 to 1.80 ms"),
+        (0.004, 0.012, "s", "0.00400 to 0.0120 s"),
+        (-0.1, 0.2, "rad", "−5.73 to 11.5°"),
+        (0.1, np.inf, "N·m", "0.100 to ∞ N·m"),
+    ],
+)
+def test_both_ends_of_an_interval_have_one_unit(low: float, high: float, unit: str, words: str) -> None:
+    assert interval(low, high, unit) == words
+
+
+def test_the_terminal_rounds_as_the_page_does(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
+    result = told("partly explained")
+    _, _, words = page_of(result, tmp_path)
+    lines = summary(result)
+    pairs = [found for line in lines for found in re.findall(r"([\d.]+) -> ([\d.]+)", line)]
+    assert len(pairs) > 5
+    drawn = ("3.10", "1.20")  # by engine: a picture on the page
+    assert [pair for pair in pairs if pair != drawn and " → ".join(pair) not in words] == []
+    (found,) = (line for line in lines if line.startswith("  coulomb_friction at elbow: "))
+    torque = result.to_json()["findings"][0]["parameters"]["torque"]
+    assert f"torque {torque['value']:.3f} N·m [{torque['low']:.3f} to {torque['high']:.3f} N·m]; " in found
+
+
+def test_a_short_delay_is_told_in_milliseconds_and_written_in_seconds(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    delay = Suspect("command_delay", "*", (0, 1))
+    change = Change(delay, (("time", 0.0018),), ("time",))
+    result = replace(told("explained"), changes=(change,), shown={delay: Shown(3.0, 1.05)})
+    _, _, words = page_of(result, tmp_path)
+    assert "Command delay at all joints is missing (1.80 ms)" in words
+    assert "0.0018" not in words
+    assert "time 1.80 ms" in " ".join(summary(result))
+    told_time = result.to_json()["findings"][0]["parameters"]["time"]
+    assert (told_time["value"], told_time["unit"]) == (0.0018, "s")
 
 
 def test_a_gain_has_the_unit_of_its_servo(judged: Any) -> None:
@@ -142,9 +260,27 @@ def test_a_browser_shows_it_without_complaint_and_without_scrolling_sideways(
         browser.open(path)
         assert browser.complaints == []
         assert browser.run("document.documentElement.scrollWidth") <= width
+        if width < 600:
+            assert_tables_are_cards(browser)
         ink = browser.run("getComputedStyle(document.querySelector('svg.figure text')).fill")
         paper = browser.run("getComputedStyle(document.body).backgroundColor")
         light = [sum(map(int, re.findall(r"\d+", c)[:3])) / 3 for c in (ink, paper)]
         assert abs(light[0] - light[1]) > 90  # text of figures stands out from the page
         browser.press("Tab")
         assert browser.run("document.activeElement.className") == "skip"
+
+
+def assert_tables_are_cards(browser: chromium.Browser) -> None:
+    """Every value stands beside the name of its column, and nothing is reached by scrolling sideways only."""
+    wide = (
+        "[...document.querySelectorAll('.scroll')].filter(n => n.scrollWidth > n.clientWidth).map(n => n.textContent)"
+    )
+    assert browser.run(wide) == []
+    cells = """[...document.querySelectorAll('table.plain')].flatMap(table => {
+      const names = [...table.querySelectorAll('thead th')].map(n => n.textContent.trim().replace(/\\s+/g, ' '));
+      return [...table.querySelectorAll('tbody tr')].flatMap(row => [...row.children].map((cell, k) =>
+        [JSON.stringify(names[k]), getComputedStyle(cell, '::before').content, getComputedStyle(cell).display])); })"""
+    found = browser.run(cells)
+    assert len(found) > 20
+    assert [name for name, _, _ in found] == [shown for _, shown, _ in found]
+    assert {display for _, _, display in found} == {"flow-root"}

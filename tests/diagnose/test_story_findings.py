@@ -15,8 +15,9 @@ from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
 from realitygap.diagnose.result.summary import summary
+from realitygap.diagnose.result.workflow import write_diagnosis
 from realitygap.robot.effects import EFFECTS
-from told_story import FRICTION, page_of
+from told_story import FRICTION, Page, page_of
 
 
 def test_many_findings_are_told_by_effect_and_in_a_table(
@@ -167,8 +168,12 @@ def test_the_mended_robot_is_told_as_what_it_is(
     told: Callable[[str], Diagnosis], tmp_path: Path, change: Change, said: str
 ) -> None:
     result = replace(told("explained"), changes=(change,), shown={change.suspect: Shown(3.0, 1.05)})
-    _, page, words = page_of(result, tmp_path)
+    write_diagnosis(result, tmp_path)
+    page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
+    words = " ".join(page.text.split())
     assert f"revised/robot.urdf : {said}" in words
+    others = said.replace("the robot", "the robot of runs that have another one", 1)
+    assert f"revised/arm_heavy.urdf : {others}" in words
     assert "revised/robot.urdf" in page.links
 
 
@@ -249,6 +254,9 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     assert not page.open, "an element is left open"
     assert "with it, and controller gain at elbow adjusted as far as laws are ordinarily off, the gap" in words
     assert "Adjusted besides: 1.05 → 1.01 floors" in words
+    assert "The gap rises with them" not in words
+    rising = replace(result, shown={**result.shown, gain.suspect: Shown(1.01, 1.05)})
+    assert "The gap rises with them: they were fitted together" in page_of(rising, tmp_path)[2]
     assert "controller gain elbow gain 5.20 duty/rad" in words
     assert "1. coulomb friction at elbow" in words
     assert "2. " not in words.split("Adjusted besides")[0].split("What was found")[1], "it is no finding"
@@ -259,18 +267,18 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     ]
     lines = summary(result)
     at = lines.index("  adjusted, as far as laws are ordinarily off; held out 1.05 -> 1.01")
-    assert lines[at + 1].startswith("    controller_gain at elbow: gain 5.2 ")
-    assert lines[at + 2] == "    dart: 1.2 -> 1.1"
+    assert lines[at + 1] == "    controller_gain at elbow: gain 5.20 duty/rad"
+    assert lines[at + 2] == "    dart: 1.20 -> 1.10"
     nothing = replace(told("unexplained"), adjusted=(gain,), shown=result.shown)
     assert nothing.verdict == "unexplained", "what laws are off by is no name"
-    said = " With controller gain at elbow adjusted as far as laws are ordinarily off it stays at 3.0."
+    said = " With controller gain at elbow adjusted as far as laws are ordinarily off it stays at 3.00."
     assert story_text.verdict(nothing).endswith(said)
     costs = nothing.costs[0], dict.fromkeys(nothing.costs[0], 0.81)  # squares
     closed = replace(nothing, costs=costs)
     assert closed.verdict == "unexplained", "it is no name either where nothing else is left"
     assert story_text.verdict(closed) == (
         "Nothing is missing that is more than laws are ordinarily off by: with controller gain at elbow adjusted the "
-        "gap on held-out motions falls from 3.0 to 0.90 times the floor."
+        "gap on held-out motions falls from 3.00 to 0.900 times the floor."
     )
     revised = content.revised.save(tmp_path / "revised").read_text(encoding="utf-8")
     assert "effect: controller_gain" in revised

@@ -6,11 +6,18 @@ from pathlib import Path
 
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.workflow import write_diagnosis
+from told_story import Page
 
 
 def files(folder: Path) -> set[str]:
     """The files below a folder, by their paths in it."""
     return {f.relative_to(folder).as_posix() for f in folder.rglob("*") if f.is_file()}
+
+
+def linked(folder: Path) -> set[str]:
+    """The files that the page of a folder leads to."""
+    page = Page((folder / "report.html").read_text(encoding="utf-8"))
+    return {link for link in page.links if link is not None and not link.startswith("#")}
 
 
 def test_no_mended_model_stands_beside_a_diagnosis_that_has_none(
@@ -19,8 +26,10 @@ def test_no_mended_model_stands_beside_a_diagnosis_that_has_none(
     write_diagnosis(told("explained"), tmp_path)
     first = files(tmp_path)
     assert {"revised/scenario.yaml", "revised/robot.urdf"} <= first
+    assert linked(tmp_path) == first - {"report.html"}
     write_diagnosis(replace(told("no gap"), changes=(), adjusted=()), tmp_path)
     assert files(tmp_path) == {f for f in first if not f.startswith("revised/")}
+    assert linked(tmp_path) == set()
 
 
 def test_what_is_not_of_a_diagnosis_stays(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:

@@ -50,6 +50,10 @@ def test_the_page_shows_it_and_is_made_from_the_folder_alone(folder: Path) -> No
     assert page.count("data:image/svg+xml;base64,") == 2
     assert (folder / "figures" / "missing-effort-elbow.svg").is_file()
     assert write_page(folder).read_text() == page
+    figure = (folder / "figures" / "missing-effort-elbow.svg").read_text(encoding="utf-8")
+    for named in ("fitted function of the speed", "median, moving forward", "median, moving backward"):
+        assert figure.count(f">{named}<") == 1, "its legend names every curve once"
+    assert "fitted function" not in (folder / "figures" / "missing-effort-shoulder.svg").read_text(encoding="utf-8")
 
 
 def test_its_effects_close_the_gap_where_they_were_not_fitted(folder: Path) -> None:

@@ -1,6 +1,7 @@
 """The page as a whole in a real browser: any width, dark and light, few results and very many."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -8,8 +9,12 @@ import chromium
 import pytest
 import synthetic
 from invented_page import JOINTS
+from realitygap.page.cards import with_column_names
+from realitygap.page.shell import style
 from realitygap.report import write_page
 from realitygap_engines import ENGINES
+
+VIEW = '<meta name="viewport" content="width=device-width">'
 
 
 @pytest.mark.parametrize("width", [390, 1280])
@@ -28,6 +33,9 @@ def test_names_and_values_of_all_engines_stay_in_their_columns(
       return text.slice(1).map((t, i) => t.left - text[i].right); }).filter(space => space < 1).length"""
     assert shared.run("document.querySelectorAll('.heat thead th').length") == len(ENGINES)
     assert shared.run(overlaps) == 0
+    assert re.fullmatch(r"0  \d\.\d+°", shared.texts(".legend span:first-child")[0]), (
+        "a degree sign stands at its number"
+    )
     assert shared.run("document.documentElement.scrollWidth") <= width
     assert shared.complaints == []
     shared.resize(1280, 900)
@@ -65,6 +73,19 @@ def test_nothing_is_wider_than_the_window(browser: chromium.Browser, width: int)
             "[...document.querySelectorAll('.sortable tbody td')].map(n => getComputedStyle(n, '::before').content)"
         )
         assert '"position [°]"' in browser.run(labels)
+
+
+def test_a_long_name_of_a_column_stays_beside_its_value_on_a_phone(shared: chromium.Browser, tmp_path: Path) -> None:
+    head = "<thead><tr><th>servos.drive.friction.coulomb</th></tr></thead>"
+    cell = '<td class="num" data-label="servos.drive.friction.coulomb"><span>0.5</span></td>'
+    page = tmp_path / "page.html"
+    table = f"<table class=sortable>{head}<tbody><tr>{cell}</tr></tbody></table>"
+    page.write_text(f"<!doctype html>{VIEW}<style>{style()}</style>{table}", encoding="utf-8")
+    shared.resize(390, 900)
+    shared.open(page)
+    lines = "(n => n.clientHeight / parseFloat(getComputedStyle(n).lineHeight))(document.querySelector('td'))"
+    assert shared.run(lines) > 1.9, "the name is not broken into lines"
+    shared.resize(1280, 900)
 
 
 @pytest.mark.usefixtures("shared")
@@ -167,3 +188,19 @@ def test_a_thousand_cells_stay_usable(shared: chromium.Browser, tmp_path: Path) 
     )
     assert spent < 1000  # ms per switch, on a slow machine too
     assert shared.complaints == []
+
+
+def test_a_cell_over_several_columns_is_called_by_the_first_of_them(shared: chromium.Browser, tmp_path: Path) -> None:
+    head = "<thead><tr><th>effect</th><th>shows\n  from</th><th>taken for</th><th>searched</th></tr></thead>"
+    row = '<tr><th scope="row">backlash</th><td colspan="2">does not show</td><td class="num none">–</td></tr>'
+    table = f'<table class="plain wide">{head}<tbody>{row}</tbody></table>'
+    page = tmp_path / "page.html"
+    page.write_text(with_column_names(f"<!doctype html><style>{style()}</style>{table}{table}"), encoding="utf-8")
+    names = "[...document.querySelectorAll('tbody tr > *')].map(n => getComputedStyle(n, '::before').content)"
+    for width, shown in ((599, ['"effect"', '"shows from"', '"searched"']), (601, ["none"] * 3)):
+        shared.resize(width, 900)
+        shared.open(page)
+        assert shared.run(names) == shown * 2
+        seen = shared.run("[...document.querySelectorAll('td.none')].map(n => n.offsetHeight > 0)")
+        assert seen == [width > 600] * 2, "what an engine does not have takes no line"
+    shared.resize(1280, 900)

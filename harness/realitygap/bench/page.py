@@ -1,7 +1,9 @@
 """The page of a bench procedure: what it found, section by section, with its figures; one file that opens offline."""
 
 import base64
+import re
 from collections.abc import Sequence
+from itertools import groupby
 from pathlib import Path
 
 from realitygap.bench.summary import Summary
@@ -9,6 +11,8 @@ from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 
 PICTURES = {".png": "image/png", ".svg": "image/svg+xml"}
+SENTENCE = re.compile(r"(?!<|\w+: \[)(?=\S+ \S+ \S)((?!  ).)+")
+"""A line of words: not the columns of a table, which two spaces part, nor what is meant for a URDF or a scenario."""
 
 
 def write_page(summary: Summary, title: str, out: Path) -> Path:
@@ -26,7 +30,7 @@ def write_page(summary: Summary, title: str, out: Path) -> Path:
         "realitygap.bench",
         "bench.html.j2",
         title=title,
-        parts=sections(summary.lines),
+        parts=[(name, blocks(text)) for name, text in sections(summary.lines)],
         figures=figures,
         files=files,
     )
@@ -44,6 +48,13 @@ def sections(lines: Sequence[str]) -> list[tuple[str, str]]:
             out[-1][1].append(line)
     found = [(title, "\n".join(text).strip("\n")) for title, text in out]
     return [(title, text) for title, text in found if title or text]
+
+
+def blocks(text: str) -> list[tuple[bool, list[str]]]:
+    """A text as sentences (True), which flow as paragraphs, and other lines, which stay as they are aligned."""
+    found = groupby(text.split("\n"), key=lambda line: bool(SENTENCE.fullmatch(line)))
+    parted = [(prose, list(lines)) for prose, lines in found]
+    return [(prose, lines) for prose, lines in parted if any(lines)]
 
 
 def _embedded(picture: Path) -> str:

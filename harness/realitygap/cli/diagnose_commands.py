@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from realitygap.cli.options import Engines, Jobs, Out, folder_for, named_after, say
+from realitygap.diagnose.patience import EACH, MINUTES
 
 
 def diagnose(
@@ -19,8 +20,9 @@ def diagnose(
         typer.Option(
             "--minutes",
             min=0.0,
-            help="how long to look for more by the clock; what was found by then is proven; inf: to the end",
-            show_default="as many simulations as take about 2.25, or a fifth for every joint",
+            help="how many minutes, by the clock, to look for more; then the search stops, and what it found by then "
+            "is judged on held-out runs and written, which takes a little longer; inf: until nothing more is found",
+            show_default=f"as many simulations as take about {MINUTES:g} minutes, or {60 * EACH:g} s for every joint",
         ),
     ] = None,
 ) -> None:
@@ -39,11 +41,15 @@ def diagnose(
         result = run_diagnosis(scenario, engine or [], folder, Progress(), jobs, ahead, minutes)
     lines = [*summary(result), f"diagnosis: {folder / 'diagnosis.json'}", f"report: {folder / 'report.html'}"]
     if mjcf:
-        from realitygap.diagnose.result.revise import MJCF, REVISED
+        from realitygap.diagnose.result.revise import MJCF, REVISED, SCENARIO
+        from realitygap.diagnose.result.story import write_story
+        from realitygap.files.own_files import content, own
         from realitygap.robot.mjcf_file import write_scenario_mjcf
 
-        mended = folder / REVISED / "scenario.yaml"
+        mended = folder / REVISED / SCENARIO
         lines += write_scenario_mjcf(mended if mended.exists() else scenario, folder / REVISED / MJCF)
+        written = own(folder, content(folder / "diagnosis.json").get("revised"), (f"{REVISED}/*",))
+        write_story(result, folder, [*written, f"{REVISED}/{MJCF}"])  # once more, with a link to it
     say(lines)
 
 

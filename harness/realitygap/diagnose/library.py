@@ -157,8 +157,8 @@ def diagnose(
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
         minutes: by the clock, after which nothing more is looked for, infinite for to the end; what was found by then
-            is proven. None for as many simulations as take about three, and of a robot with many joints a third for
-            each: every run finds the same.
+            is judged on held-out runs. None for as many simulations as take about two minutes, and longer of a robot
+            with many joints (`MINUTES` and `EACH` in `realitygap.diagnose.patience`): every run finds the same.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.

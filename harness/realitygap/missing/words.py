@@ -1,6 +1,9 @@
 """What a missing effort depends on, in a sentence that names variables and never a law."""
 
-from realitygap.missing.shape import Shape, Term
+from collections.abc import Mapping
+from typing import Any
+
+from realitygap.missing.shape import Shape
 
 DEPENDS = {
     "angle": "the angle",
@@ -25,18 +28,23 @@ def sentence(shape: Shape) -> str:
         if abs(shape.mean) > shape.size / 2:
             return f"{size} is {shape.mean:.2g} {shape.unit} in the mean, and depends on nothing that was looked at"
         return f"{size} depends on nothing that was looked at"
-    parts = [f"{_term(term)} ({term.share:.0%})" for term in shape.terms]
+    parts = [f"{depends(vars(term))} ({term.share:.0%})" for term in shape.terms]
     text = f"{size} depends on {', and on '.join(parts)}"
     if shape.rivals:
         text += f"; as well by {' or '.join(_named(r) for r in shape.rivals)}"
     return text
 
 
-def _term(term: Term) -> str:
-    text = " and ".join(DEPENDS[v] for v in term.variables)
-    if len(term.variables) > 1:
+def depends(term: Mapping[str, Any]) -> str:
+    """What a part of a missing effort is a function of, in words: `the angle, 6 periods a turn`.
+
+    Args:
+        term: its `variables` and `periods`, as in `missing_effort.json`.
+    """
+    text = " and ".join(DEPENDS[v] for v in term["variables"])
+    if len(term["variables"]) > 1:
         text += " together"
-    return text if term.periods is None else f"{text}, {term.periods:.2g} periods a turn"
+    return text if term["periods"] is None else f"{text}, {term['periods']:.2g} periods a turn"
 
 
 def _named(variables: tuple[str, ...]) -> str:

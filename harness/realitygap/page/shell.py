@@ -6,6 +6,8 @@ from typing import Any
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from realitygap.page.cards import with_column_names
+
 PAGE = "realitygap.page"
 STYLES = ("page.css", "story.css")
 
@@ -26,7 +28,7 @@ def render(room: str, template: str, *, title: str, **content: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(css=style(), title=title, **content)
+    return with_column_names(environment.get_template(template).render(css=style(), title=title, **content))
 
 
 def style() -> Markup:

@@ -22,6 +22,9 @@ SIGNALS = {
     "base_angular_velocity": "base angular velocity",
 }
 
+DIGITS = 3
+"""Significant digits of a value that people read, on pages and in a terminal."""
+
 UNITS = {"deg": "°", "deg/s": "°/s"}
 
 AXES = {
@@ -60,7 +63,7 @@ def unit_label(unit: str) -> str:
     return UNITS.get(unit, unit)
 
 
-def number(value: float, digits: int = 3) -> str:
+def number(value: float, digits: int = DIGITS) -> str:
     """A few significant digits, without an exponent where a person would not write one."""
     if math.isnan(value):
         return "unknown"
@@ -74,7 +77,7 @@ def number(value: float, digits: int = 3) -> str:
     return f"{value:.{places}f}".replace("-", "−")
 
 
-def quantity(value: float, unit: str, digits: int = 3) -> str:
+def quantity(value: float, unit: str, digits: int = DIGITS) -> str:
     """A number with its unit: 0.520°, 1.68 °/s, 0.280 N·m."""
     label = unit_label(unit)
     return number(value, digits) + ("" if label == "°" else " ") + label

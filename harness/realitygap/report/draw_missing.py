@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from realitygap.missing.effort import BAND, MissingEffort
+from realitygap.missing.words import depends
 from realitygap.page.style import quantity
 from realitygap.report.draw import INK, STYLE, save
 from realitygap.robot.law.effort_map import TURNING
@@ -53,6 +54,11 @@ def draw_missing(path: Path, runs: Sequence[MissingEffort], told: dict[str, Any]
             _against(axes, variable, runs, j, told)
         for axes in panels.flat[len(variables) :]:
             axes.set_visible(False)
+        named: dict[str, Any] = {}  # every curve once
+        for axes in panels.flat:
+            named |= {label: handle for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
+        if named:
+            lower.legend(named.values(), named, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
         for axes in panels[:, 0]:
             axes.set_ylabel(f"missing effort [{unit}]")
         seen = np.concatenate([r.effort[:, j] for r in runs])
@@ -126,14 +132,16 @@ def _against(axes: Axes, variable: str, runs: Sequence[MissingEffort], j: int, t
         axes.plot(x[shown] * scales[slide], effort[shown], ".", color=color, markersize=2.4, alpha=0.5, rasterized=True)
         if color != RESTING and len(own) > 5 * BINS:
             middle, median = _medians(x[own], effort[own])
-            axes.plot(middle * scales[slide], median, color=color, linewidth=1.8)
+            way = "forward" if color == FORWARD else "backward"
+            axes.plot(middle * scales[slide], median, color=color, linewidth=1.8, label=f"median, moving {way}")
     low, high = np.quantile(x, [0.002, 0.998]) * scales[slide]
     axes.set_xlim(low - 0.04 * (high - low), high + 0.04 * (high - low))
     axes.set_xlabel(f"{name} [{units[slide]}]")
     terms = [t for t in told["terms"] if variable in t["variables"]]
     for term in terms:
         if len(term["variables"]) == 1:
-            axes.plot(np.array(term["knots"][0]) * scales[slide], term["values"], color=INK, linewidth=2.0, zorder=3)
+            knots, fitted = np.array(term["knots"][0]) * scales[slide], f"fitted function of {depends(term)}"
+            axes.plot(knots, term["values"], color=INK, linewidth=2.0, zorder=3, label=fitted)
         together = "together " if len(term["variables"]) > 1 else ""
         axes.set_title(f"{together}explains {term['share']:.0%}", fontsize=9, fontweight="bold")
         axes.set_facecolor("#fff8e5")

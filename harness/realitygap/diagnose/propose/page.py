@@ -14,10 +14,10 @@ from realitygap.diagnose.propose.figure import figure
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import SURE, expected, half, now, one_sided
 from realitygap.diagnose.rehearse.page import label, words
-from realitygap.diagnose.result.story_text import listed, suspect_label
+from realitygap.diagnose.result.story_text import listed, quantity, suspect_label
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
-from realitygap.page.style import engine_label, number
+from realitygap.page.style import engine_label
 
 
 def write_page(result: Proposal, content: dict[str, Any], out: Path) -> Path:
@@ -94,8 +94,8 @@ def _weak(weak: Weak) -> dict[str, str]:
     name = weak.parameter.replace("_", " ") if len(weak.suspect.kind.parameters) > 1 else ""
     return {
         "what": suspect_label(weak.suspect) + (f", {name}" if name else ""),
-        "value": f"{number(weak.value)} {weak.unit}",
-        "now": f"± {number(weak.now, 2)}",
-        "then": f"± {number(weak.then, 2)}",
+        "value": quantity(weak.value, weak.unit, short=True),
+        "now": f"± {quantity(weak.now, weak.unit, short=True, digits=2)}",
+        "then": f"± {quantity(weak.then, weak.unit, short=True, digits=2)}",
         "half": half(weak),
     }

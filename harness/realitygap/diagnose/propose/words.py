@@ -7,7 +7,8 @@ import math
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
-from realitygap.diagnose.result.story_text import MOST, suspect_label
+from realitygap.diagnose.result.odds import MOST
+from realitygap.diagnose.result.story_text import interval, suspect_label
 
 SURE = math.log(20.0)
 """Odds beyond this settle a question: those at which a diagnosis takes a rival out of the confidence set."""
@@ -65,9 +66,9 @@ def _settles(question: Question, answer: Answer) -> str:
 
 
 def narrower(weak: Weak) -> str:
-    """What a motion does to an interval: controller gain at elbow: ± 0.2 becomes ± 0.1, half after 40 s."""
+    """What a motion does to an interval: controller gain at elbow: ± 0.20 becomes ± 0.10 duty/rad, half after 40 s."""
     what = suspect_label(weak.suspect) + (f", {weak.parameter}" if len(weak.suspect.kind.parameters) > 1 else "")
-    return f"{what}: ± {weak.now:.2g} {weak.unit} becomes ± {weak.then:.2g}, {half(weak)}".replace("  ", " ")
+    return f"{what}: ± {interval(weak.now, weak.then, weak.unit, word='becomes ±', digits=2)}, {half(weak)}"
 
 
 def half(weak: Weak) -> str:

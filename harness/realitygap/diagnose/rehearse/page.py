@@ -12,7 +12,7 @@ from matplotlib.patches import Rectangle
 
 from realitygap.diagnose.rehearse.rehearse import Rehearsal
 from realitygap.diagnose.result.story_figures import AFTER, INK, LINE, PAPER, STYLE, svg
-from realitygap.diagnose.result.story_text import effect_label, listed, quantity, suspect_label
+from realitygap.diagnose.result.story_text import effect_label, interval, listed, quantity, suspect_label
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
@@ -73,8 +73,7 @@ def words(size: dict[str, dict[str, Any]] | None) -> str:
         if p["model"] is None:
             parts.append(label + quantity(p["value"], p["unit"], short=True))
         else:
-            own = quantity(p["model"], p["unit"], short=True, digits=4).split(" ")[0]
-            parts.append(f"{label}{own} → {quantity(p['value'], p['unit'], short=True, digits=4)}")
+            parts.append(label + interval(p["model"], p["value"], p["unit"], word="→", digits=4))
     return ", ".join(parts)
 
 

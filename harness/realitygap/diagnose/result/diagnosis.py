@@ -18,6 +18,7 @@ from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.worsened import InUnits, Worsened
 from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
@@ -221,8 +222,11 @@ class Diagnosis:
 def why(rival: Rival) -> str:
     """Why a rival cannot be told from a finding."""
     if rival.behind <= 0:
-        return "its own fit explains the recordings as well"
-    return f"its own fit is behind by {rival.behind:.1f} in evidence, with a standard error of {rival.error:.1f}"
+        return "fitted in its place, it explains the recordings as well"
+    return (
+        f"fitted in its place, it makes the recordings {odds(rival.behind)} times less probable, which is too little "
+        f"to decide (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"
+    )
 
 
 def _name(suspect: Suspect) -> dict[str, Any]:

@@ -23,8 +23,8 @@ PATHS = ("robot.urdf", "motion.keyframes", "recordings.runs.path", "recordings.d
 MAPPINGS = ("robot.packages.", "revisions.")
 """Keys of a scenario that hold a path, and mappings of paths."""
 RUN = "recordings.runs.with."
-REVISED, MJCF = "revised", "robot.mjcf.xml"
-"""The folder of the mended model, and its file for plain MuJoCo, where one is asked for."""
+REVISED, SCENARIO, MJCF = "revised", "scenario.yaml", "robot.mjcf.xml"
+"""The folder of the mended model, its scenario, and its file for plain MuJoCo, where one is asked for."""
 
 
 def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> list[Path]:
@@ -51,7 +51,7 @@ def write_revised(problem: Problem, changes: Sequence[Change], folder: Path) -> 
             run["with"] = overrides
     if revision.packages:
         raw["robot"]["packages"] = {**(raw["robot"].get("packages") or {}), **revision.packages}
-    path = folder / "scenario.yaml"
+    path = folder / SCENARIO
     text = yaml.dump(raw, Dumper=Plain, sort_keys=False, allow_unicode=True, width=110)
     write_whole(path, f"# {file.scenario.name} with what the diagnosis found\n{text}")
     return [path, *(folder / name for name in revision.names.values())]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,14 +14,15 @@ from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.closest import Closest
-from realitygap.diagnose.judge.gaps import CLEAR
+from realitygap.diagnose.judge.gaps import CLEAR, Shown
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis, why
-from realitygap.diagnose.result.revise import BODY, mended_name
 from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_files import told_files
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
+    agreement,
     better,
     in_words,
     interval,
@@ -29,6 +31,7 @@ from realitygap.diagnose.result.story_text import (
     name_label,
     own_reach,
     quantity,
+    rule,
     suspect_label,
     target_label,
     verdict,
@@ -36,6 +39,7 @@ from realitygap.diagnose.result.story_text import (
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number, unit_label
+from realitygap.page.style import quantity as in_unit
 from realitygap.robot.effects import EFFECTS
 
 SHOWN = 4
@@ -59,17 +63,24 @@ class _Value:
     own: tuple[float, float] | None
 
 
-def write_story(result: Diagnosis, out: Path) -> Path:
-    """Write the page of a diagnosis into a result folder. Returns the page."""
+def write_story(result: Diagnosis, out: Path, revised: Sequence[str] = ()) -> Path:
+    """Write the page of a diagnosis into a result folder. Returns the page.
+
+    Args:
+        result: of the diagnosis.
+        out: the result folder.
+        revised: the files of the mended model, by their paths in the folder.
+    """
     path = out / "report.html"
-    write_whole(path, render("realitygap.diagnose.result", "story.html.j2", **_story(result)))
+    files = told_files(result, revised)
+    write_whole(path, render("realitygap.diagnose.result", "story.html.j2", **_story(result), revised=files))
     return path
 
 
 def _story(result: Diagnosis) -> dict[str, Any]:
     problem = result.problem
     changes = result.changes
-    gaps = {use: [number(gap, 3) for gap in result.gap(use)] for use in USES}
+    gaps = {use: [number(gap) for gap in result.gap(use)] for use in USES}
     findings = [_finding(result, c) for c in changes]
     return {
         "title": problem.file.scenario.name,
@@ -77,11 +88,10 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "virtual": problem.file.scenario.virtual,
         "verdict": result.verdict,
         "sentence": verdict(result),
+        "rule": f"{rule(result)} {agreement(result)}".rstrip(),
         "gaps": gaps,
         "mended": bool(result.mended),
         "above": max(result.gap(use)[1] for use in USES) > CLEAR,
-        "robot": mended_name(problem.file.resolve(problem.file.scenario.robot.urdf, "robot.urdf")),
-        "bodies": any(c.suspect.effect in BODY for c in result.mended),
         "cut": result.found.cut,
         "where": [_place(p) for p in result.where],
         "first": FIRST,
@@ -97,14 +107,12 @@ def _story(result: Diagnosis) -> dict[str, Any]:
             if listed
         ],
         "experiment": _sentences(result.experiment()),
-        "worsened": [
-            (w.joint, w.signal, number(w.before), number(w.after), unit_label(w.unit)) for w in result.worsened
-        ],
+        "worsened": [(w.joint, w.signal, number(w.before), in_unit(w.after, w.unit)) for w in result.worsened],
         "left": [_place(p) for p in result.left],
         "faults": result.faults,
         "closest": [_closest(result, c) for c in result.closest],
-        "units": [(u.signal, number(u.before), number(u.after), unit_label(u.unit)) for u in result.units],
-        "notes": [in_words(note) for note in result.notes],
+        "units": [(u.signal, number(u.before), in_unit(u.after, u.unit)) for u in result.units],
+        "notes": [_begun(result, in_words(note)) for note in result.notes],
         "split": problem.split,
         "names": {use: [problem.cases[i].name for i in problem.of(use)] for use in USES},
         "repeated": sum(c.repetitions > 1 for c in problem.cases),
@@ -129,7 +137,7 @@ def _place(place: Place) -> dict[str, str]:
         "gap": number(place.gap),
         "noise": number(place.noise_floor),
         "numerical": number(place.numerical_floor),
-        "floors": number(place.floors, 2),
+        "floors": number(place.floors),
         "when": ", ".join(place.when),
     }
 
@@ -158,13 +166,17 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
         "parameters": _parameters(result, change, content["parameters"]),
         "values": values,
         "page": effect.page,
-        "before": number(done.before),
-        "after": number(done.after),
-        "rises": done.after > done.before and number(done.after) != number(done.before),
+        **_step(done),
         "figure": Markup(draw_pairs(pairs, f"Held-out gap before and after {name_label(suspect)}, by engine")),
         "drawing": Markup(draw_table(result, change)) if suspect.table is not None else "",
         "missing": missing,
     }
+
+
+def _step(done: Shown) -> dict[str, Any]:
+    """The held-out gap before and after a step, and whether it is seen to rise."""
+    before, after = number(done.before), number(done.after)
+    return {"before": before, "after": after, "rises": done.after > done.before and before != after}
 
 
 def _parameters(result: Diagnosis, change: Change, content: dict[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -191,7 +203,7 @@ def _adjusted(result: Diagnosis) -> dict[str, Any]:
     if not rows:
         return {}
     done = result.shown[result.adjusted[0].suspect]
-    return {"rows": rows, "before": number(done.before), "after": number(done.after)}
+    return {"rows": rows, **_step(done)}
 
 
 def _groups(found: list[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -245,7 +257,7 @@ def _reach(values: list[_Value]) -> tuple[str, str, str]:
 def _closest(result: Diagnosis, closest: Closest) -> tuple[str, str, str, str]:
     """A candidate that was not named: what it would be, the gap on training runs before and after, and why not."""
     said = lacks(result, closest.change)
-    return said, number(closest.before, 3), number(closest.after, 3), closest.why
+    return said, number(closest.before), number(closest.after), closest.why
 
 
 def _runs(result: Diagnosis) -> list[Pair]:
@@ -322,6 +334,13 @@ def _spans(time: np.ndarray[Any, Any], inside: np.ndarray[Any, Any]) -> list[tup
     """The intervals [s] in which a mask holds."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _begun(result: Diagnosis, sentence: str) -> str:
+    """A sentence with a capital, unless a name begins it."""
+    names = [*result.problem.plant.model.joint_names, *(c.name for c in result.problem.cases)]
+    named = any(sentence.startswith(name.split(" ")[0]) for name in names)
+    return sentence if named else sentence[0].upper() + sentence[1:]
 
 
 def _sentences(text: str) -> list[str]:

@@ -24,9 +24,9 @@ INK, MUTED, LINE, PAPER = "#1d2126", "#5c646d", "#dedad2", "#fdfcfb"
 """Stand for what the page's style sheet calls --ink, --muted, --line and --panel."""
 BEFORE, AFTER = "#d55e00", "#0072b2"
 STYLE: Any = {
-    "font.size": 8.5,
-    "axes.titlesize": 9,
-    "axes.labelsize": 8.5,
+    "font.size": 10,
+    "axes.titlesize": 10,
+    "axes.labelsize": 10,
     "text.color": INK,
     "axes.labelcolor": INK,
     "xtick.color": MUTED,

@@ -15,20 +15,25 @@ from realitygap.diagnose.data.units import table_units, unit_there
 from realitygap.diagnose.judge.gaps import CLEAR
 from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
-from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.page.style import number
+from realitygap.diagnose.result.diagnosis import LAW, Diagnosis
+from realitygap.diagnose.result.odds import odds
+from realitygap.page.style import DIGITS, engine_label, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
 WITH = {"error": "position error", "reversal": "time since the last reversal"}
 """What an unnamed effort depends on, in words, where its own name is not enough."""
 CUT = "The search ended with its time, before all was tried"
 """What is said of what is left where the search was cut off: an effect that was not tried may explain it."""
-MOST = 6
-"""Odds are told up to so many decades: beyond, a model's own faults decide."""
+SHARE = f"{100 * LAW:g} %"
+"""What laws that are only nearly right may leave of a gap, in words."""
+LEAST = 0.1
+"""Engines are told to agree within this [%] where they agree better."""
 NAMED = re.compile(rf"\b({'|'.join(EFFECTS)})\b")
 """An effect by its name."""
 DEGREES = {"rad": "°", "rad/s": "°/s"}
 """Units that people read in degrees, and what they become."""
+BRIEF = 0.01
+"""Times below this [s] are read in ms."""
 
 
 def effect_label(effect: str) -> str:
@@ -58,24 +63,29 @@ def listed(items: list[str]) -> str:
     return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
 
 
-def quantity(value: float, unit: str, *, short: bool = False, digits: int = 3) -> str:
-    """A parameter's value as people read it: 0.250 N·m, 0.840° (0.0147 rad), in short 0.840°."""
+def quantity(value: float, unit: str, *, short: bool = False, digits: int = DIGITS) -> str:
+    """A parameter's value as people read it: 0.250 N·m, 1.80 ms, 0.840° (0.0147 rad), in short 0.840°."""
     if unit in DEGREES and math.isfinite(value) and not short:
         return f"{_people(value, unit)} ({number(value)} {unit})"
     return _people(value, unit, digits)
 
 
-def _people(value: float, unit: str, digits: int = 3) -> str:
-    if unit in DEGREES:
-        return f"{number(math.degrees(value), digits)}{' ' * (unit != 'rad')}{DEGREES[unit]}"
-    return f"{number(value, digits)} {unit}".strip()
+def interval(low: float, high: float, unit: str, *, word: str = "to", digits: int = DIGITS) -> str:
+    """Two values in the same words and one unit: a 95 % interval, or what was and what is."""
+    factor, _ = _for_people(unit, max(abs(low), abs(high)))
+    return f"{number(low * factor, digits)} {word} {_people(high, unit, digits, max(abs(low), abs(high)))}"
 
 
-def interval(low: float, high: float, unit: str) -> str:
-    """A 95 % interval in the same words."""
+def _people(value: float, unit: str, digits: int = DIGITS, largest: float | None = None) -> str:
+    factor, label = _for_people(unit, abs(value) if largest is None else largest)
+    return f"{number(value * factor, digits)}{' ' * (label != '°')}{label}".strip()
+
+
+def _for_people(unit: str, largest: float) -> tuple[float, str]:
+    """What values in a unit are multiplied by for people, where the largest is this, and their unit then."""
     if unit in DEGREES:
-        return f"{number(math.degrees(low))} to {_people(high, unit)}"
-    return f"{number(low)} to {_people(high, unit)}"
+        return math.degrees(1.0), DEGREES[unit]
+    return (1e3, "ms") if unit == "s" and 0.0 < largest < BRIEF else (1.0, unit)
 
 
 def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
@@ -166,7 +176,7 @@ def verdict(result: Diagnosis) -> str:
     if result.verdict == "no gap":
         return (
             "Nothing is missing: simulation and recordings agree within the floors "
-            f"(the gap on held-out motions is {number(before, 2)} times the floor)."
+            f"(the gap on held-out motions is {number(before)} times the floor)."
         )
     if result.verdict == "unexplained":
         return _unexplained(result)
@@ -176,10 +186,34 @@ def verdict(result: Diagnosis) -> str:
     beside = f", and {_adjusted(result.adjusted)}," if result.adjusted else ""
     text += f"with {'it' if len(changes) == 1 else 'them'}{beside} the gap on held-out motions {how} times the floor"
     if result.verdict == "explained":
-        text += ", less than a tenth of what it was" if after > CLEAR else ""
+        text += f", at most {SHARE} of what it was" if after > CLEAR else ""
         return f"{text}. {CUT}." if result.found.cut else f"{text}, and nothing worth a name is left."
     text += f". Something else is missing{_most(result.left)}"
     return f"{text}. {CUT}." if result.found.cut else f"{text}, which no effect explains."
+
+
+def rule(result: Diagnosis) -> str:
+    """Up to which gap the verdict is a good one, in one sentence."""
+    if result.verdict == "no gap":
+        return f"Counts as no gap up to {CLEAR:g} floors, on held-out and on training motions."
+    return (
+        f"Counts as explained where the gap that is left is at most {CLEAR:g} floors, or at most {SHARE} of what it "
+        "was, on held-out and on training motions."
+    )
+
+
+def agreement(result: Diagnosis) -> str:
+    """How closely engines agree on the gap that the mended model leaves, in one sentence; empty without another one."""
+    if not result.mended or not (others := result.shown[result.mended[-1].suspect].engines):
+        return ""
+    left = {result.engines[0]: result.shown[result.mended[-1].suspect].after, **{e: a for e, (_, a) in others.items()}}
+    low, high = min(left, key=lambda e: left[e]), max(left, key=lambda e: left[e])
+    apart = 100.0 * (left[high] / left[low] - 1.0)
+    ends = f"from {number(left[low])} floors in {engine_label(low)} to {number(left[high])} in {engine_label(high)}"
+    if number(left[low]) == number(left[high]):
+        ends = f"{number(left[low])} floors in each of them"
+    within = number(max(apart, LEAST), 2)
+    return f"{len(left)} engines agree on the gap that is left on held-out motions within {within} %: {ends}."
 
 
 def _unexplained(result: Diagnosis) -> str:
@@ -190,7 +224,7 @@ def _unexplained(result: Diagnosis) -> str:
             "Nothing is missing that is more than laws are ordinarily off by: with "
             f"{_values(result.adjusted)} adjusted the gap on held-out motions {_moved(before, after)} times the floor."
         )
-    text = f"the gap on held-out motions is {number(before, 2)} times the floor{_most(result.where)}"
+    text = f"the gap on held-out motions is {number(before)} times the floor{_most(result.where)}"
     rest = f" With {_adjusted(result.adjusted)} it {_moved(before, after)}." if result.adjusted else ""
     if result.found.cut:
         return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough.{rest}"
@@ -202,7 +236,7 @@ def _unexplained(result: Diagnosis) -> str:
 
 def _moved(before: float, after: float) -> str:
     """What becomes of a gap: `falls from 45 to 11`; a change that its digits do not show is none."""
-    a, b = number(before, 2), number(after, 2)
+    a, b = number(before), number(after)
     if a == b:
         return f"stays at {a}"
     return f"{'falls' if after < before else 'rises'} from {a} to {b}"
@@ -214,21 +248,13 @@ def better(result: Diagnosis, change: Change) -> str:
         return f"Recordings show it by themselves, before anything is simulated: {TELLERS[change.suspect.effect].how}."
     rivals = result.found.rivals.get(change.suspect, [])
     gain = result.found.gains.get(change.suspect)
-    said = "" if gain is None else f"Without it the recordings are {_odds(gain)} times less probable"
+    said = "" if gain is None else f"Without it the recordings are {odds(gain)} times less probable"
     if not rivals:
         return f"{said}, and nothing on the list comes near it." if said else ""
     if rivals[0].open:
         return f"{said}; {suspect_label(rivals[0].suspect)} in its place explains them as well."
-    other, odds = suspect_label(rivals[0].suspect), _odds(rivals[0].behind)
-    return f"{said}; with the next best explanation, {other}, they are {odds} times less probable than with it."
-
-
-def _odds(evidence: float) -> str:
-    """Odds as people say them: 40, 10^5, more than 10^6."""
-    decades = evidence / math.log(10)
-    if decades > MOST:
-        return f"more than 10^{MOST}"
-    return f"{math.exp(max(evidence, 0.0)):.0f}" if decades < 4 else f"10^{decades:.0f}"
+    other, less = suspect_label(rivals[0].suspect), odds(rivals[0].behind)
+    return f"{said}; with the next best explanation, {other}, they are {less} times less probable than with it."
 
 
 def _most(places: list[Place]) -> str:

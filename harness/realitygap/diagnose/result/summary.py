@@ -9,15 +9,17 @@ import numpy as np
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.result.diagnosis import Diagnosis
-from realitygap.diagnose.search.round import told_change
+from realitygap.diagnose.result.story_text import interval, lacks, quantity
+from realitygap.page.style import number
+from realitygap.page.style import quantity as in_unit
 
 
 def summary(result: Diagnosis) -> list[str]:
     """Lines for the terminal: verdict, findings with their intervals, what cannot be told apart, what to record."""
     content = result.to_json()
-    before, after = result.gap("held_out")
-    lines = [f"{content['verdict']}: held-out gap {before:.4g} -> {after:.4g} (floor-weighted rms, 1 is the floor)"]
-    lines += [f"  {u.signal}: {u.before:.3g} -> {u.after:.3g} {u.unit}" for u in result.units if result.mended]
+    gap = _moved(content["gap"]["held_out"])
+    lines = [f"{content['verdict']}: held-out gap {gap} (floor-weighted rms, 1 is the floor)"]
+    lines += [f"  {u.signal}: {number(u.before)} -> {in_unit(u.after, u.unit)}" for u in result.units if result.mended]
     for finding, change in zip(content["findings"], result.changes, strict=True):
         lines.append(f"  {_values(change, finding)}; held out {_moved(finding['held_out'])}")
         lines += [f"    {engine}: {_moved(gap)}" for engine, gap in finding["engines"].items()]
@@ -26,12 +28,11 @@ def summary(result: Diagnosis) -> list[str]:
     lines += _adjusted(result, content["adjusted"])
     if not result.changes:
         lines += [
-            f"  closest: {told_change(c.change)}: training gap {c.before:.3g} -> {c.after:.3g}; {c.why}"
+            f"  closest: {lacks(result, c.change)}: training gap {number(c.before)} -> {number(c.after)}; {c.why}"
             for c in result.closest
         ]
     lines += [
-        f"  worse: {w['signal']} of {w['joint']}: {w['before']:g} -> {w['after']:g} {w['unit']}"
-        for w in content["worsened"]
+        f"  worse: {w.signal} of {w.joint}: {number(w.before)} -> {in_unit(w.after, w.unit)}" for w in result.worsened
     ]
     lines += [f"  sensor: {sentence}" for sentence in content["sensor_faults"]]
     lines += [f"  {note}" for note in content["notes"]]
@@ -43,13 +44,11 @@ def summary(result: Diagnosis) -> list[str]:
 
 
 def _parameter(name: str, told: dict[str, Any]) -> str:
-    """A parameter with its 95 % interval, where it was fitted, and its unit."""
-    interval = f"[{told['low']:.4g}, {told['high']:.4g}]" if told["low"] < told["high"] else ""
-    return " ".join(part for part in (name, f"{told['value']:.4g}", interval, told["unit"]) if part)
-
-
-def _largest(told: dict[str, Any]) -> str:
-    return f"{np.max(np.abs(told['value'])):.4g} {told['unit']}"
+    """A parameter with its unit and its 95 % interval, where it was fitted."""
+    low, high = told["low"], told["high"]
+    return f"{name} {quantity(told['value'], told['unit'])}" + (
+        f" [{interval(low, high, told['unit'])}]" if low < high else ""
+    )
 
 
 def _values(change: Change, told: dict[str, Any]) -> str:
@@ -57,13 +56,15 @@ def _values(change: Change, told: dict[str, Any]) -> str:
     if change.suspect.table is None:
         values = ", ".join(_parameter(n, p) for n, p in told["parameters"].items())
     else:
-        values = f"{len(change.values)} values up to {_largest(told['parameters']['values'])}"
+        every = told["parameters"]["values"]
+        largest = quantity(float(np.max(np.abs(every["value"]))), every["unit"])
+        values = f"{len(change.values)} values up to {largest}"
     return f"{change.suspect}: {values}"
 
 
 def _moved(told: dict[str, float]) -> str:
     """A gap before and after."""
-    return f"{told['before']:g} -> {told['after']:g}"
+    return f"{number(told['before'])} -> {number(told['after'])}"
 
 
 def _adjusted(result: Diagnosis, content: Sequence[dict[str, Any]]) -> list[str]:

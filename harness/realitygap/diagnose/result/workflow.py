@@ -27,6 +27,7 @@ from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import Diagnosis
+from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.replaced import replaced
 from realitygap.diagnose.result.revise import MJCF, REVISED, write_revised
 from realitygap.diagnose.result.story import write_story
@@ -36,6 +37,7 @@ from realitygap.files.interrupted import last
 from realitygap.files.own_files import content, own, remove
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
+from realitygap.page.style import number
 from realitygap.recording.faults import faults
 from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
@@ -43,10 +45,13 @@ from realitygap.scenario.file import ScenarioFile, load_scenario
 
 SEARCH = "mujoco"
 """The engine to search in where none is asked for: the fastest."""
-NOT_REPEATED = "no motion was repeated: the sensors alone make the floor, and less is named; record one three times"
+NOT_REPEATED = (
+    "no motion was recorded twice: how much the robot itself differs from one time to the next is not known, and less "
+    "is named; record one motion three times"
+)
 CUT = (
-    "the search was ended after the simulations or the time that it had: more may be missing than what was found; "
-    "--minutes inf looks to the end"
+    "the search stopped when its simulations or its time were used up: more may be missing than what was found; "
+    "--minutes inf searches to the end"
 )
 Say = Callable[[str], None]
 
@@ -129,7 +134,8 @@ def diagnose(
     mended = artefacts(proofs)
     if mended:
         notes += [
-            f"{s} helps in {problem.engine} far more than in any other engine: its own error, not named" for s in mended
+            f"{s} helps in {problem.engine} far more than in any other engine: it mends that engine, and is not named"
+            for s in mended
         ]
         found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, patience)
         changes = _ordered(found, told)
@@ -203,14 +209,17 @@ def _against_all(
     4 %, which a few samples with small floors rule: it speaks against what takes some signal further off.
     """
     if judged.worse:
-        how = f"{'more' if judged.gain > 0.0 else 'less'} probable by {abs(judged.gain):.1f} ± {judged.error:.1f}"
-        return f"what was found on training runs makes held-out runs {how} in evidence: not named"
+        how = "more probable, which may be chance" if judged.gain > 0.0 else "less probable"
+        return (
+            f"with what was found on training runs, held-out runs are {odds(abs(judged.gain))} times {how} "
+            f"(in logarithms {judged.gain:.1f} ± {judged.error:.1f}): nothing is named"
+        )
     without, with_ = (held_out_gap(simulations, found.floors, c) for c in ((), changes))
     closer = bool(units) and all(u.after < u.before for u in units)
     if with_ > max(without, CLEAR) and not closer:
         return (
-            f"what was found widens the held-out gap, from {without:.4g} to {with_:.4g} floors, however much more "
-            "probable it makes these runs: not named"
+            f"what was found widens the held-out gap, from {number(without)} to {number(with_)} floors, however much "
+            "more probable it makes these runs: not named"
         )
     if changes and units and all(u.after > u.before for u in units):
         return f"what was found takes {', '.join(u.signal for u in units)} of held-out runs further off: not named"
@@ -220,18 +229,20 @@ def _against_all(
 def _against(suspect: Suspect, told: Against) -> str:
     """Why held-out runs speak against a finding."""
     if told.widens:
-        return "{} widens the held-out gap, from {:.4g} to {:.4g} floors: not named".format(suspect, *told.gaps)
+        before, after = map(number, told.gaps)
+        return f"{suspect} widens the held-out gap, from {before} to {after} floors: not named"
     if told.silent:
         return f"{suspect} is not named: it shows on training runs only; hold out a run that shows it, too"
     gain, error = told.verdict.gain, told.verdict.error
     if gain <= 0.0:
         return (
-            f"{suspect} helps on training runs only: held-out runs lose {-gain:.1f} in evidence by it, and it is not "
-            "named"
+            f"{suspect} is not named: it helps on training runs only, and with it held-out runs are {odds(-gain)} "
+            "times less probable"
         )
+    more = f"{suspect} is not named: with it held-out runs are {odds(gain)} times more probable"
     if told.verdict.worse:
-        return f"{suspect} is not named: held-out runs gain {gain:.1f} ± {error:.1f} in evidence by it, which is chance"
-    return f"{suspect} is not named: with the {gain:.1f} that held-out runs gain it explains less than laws leave"
+        return f"{more}, which may be chance (in logarithms {gain:.1f} ± {error:.1f})"
+    return f"{more}, and it explains less than laws leave that are only nearly right"
 
 
 def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
@@ -284,5 +295,5 @@ def write_diagnosis(result: Diagnosis, out: Path) -> None:
     remove(out, {*old, f"{REVISED}/{MJCF}"}.difference(mended))
     failures: list[str] = []
     with spared("the page", failures):
-        write_story(result, out)
+        write_story(result, out, mended)
     result.notes.extend(failures)

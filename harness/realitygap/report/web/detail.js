@@ -57,7 +57,8 @@ function detailHead(cells) {
   if (s.median !== undefined) facts.push(fact("median", s.median), fact("95 %", s.p95), fact("largest", s.max));
   out.push(element("dl", { class: "facts" }, facts));
   if (s.mean <= floorOf(s)) out.push(element("p", { class: "verdict same" }, `${SAME} from the recording: the gap is not above its floors.`));
-  if (s.cells > 1) out.push(element("p", { class: "hint" }, `Mean of ${s.cells} recordings; the curves are those of ${recordingText(furthest(cells))}, which is furthest off.`));
+  const far = furthest(cells), drawn = data.cells[far].curves ? `; the curves are those of ${recordingText(far)}, which is furthest off` : "";
+  if (s.cells > 1) out.push(element("p", { class: "hint" }, `Mean of ${s.cells} recordings${drawn}.`));
   const traces = cells.filter((c) => data.cells[c].whole);
   if (traces.length === 1) out.push(traceLinks(data.cells[traces[0]]));
   return out;

@@ -84,7 +84,7 @@ function heatStyle(heat) {
 
 function heatLegend(top, unit) {
   return element("p", { class: "legend" },
-    element("span", null, "0 ", element("span", { class: "ramp" }), ` ${number(top)} ${unit}`),
+    element("span", null, "0 ", element("span", { class: "ramp" }), ` ${quantity(top, unit)}`),
     element("span", null, element("span", { class: "swatch" }), ` ${SAME}: not above its floors`));
 }
 

@@ -1,5 +1,5 @@
 // Sortable tables: means by group and signal, improvements, and the list of all cells.
-function sortable({ columns, rows, caption, page = window.innerWidth < 580 ? 10 : 50 }) {
+function sortable({ columns, rows, caption, page = window.innerWidth < 600 ? 10 : 50 }) {
   let order = null, rising = true, shown = page;
   const body = element("tbody"), more = element("button", { class: "more", type: "button", onclick: () => { shown += page; fill(); } });
   const heads = columns.map((column, i) =>
