@@ -188,7 +188,7 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
         story_text.lacks(result, both)
         == "coulomb friction at all joints is wrong (0.200 N·m instead of 0.0300 to 0.0500 N·m)"
     )
-    (torque,) = both.suspect.kind.parameters
+    torque, _ = both.suspect.kind.parameters
     assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
 
 
