@@ -88,6 +88,17 @@ def test_what_was_left_out_in_the_end_is_adjusted_where_no_straight_line_leads_t
     assert adjusted(simulations, replace(found, fuller=None), []).adjusted == ()
 
 
+def test_beside_what_was_left_out_is_adjusted_what_straight_lines_say_there(off: Found) -> None:
+    """One gain was found and left out; the other one is what lines from there lead to."""
+    shoulder, elbow = (suspect_of(off.yardstick.problem, "controller_gain", j) for j in ("shoulder", "elbow"))
+    fuller = off.yardstick.fit([*off.best.fit.changes, guess(off.yardstick.problem, elbow)])
+    assert fuller is not None
+    own = [b for b in off.blocks if b.suspect == shoulder]
+    found = replace(off, blocks=own, fuller=fuller)
+    done = adjusted(off.yardstick.simulations, found, [])
+    assert {c.suspect for c in done.best.fit.changes if c.suspect in done.adjusted} == {shoulder, elbow}
+
+
 def test_exact_laws_are_left_as_they_are(simulations: Simulations) -> None:
     found = found_in(simulations)
     assert adjusted(simulations, found, []) is found

@@ -113,8 +113,19 @@ def test_friction_under_load_is_the_same_at_rest_when_its_shape_is_freed() -> No
     values = freed.parameters
     assert values["coefficient"] + values["static_coefficient"] == pytest.approx(found.parameters["coefficient"])
     assert set(freed.free) > set(found.free)
-    assert richer(problem.plant, plain["coulomb_friction"]) is None
+    assert richer(problem.plant, plain["viscous_friction"]) is None
     assert richer(problem.plant, freed) == freed  # what has a shape goes on from it
+
+
+def test_dry_friction_with_a_shape_begins_to_grow_slowly() -> None:
+    """All there at once, no derivative would say over which speed it grows from rest."""
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    (friction,) = (s for s in suspects(problem) if (s.effect, s.target) == ("coulomb_friction", "elbow"))
+    freed = richer(problem.plant, guess(problem, friction))
+    assert freed is not None
+    assert freed.free == ("torque", "onset")
+    assert 0.0 < freed.parameters["onset"] < 1.0
+    assert guess(problem, friction).free == ("torque",)
 
 
 def test_an_effect_that_the_scenario_has_is_neutral_at_its_own_value() -> None:

@@ -160,15 +160,15 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
     Evidence compares models at their best, and intervals say in which range a machine's value is: of 75 findings beside
     nearly right laws, planted at six seeds, six had such an interval, with 9 to 112 in evidence, and none was true.
     """
-    vague, gains, before = list[Suspect](), found.gains, found.best.fit
+    vague, gains, whole = list[Suspect](), found.gains, found.best
     sure = {s for s, least in found.least.items() if gains.get(s, 0.0) >= DOUBTFUL * least}
     while True:
         open_ = untold(simulations.problem, found.cautious, sure).difference(keep, vague)
         if not open_ and not vague:
             return found, vague
         if not open_:
-            found = _completed(found, keep)
-            return replace(found, cautious=_wider(found.cautious, before)), vague
+            found = replace(_completed(found, keep), fuller=found.fuller or whole)
+            return replace(found, cautious=_wider(found.cautious, whole.fit)), vague
         least = min(open_, key=lambda s: gains.get(s, 0.0))
         vague.append(least)
         found = _without(simulations, found, least, [])

@@ -194,9 +194,19 @@ def _searched(
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
     found, vague = certain_of(simulations, found, keep)
-    found = adjusted(simulations, tolerated(simulations, found, keep), {*against, *vague})
+    found = adjusted(simulations, tolerated(simulations, found, keep), set(against))
     why_not = [_against(s, told) for s, told in against.items()]
-    return found, [*why_not, *(f"{s} is not named: its 95 % interval holds what the model has already" for s in vague)]
+    return found, [*why_not, *(_vague(s, s in found.adjusted) for s in vague)]
+
+
+def _vague(suspect: Suspect, adjusted: bool) -> str:
+    """Why a finding is not named whose interval does not tell it."""
+    if adjusted:
+        return (
+            f"{suspect} is adjusted and not named: before others were adjusted beside it, its 95 % interval held what "
+            "the model has already"
+        )
+    return f"{suspect} is not named: its 95 % interval holds what the model has already"
 
 
 def _against_all(
