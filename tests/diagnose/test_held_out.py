@@ -86,6 +86,7 @@ def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulatio
     left, against = supported(simulations, replace(reached, least={stop.suspect: 6.0}), [friction.suspect])
     assert list(against) == [stop.suspect]
     assert standing(left.best.fit.changes) == standing([friction])
+    assert left.fuller == best, "what it was found beside is adjusted from there"
     assert not any(Against(Verdict(gain, error), (1.4, 1.4)).silent for gain, error in ((3.0, 1.0), (-0.5, 0.0)))
 
 
