@@ -10,16 +10,12 @@ in steps, at 400 Hz. The robot is simulated by the recorded command, by the meas
 planted is printed beside what is named.
 """
 
-import argparse
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from named import named
 from realitygap.trace.trace import Array
+from told_torques import Recorded, bench
 
 GRAVITY, RATE, STEP, LASTS = 9.81, 400.0, 2.5e-4, 10.0
 LENGTH, CENTRE, MASS, INERTIA = (0.3, 0.25), (0.26, 0.2), (0.55, 0.5), (1.5e-3, 1e-3)
@@ -155,38 +151,11 @@ def recorded(truth: Truth, command: Command, begin: tuple[float, float], rng: np
     return np.array(rows)
 
 
-DRIVEN = {
-    "commanded": "servos: [{joints: '*', kind: effort}]\nmotion: {recorded: command, as: effort, held: true}\n",
-    "measured": "servos: [{joints: '*', kind: effort}]\nmotion: {recorded: effort, as: effort, held: false}\n",
-    "followed": "motion: {followed: true}\n",
-}
-
-
-def main() -> None:
-    """What was planted, and what is named."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--way", choices=DRIVEN, default="commanded")
-    parser.add_argument("--out", type=Path, help="keep scenario and recordings here")
-    options = parser.parse_args()
-    rng = np.random.default_rng(options.seed)
+def machine(rng: np.random.Generator) -> tuple[Truth, Recorded]:
+    """One that is drawn, and its motions."""
     truth = Truth.drawn(rng)
-    with tempfile.TemporaryDirectory() as name:
-        folder = options.out or Path(name)
-        folder.mkdir(exist_ok=True)
-        (folder / "arm.urdf").write_text(urdf(), encoding="utf-8")
-        signals = ("position", "velocity", "command", "effort")
-        header = ",".join(["time", *(f"{s}_{j}" for s in signals for j in JOINTS)])
-        for title, command, begin, _ in MOTIONS:
-            table = recorded(truth, command, begin, rng)
-            np.savetxt(folder / f"{title}.csv", table, fmt="%.7g", delimiter=",", header=header, comments="")
-        runs = "".join(f"    - {{path: {m[0]}.csv, use: {m[3]}}}\n" for m in MOTIONS)
-        robot = "name: arm\nrobot: {urdf: arm.urdf, base: fixed}\n"
-        recordings = f"recordings:\n  virtual: true\n  effort: motor\n  runs:\n{runs}"
-        (folder / "scenario.yaml").write_text(robot + DRIVEN[options.way] + recordings, encoding="utf-8")
-        sys.stdout.write(f"planted {truth}\n")
-        sys.stdout.write(named(folder / "scenario.yaml"))
+    return truth, ((title, use, recorded(truth, command, begin, rng)) for title, command, begin, use in MOTIONS)
 
 
 if __name__ == "__main__":
-    main()
+    bench(__doc__, "arm", urdf(), JOINTS, machine)

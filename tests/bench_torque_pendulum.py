@@ -9,16 +9,12 @@ rotor. Positions and speeds come in steps as coarse as such drives tell them, at
 recorded command, by the measured torque, or followed. What was planted is printed beside what is named.
 """
 
-import argparse
-import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from named import named
 from realitygap.trace.trace import Array
+from told_torques import Recorded, bench
 
 MASS, LENGTH, GRAVITY = 0.6, 0.5, 9.81
 LIMIT, RATE, STEP = 1.2, 200.0, 2e-4
@@ -141,37 +137,11 @@ def recorded(truth: Truth, command: Command, begin: float, rng: np.random.Genera
     return np.array(rows)
 
 
-DRIVEN = {
-    "commanded": "servos: [{joints: '*', kind: effort}]\nmotion: {recorded: command, as: effort, held: true}\n",
-    "measured": "servos: [{joints: '*', kind: effort}]\nmotion: {recorded: effort, as: effort, held: false}\n",
-    "followed": "motion: {followed: true}\n",
-}
-
-
-def main() -> None:
-    """What was planted, and what is named."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--way", choices=DRIVEN, default="commanded")
-    parser.add_argument("--out", type=Path, help="keep scenario and recordings here")
-    options = parser.parse_args()
-    rng = np.random.default_rng(options.seed)
+def machine(rng: np.random.Generator) -> tuple[Truth, Recorded]:
+    """One that is drawn, and its motions."""
     truth = Truth.drawn(rng)
-    with tempfile.TemporaryDirectory() as name:
-        folder = options.out or Path(name)
-        folder.mkdir(exist_ok=True)
-        (folder / "pendulum.urdf").write_text(URDF, encoding="utf-8")
-        header = "time,position_hinge,velocity_hinge,command_hinge,effort_hinge"
-        for title, command, begin, _ in MOTIONS:
-            table = recorded(truth, command, begin, rng)
-            np.savetxt(folder / f"{title}.csv", table, fmt="%.7g", delimiter=",", header=header, comments="")
-        runs = "".join(f"    - {{path: {m[0]}.csv, use: {m[3]}}}\n" for m in MOTIONS)
-        robot = "name: pendulum\nrobot: {urdf: pendulum.urdf, base: fixed}\n"
-        recordings = f"recordings:\n  virtual: true\n  effort: motor\n  runs:\n{runs}"
-        (folder / "scenario.yaml").write_text(robot + DRIVEN[options.way] + recordings, encoding="utf-8")
-        sys.stdout.write(f"planted {truth}\n")
-        sys.stdout.write(named(folder / "scenario.yaml"))
+    return truth, ((title, use, recorded(truth, command, begin, rng)) for title, command, begin, use in MOTIONS)
 
 
 if __name__ == "__main__":
-    main()
+    bench(__doc__, "pendulum", URDF, ("hinge",), machine)
