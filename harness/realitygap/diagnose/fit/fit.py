@@ -15,7 +15,9 @@ from typing import Literal
 
 import numpy as np
 
+from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.bounded import bounded
@@ -43,6 +45,8 @@ TINY = 1e-12
 """A box has an inside."""
 LITTLE = 0.2
 """A gain in evidence that no judgement hangs on."""
+SILENT = 1e-6
+"""What answers less than this share of what else an effect does is numerics."""
 
 
 Care = Literal["quick", "compared", "whole"]
@@ -167,6 +171,21 @@ def stretched(
     if there is None:
         return None
     return replace(found, changes=space.at(x), residual=there, prior=space.prior(x), here=False)
+
+
+def as_seen(problem: Problem, found: Fit) -> Fit:
+    """A fit of which every value that shows nowhere is that of the scenario's model: a centre of mass along the axis of
+    the only hinge stays where it was, whatever numerics made of it.
+    """
+    sizes, own = np.linalg.norm(found.slope, axis=0), [i for i, _ in found.names]
+    still = [dict[str, float]() for _ in found.changes]
+    for (i, name), size in zip(found.names, sizes, strict=True):
+        suspect = found.changes[i].suspect
+        zero = neutral(problem.plant, suspect)[name]
+        silent = size < SILENT * max(s for s, k in zip(sizes, own, strict=True) if k == i)
+        if silent and np.isfinite(zero) and not suspect.kind.parameter(name).shape:
+            still[i][name] = zero
+    return replace(found, changes=tuple(c.at(values) for c, values in zip(found.changes, still, strict=True)))
 
 
 def residual_near(

@@ -15,6 +15,7 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import SILENT
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import moved, predicted
@@ -24,9 +25,6 @@ from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.round import linear_at
 from realitygap.diagnose.search.search import Found
-
-SILENT = 1e-6
-"""What answers less than this share of what else an effect does is numerics."""
 
 
 def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect]) -> Found:

@@ -75,6 +75,11 @@ class InUnits:
     before: float
     after: float
 
+    @property
+    def logarithm(self) -> float:
+        """Of how many times as large the gap is after; 0 where nothing moved."""
+        return float(np.log(self.after / self.before)) if self.after > 0.0 < self.before else 0.0
+
 
 def in_units(problem: Problem, judge: Sequence[int], before: Simulations, after: Simulations) -> list[InUnits]:
     """The gaps of joints in units, by signal and kind of joint: floors change with the model, units do not."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from realitygap.diagnose.data.changes import Suspect
-from realitygap.diagnose.result.story_text import suspect_label
+from realitygap.diagnose.result.story_text import rival_label, suspect_label
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.rivals import Rival
 
@@ -72,9 +72,7 @@ def left_open(best: Scored, rivals: Mapping[Suspect, Sequence[Rival]], unnamed: 
     for suspect, listed in rivals.items():
         near = [r for r in listed if r.open][:MOST]
         sides = [_Side(0, suspect_label(suspect), (suspect,), 0.0)]
-        sides += [
-            _Side(len(explanations) + k, suspect_label(r.suspect), (r.suspect,), -r.behind) for k, r in enumerate(near)
-        ]
+        sides += [_Side(len(explanations) + k, rival_label(r), r.suspects, -r.behind) for k, r in enumerate(near)]
         explanations += [r.scored for r in near]
         questions += _pairs(sides)
     sides = [

@@ -268,7 +268,7 @@ def searched(workers: int, result: Rehearsal, change: Change | None, factor: flo
         found = search(own, everyone, told_by_recordings(recorded, everyone), lambda _: None)
     named = tuple(c.suspect for c in found.best.fit.changes)
     other = change is not None and bool(named) and change.suspect not in named
-    listed = tuple(r.suspect for rest in found.rivals.values() for r in rest if r.open) if other else ()
+    listed = tuple(s for rest in found.rivals.values() for r in rest if r.open for s in r.suspects) if other else ()
     return Tried(change, factor, named, listed)
 
 

@@ -182,11 +182,20 @@ class Diagnosis:
         suspect = change.suspect
         rivals = self.found.rivals.get(suspect, [])
         best = _name(rivals[0].suspect) | {"behind": _round(rivals[0].behind)} if rivals else None
+        if best is not None and rivals[0].beside is not None:
+            best |= {"beside": _name(rivals[0].beside)}
         return self._told(change) | {
-            "cannot_tell_from": [_name(r.suspect) | {"why": why(r)} for r in self.rivals[suspect]],
+            "cannot_tell_from": [_name(s) | {"why": why(r, s)} for s, r in self._alternatives(suspect).items()],
             "evidence": _round(self.found.gains.get(suspect, float("nan"))),
             "next_best": best,
         }
+
+    def _alternatives(self, suspect: Suspect) -> dict[Suspect, Rival]:
+        """What cannot be told from a finding, each with the closest rival that it is or is part of."""
+        out = dict[Suspect, Rival]()
+        for rival in self.rivals[suspect]:
+            out |= {s: rival for s in rival.suspects if s not in out}
+        return out
 
     def _told(self, change: Change) -> dict[str, Any]:
         """What a change is, its values, and the held-out gap before and after its step."""
@@ -219,13 +228,16 @@ class Diagnosis:
         return parameters
 
 
-def why(rival: Rival) -> str:
-    """Why a rival cannot be told from a finding."""
+def why(rival: Rival, of: Suspect | None = None) -> str:
+    """Why a rival cannot be told from a finding; of a pair why one of the two cannot, or why both together cannot."""
+    others = [str(s) for s in rival.suspects if s != of] if of is not None else []
+    where = f"fitted in its place beside {others[0]}" if others else "fitted in its place"
+    they = "they explain" if of is None and rival.beside is not None else "it explains"
     if rival.behind <= 0:
-        return "fitted in its place, it explains the recordings as well"
+        return f"{where}, {they} the recordings as well"
     return (
-        f"fitted in its place, it makes the recordings {odds(rival.behind)} times less probable, which is too little "
-        f"to decide (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"
+        f"{where}, {they.replace('explain', 'make')} the recordings {odds(rival.behind)} times less probable, which is "
+        f"too little to decide (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"
     )
 
 

@@ -31,6 +31,7 @@ from realitygap.diagnose.result.story_text import (
     name_label,
     own_reach,
     quantity,
+    rival_label,
     rule,
     suspect_label,
     target_label,
@@ -102,7 +103,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "curves": _curves(result),
         "runs": Markup(draw_pairs(_runs(result), "Gap of every run before and after")),
         "apart": [
-            (suspect_label(s), [(suspect_label(r.suspect), why(r)) for r in listed])
+            (suspect_label(s), [(rival_label(r), why(r)) for r in listed])
             for s, listed in result.rivals.items()
             if listed
         ],

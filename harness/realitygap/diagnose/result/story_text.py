@@ -17,6 +17,7 @@ from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import LAW, Diagnosis
 from realitygap.diagnose.result.odds import odds
+from realitygap.diagnose.search.rivals import Rival
 from realitygap.page.style import DIGITS, engine_label, number
 from realitygap.robot.effects import EFFECTS, Parameter
 
@@ -56,6 +57,11 @@ def target_label(suspect: Suspect) -> str:
 def suspect_label(suspect: Suspect) -> str:
     """An effect and where it sits: coulomb friction at elbow."""
     return f"{name_label(suspect)} at {target_label(suspect)}"
+
+
+def rival_label(rival: Rival) -> str:
+    """What stands in the place of a finding: base tilt at base and link inertia at forearm."""
+    return listed([suspect_label(s) for s in rival.suspects])
 
 
 def listed(items: list[str]) -> str:
@@ -251,9 +257,10 @@ def better(result: Diagnosis, change: Change) -> str:
     said = "" if gain is None else f"Without it the recordings are {odds(gain)} times less probable"
     if not rivals:
         return f"{said}, and nothing on the list comes near it." if said else ""
+    other, less = rival_label(rivals[0]), odds(rivals[0].behind)
     if rivals[0].open:
-        return f"{said}; {suspect_label(rivals[0].suspect)} in its place explains them as well."
-    other, less = suspect_label(rivals[0].suspect), odds(rivals[0].behind)
+        verb = "explains" if rivals[0].beside is None else "together explain"
+        return f"{said}; {other} in its place {verb} them as well."
     return f"{said}; with the next best explanation, {other}, they are {less} times less probable than with it."
 
 

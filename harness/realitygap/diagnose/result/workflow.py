@@ -38,6 +38,7 @@ from realitygap.files.own_files import content, own, remove
 from realitygap.files.progress import Progress
 from realitygap.files.whole import write_whole
 from realitygap.page.style import number
+from realitygap.page.style import quantity as in_unit
 from realitygap.recording.faults import faults
 from realitygap.robot.drive import Array
 from realitygap.scenario.engine_names import engine_names
@@ -216,7 +217,9 @@ def _against_all(
 
     A push that comes and goes was a constant effort: with its floors, which grew, the gap shrank by a tenth, and every
     signal was further off. With an offset that a joint has, every signal came closer, by 3 to 26 %, and the gap grew by
-    4 %, which a few samples with small floors rule: it speaks against what takes some signal further off.
+    4 %, which a few samples with small floors rule: it speaks against what takes some signal further off. On the whole,
+    as the mean of the logarithms says, none may be: with an offset of 11° that stood for a push, positions were 11 %
+    further off and the others 1 % closer.
     """
     if judged.worse:
         how = "more probable, which may be chance" if judged.gain > 0.0 else "less probable"
@@ -231,8 +234,9 @@ def _against_all(
             f"what was found widens the held-out gap, from {number(without)} to {number(with_)} floors, however much "
             "more probable it makes these runs: not named"
         )
-    if changes and units and all(u.after > u.before for u in units):
-        return f"what was found takes {', '.join(u.signal for u in units)} of held-out runs further off: not named"
+    if changes and units and float(np.mean([u.logarithm for u in units])) > 0.0:
+        said = ", ".join(f"{u.signal} from {number(u.before)} to {in_unit(u.after, u.unit)}" for u in units)
+        return f"what was found takes held-out runs further off on the whole ({said}): not named"
     return ""
 
 

@@ -13,6 +13,7 @@ from functools import partial
 
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.search.evidence import EQUAL, Scored
+from realitygap.diagnose.search.pairs import pairs_for
 from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.rivals import FAR, LATE, LOOKED, ODDS, Place, Rival, rivals_of, several_for
 from realitygap.diagnose.search.round import Round
@@ -109,7 +110,9 @@ def _compared(
         if rivals and all(r.behind >= FAR * round_.limit for r in rivals):
             return rivals, None
         place = Place.of(round_, change, alone, late, 2 * LATE if late or few else LOOKED)
-        return rivals_of(place, rivals), None if late else several_for(place)
+        near = rivals_of(place, rivals)
+        pairs = [] if late or few else pairs_for(place, near)
+        return [*near, *pairs], None if late else several_for(place)
 
     found: dict[Suspect, tuple[list[Rival], Scored | None]] = {}
     for begin in range(0, len(asked), TOGETHER):
@@ -117,17 +120,19 @@ def _compared(
         answers = round_.simulations.side_by_side(partial(close, late=round_.late), some)
         found |= zip((c.suspect for c in some), answers, strict=True)
     compared = {suspect: rivals for suspect, (rivals, _) in found.items()}
-    ahead = {r.suspect: r for of in compared.values() for r in sorted(of, key=lambda r: -r.behind) if r.behind < -ODDS}
+    better = [r for of in compared.values() for r in sorted(of, key=lambda r: -r.behind) if r.behind < -ODDS]
+    ahead = {r.suspects: r for r in better}
     for rival in ahead.values():  # one that is better in the place of several leads to the same
         round_.led(rival.scored)
     for suspect, rivals in compared.items():
         further = round_.now.evidence - evidence
-        out.rivals[suspect] = [replace(r, behind=r.behind + further) for r in rivals]
+        out.rivals[suspect] = sorted((replace(r, behind=r.behind + further) for r in rivals), key=lambda r: r.behind)
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
-            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect)
-            better = -rival.behind > max(ODDS, round_.little(rival.scored))
-            if (better or equal) and (rival.ahead or not round_.late):
+            more = round_.limit * (len(rival.suspects) - 1)
+            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect) and not more
+            surely = -rival.behind > max(ODDS, more, round_.little(rival.scored))
+            if (surely or equal) and (rival.ahead or not round_.late):
                 out.offer(rival.scored, round_)
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
             if shorter is not None:
@@ -143,7 +148,8 @@ def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | 
     are no two, or both say no more than the better one. What is exchanged alone leaves the other wrong name to be
     found out beside what it mends, with fits that may be rough: an offset of 0.16 rad beside play stayed for an effort.
     """
-    sure = sorted(((of[0], s) for s, of in rivals.items() if of and of[0].ahead), key=lambda a: a[0].behind)
+    single = {s: [r for r in of if r.beside is None] for s, of in rivals.items()}
+    sure = sorted(((of[0], s) for s, of in single.items() if of and of[0].ahead), key=lambda a: a[0].behind)
     if len(sure) < 2:
         return None
     (first, _), (second, gone), *_ = sure

@@ -100,6 +100,8 @@ def _best(
         else:
             failed.add(move)
             round_.short.update((c.suspect, (gain, least)) for c in new)
+            if more and gain >= needs:
+                round_.near.append(scored)
     most = max((spare for spare, _ in better), default=0.0)
     equal = [scored for spare, scored in better if spare > max(most - EQUAL, round_.now.evidence)]
     return min(equal, key=lambda s: len(s.fit.names), default=None)

@@ -47,14 +47,20 @@ FAR = 2.0
 
 @dataclass(frozen=True)
 class Rival:
-    """A model with another suspect in the place of a finding; `behind` is how much evidence it has less, `error` the
-    standard error of that.
+    """A model with another suspect in the place of a finding, or two of them; `behind` is how much evidence it has
+    less, `error` the standard error of that.
     """
 
     suspect: Suspect
     scored: Scored
     behind: float
     error: float
+    beside: Suspect | None = None
+
+    @property
+    def suspects(self) -> tuple[Suspect, ...]:
+        """What stands in the place of the finding."""
+        return (self.suspect,) if self.beside is None else (self.suspect, self.beside)
 
     @property
     def open(self) -> bool:
@@ -96,7 +102,7 @@ class Place:
             return not any(clash(suspect, other) for other in rest)
 
         here = [b for b in round_.blocks if fits(b.suspect)]
-        likely = [p for p in _lines(round_, alone, here).promises() if p.gain > ROUGHLY * gain]
+        likely = [p for p in lines_at(round_, alone, here).promises() if p.gain > ROUGHLY * gain]
         rough = list(dict.fromkeys(p.block.suspect for p in likely))[:looked]
         known = {b.suspect for b in here}
         beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
@@ -110,7 +116,7 @@ class Place:
     @cached_property
     def lines(self) -> Linear:
         """The straight-line model of what could stand there."""
-        return _lines(self.round_, self.alone, self.blocks)
+        return lines_at(self.round_, self.alone, self.blocks)
 
     def quick(self, changes: Sequence[Change], beside: bool = False) -> Scored | None:
         """A model with other changes there, fitted quickly; or beside the others as they are with the finding."""
@@ -129,7 +135,7 @@ class Place:
         return self.round_.now.evidence - quick.evidence < FAR * self.round_.limit
 
 
-def _lines(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
+def lines_at(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
     """The straight-line model where a finding is missing.
 
     What explains nearly as much leaves as little as the model with the finding, in whose metric it is looked for: where
@@ -165,7 +171,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     far = [s for s in place.lines.limits() if s not in {place.change.suspect, *chosen}]
     for suspect in far[: 0 if place.late else BEYOND]:
         chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
-    out = [r for r in before if r.suspect in chosen and r.behind >= FAR * round_.limit]
+    out = [r for r in before if r.beside is None and r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, begun in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
@@ -188,7 +194,7 @@ def several_for(place: Place) -> Scored | None:
     they only have to explain as much.
     """
     round_, own = place.round_, place.change.suspect
-    lines = _lines(round_, place.alone, [b for b in place.blocks if b.suspect != own])
+    lines = lines_at(round_, place.alone, [b for b in place.blocks if b.suspect != own])
     several = lines.several(round_.limit)
     numbers = [i for i, b in enumerate(lines.blocks) if any(b is p.block for p in several)]
     if len(several) < 2 or lines.gain(numbers) < CLOSE * place.gain:

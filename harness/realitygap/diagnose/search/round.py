@@ -74,6 +74,7 @@ class Round:
         straight: what straight lines promise of each, best first.
         promised: what promises most where straight lines lead, best first.
         short: of what was fitted and gains too little, what it gains and what it would have to.
+        near: models that gain what their findings need if laws were exact, and less than laws leave.
     """
 
     def __init__(
@@ -101,9 +102,14 @@ class Round:
         self.blocks: list[Block] = beside
         self.told: Scored | None = None
         self.short: dict[Suspect, tuple[float, float]] = {}
+        self.near: list[Scored] = []
         self._looks = 0.0
         there = {b.suspect for b in beside}
         self._stand([s for s in everyone if s not in there])
+
+    def at(self, other: Fit) -> Round:
+        """The same round around another model."""
+        return Round(self.simulations, other, self.everyone, self.limit, self._nothing, self.say, self.patience)
 
     def widened(self, everyone: Sequence[Suspect]) -> None:
         """Look at more suspects, from the same fit. Evidence is compared on a yardstick with the imperfections of all

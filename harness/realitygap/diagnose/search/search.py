@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,10 +11,11 @@ from realitygap.diagnose.candidates.suspects import plain_first
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, standing
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
-from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.fit import Fit, as_seen
 from realitygap.diagnose.fit.responses import Block, at_once
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.patience import FOREVER, Patience
+from realitygap.diagnose.search.ahead import by_two_steps
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
@@ -133,7 +134,7 @@ def search(
             dropped = following is not None and fewer
             fuller = None if following is not None and not fewer else fuller or last.fuller
         if following is None and not _over(round_, first):
-            following = with_unnamed(round_, kept)
+            following = with_unnamed(round_, kept) or by_two_steps(round_, kept)
             again = following is not None
         if following is None:
             break
@@ -146,6 +147,7 @@ def search(
         at, looked_at = following.fit, list(everyone) if dropped or (first and not whole) else round_.likely(LIKELY)
     start = round_.yardstick.score(nothing)
     best = round_.retold()
+    best = replace(best, fit=as_seen(simulations.problem, best.fit))
     floors = measure(simulations, best.fit.changes)
     cautious = round_.yardstick.cautious(best.fit)
     named = [c.suspect for c in best.fit.changes]
