@@ -9,9 +9,10 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.advice import experiment
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.rehearse.planting import plant_recordings
-from realitygap.diagnose.result.diagnosis import why
+from realitygap.diagnose.result.diagnosis import _listed, why
 from realitygap.diagnose.result.story_text import rival_label
 from realitygap.diagnose.search.ahead import by_two_steps
 from realitygap.diagnose.search.pairs import pairs_for
@@ -68,11 +69,19 @@ def test_a_pair_is_told_as_two_that_stand_there_together() -> None:
     with Simulations(bare, 2) as simulations:
         scored = stood(simulations, [], []).now
     rival = Rival(one, scored, -0.5, 1.0, other)
+    tilt, mass = (suspect_of(bare, *s) for s in (("base_tilt", "base"), ("center_of_mass", "forearm")))
+    assert "turn the robot by 180°" in experiment({mass: [(other, tilt)]})
+    assert experiment({mass: [(other,)]}).startswith(f"{mass} or {other}: a motion with another load")
     assert rival_label(rival) == "joint offset at elbow and link inertia at forearm"
     assert why(rival) == "fitted in its place, they explain the recordings as well"
     assert why(rival, one).startswith("fitted in its place beside link_inertia at forearm, it explains")
     assert "they make the recordings 7" in why(replace(rival, behind=2.0))
     assert rival.suspects == (one, other)
+    alone = [
+        Rival(suspect_of(bare, e, "elbow"), scored, b, 1.0) for e, b in (("coulomb_friction", 0.9), ("dead_band", 9))
+    ]
+    assert _listed([rival, *alone]) == [alone[0], rival], "pairs last, and what is far behind not at all"
+    assert _listed([rival, alone[0], replace(alone[0], suspect=mass)]) == [alone[0], replace(alone[0], suspect=mass)]
     assert replace(rival, beside=None).suspects == (one,)
 
 

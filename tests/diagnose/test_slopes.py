@@ -1,14 +1,16 @@
 """What values do is told at all joints at once, where each has its own answer: a recorded arm that is bolted down."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.data.problem import build_problem
+from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import slope
+from realitygap.diagnose.fit.fit import Fit, as_seen, slope
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -33,3 +35,14 @@ def test_slopes_of_all_joints_at_once_are_those_of_each_alone() -> None:
             assert simulations.count - before - few == 6 * len(yardstick.train)
             cosine = np.sum(alone * together, 0) / np.linalg.norm(alone, axis=0) / np.linalg.norm(together, axis=0)
             assert np.all(cosine > 0.97)
+
+
+def test_a_value_that_shows_nowhere_is_the_models_own(problem: Problem) -> None:
+    away = guess(problem, suspect_of(problem, "center_of_mass", "forearm")).at({"x": 0.01, "y": 0.02, "z": -0.2})
+    stop = guess(problem, suspect_of(problem, "joint_compliance", "elbow"))
+    names = ((0, "x"), (0, "y"), (0, "z"), (1, "stiffness"))
+    shows = np.array([[1.0, 1e-9, 0.1, 0.0], [0.0, 0.0, 1.0, 0.0]])
+    found = Fit((away, stop), np.zeros(2), names, shows, np.ones(4), np.zeros(4))
+    seen = as_seen(problem, found)
+    assert seen.changes == (away.at({"y": 0.0}), stop), "what does nothing at all stays, too"
+    assert as_seen(problem, replace(found, slope=np.abs(shows) + 1e-3)).changes == found.changes

@@ -15,7 +15,7 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import SILENT
+from realitygap.diagnose.fit.fit import SILENT, as_seen
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import moved, predicted
@@ -56,7 +56,7 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
         return found
     return replace(
         found,
-        best=fitted,
+        best=replace(fitted, fit=as_seen(simulations.problem, fitted.fit)),
         cautious=_as_wide(found.yardstick.cautious(fitted.fit), found.cautious),
         floors=measure(simulations, after),
         adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),

@@ -39,12 +39,18 @@ SEPARATES = {
 """The recording that separates two effects."""
 
 
-def experiment(listed: Mapping[Suspect, Sequence[Suspect]]) -> str:
-    """What to record to settle what cannot be told apart; empty where nothing is open."""
+def experiment(listed: Mapping[Suspect, Sequence[Sequence[Suspect]]]) -> str:
+    """What to record to settle what cannot be told apart; empty where nothing is open.
+
+    Args:
+        listed: of each finding the rivals, each as the suspects that stand there together: of these one counts that a
+            recording is known for.
+    """
     advice = []
     for owner, others in listed.items():
-        for rival in others:
-            pair = frozenset({owner.effect, rival.effect})
+        for together in others:
+            known = {s: SEPARATES.get(frozenset({owner.effect, s.effect}), "") for s in together}
+            rival = next((s for s, said in known.items() if said), together[0])
             default = "a motion with another load, another gain and a phase with the servo off"
-            advice.append(f"{owner} or {rival}: {SEPARATES.get(pair, default)}")
+            advice.append(f"{owner} or {rival}: {known[rival] or default}")
     return "; ".join(dict.fromkeys(advice))

@@ -97,12 +97,12 @@ class Diagnosis:
 
     @property
     def rivals(self) -> dict[Suspect, list[Rival]]:
-        """What cannot be told from each finding, the closest first."""
-        return {c.suspect: [r for r in self.found.rivals.get(c.suspect, []) if r.open][:MOST] for c in self.changes}
+        """What cannot be told from each finding, the closest first, pairs last: at most `MOST` suspects."""
+        return {c.suspect: _listed(self.found.rivals.get(c.suspect, [])) for c in self.changes}
 
     def experiment(self) -> str:
         """What to record next."""
-        return experiment({s: [r.suspect for r in listed] for s, listed in self.rivals.items()})
+        return experiment({s: [r.suspects for r in listed] for s, listed in self.rivals.items()})
 
     def interval(self, change: Change, parameter: str) -> tuple[float, float]:
         """The 95 % interval of a parameter that was fitted or seen; its value twice where it was not."""
@@ -226,6 +226,16 @@ class Diagnosis:
                 "unit": unit,
             }
         return parameters
+
+
+def _listed(rivals: Sequence[Rival]) -> list[Rival]:
+    """Of all rivals those that cannot be told from the finding, as many as name no more than `MOST` suspects."""
+    out, named = list[Rival](), set[Suspect]()
+    for rival in sorted((r for r in rivals if r.open), key=lambda r: r.beside is not None):
+        if len(named.union(rival.suspects)) <= MOST:
+            out.append(rival)
+            named.update(rival.suspects)
+    return out
 
 
 def why(rival: Rival, of: Suspect | None = None) -> str:

@@ -62,7 +62,8 @@ def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exch
 
     Where one is superfluous, that is all that is said, unless it is late: then nothing new is looked for beside what is
     left. What was far behind `before` is not tried again. A name that is no simpler has to gain what a new one has to
-    (`Round.little`); once it is late it has to be the better one surely.
+    (`Round.little`), and to be the better one surely: a load of 58 g at a forearm, with four values, gained 3 ± 3 in
+    the place of an upper arm's centre of mass. Once it is late, so has every one.
     """
     now = pruned(round_, round_.now, keep, told=True)
     out = Exchanged()
@@ -130,9 +131,9 @@ def _compared(
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
             more = round_.limit * (len(rival.suspects) - 1)
-            equal = rival.behind < EQUAL and simpler(round_.simulations.problem, rival.suspect, suspect) and not more
-            surely = -rival.behind > max(ODDS, more, round_.little(rival.scored))
-            if (surely or equal) and (rival.ahead or not round_.late):
+            plainer = simpler(round_.simulations.problem, rival.suspect, suspect) and not more
+            equal, gains = rival.behind < EQUAL, -rival.behind > max(ODDS, more, round_.little(rival.scored))
+            if (plainer and not round_.late and (equal or gains)) or (gains and rival.ahead):
                 out.offer(rival.scored, round_)
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
             if shorter is not None:
