@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.changes import Change, standing
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -92,14 +92,15 @@ def test_two_steps_lead_through_what_gains_too_little_alone() -> None:
     wrong = of(bare, "controller_gain", "shoulder", gain=5.05)
     with Simulations(planted(*missing), 2) as simulations:
         round_ = stood(simulations, [], [*missing, wrong])
-        assert by_two_steps(round_, []) is None, "nothing came near"
+        assert by_two_steps(round_, [], set()) is None, "nothing came near"
         step, away = (round_.yardstick.fit([c]) for c in (missing[0], wrong))
         assert step is not None
         assert away is not None
         round_.near = [step]
-        both = by_two_steps(round_, [])
+        both = by_two_steps(round_, [], set())
         assert both is not None
+        assert by_two_steps(round_, [], {standing(both.fit.changes)}) is None, "where the search has been"
         assert {c.suspect for c in both.fit.changes} == {c.suspect for c in missing}
         stood_there = stood(simulations, list(both.fit.changes), [wrong])
         stood_there.near = [away]
-        assert by_two_steps(stood_there, []) is None
+        assert by_two_steps(stood_there, [], set()) is None

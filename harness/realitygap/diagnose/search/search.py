@@ -134,7 +134,7 @@ def search(
             dropped = following is not None and fewer
             fuller = None if following is not None and not fewer else fuller or last.fuller
         if following is None and not _over(round_, first):
-            following = with_unnamed(round_, kept) or by_two_steps(round_, kept)
+            following = with_unnamed(round_, kept) or by_two_steps(round_, kept, seen)
             again = following is not None
         if following is None:
             break
