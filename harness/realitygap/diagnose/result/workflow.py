@@ -18,6 +18,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.adjust import adjusted
+from realitygap.diagnose.judge.again import told_after_all
 from realitygap.diagnose.judge.closest import closest
 from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
@@ -194,10 +195,13 @@ def _searched(
     found = search(simulations, everyone, told, say, patience)
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, found, keep)
+    rivals = found.rivals
     found, vague = certain_of(simulations, found, keep)
     found = adjusted(simulations, tolerated(simulations, found, keep), set(against))
+    found = told_after_all(simulations, found, vague, rivals)
+    named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
     why_not = [_against(s, told) for s, told in against.items()]
-    return found, [*why_not, *(_vague(s, s in found.adjusted) for s in vague)]
+    return found, [*why_not, *(_vague(s, s in found.adjusted) for s in vague if s not in named)]
 
 
 def _vague(suspect: Suspect, adjusted: bool) -> str:

@@ -1,0 +1,52 @@
+"""What an interval did not tell, and does once what laws are off by is adjusted beside it: a name after all.
+
+Mass and rotor widened the interval of a viscous friction until it held zero; with another centre of mass and friction
+by load beside it, it was 1.42 ± 0.04 N·m·s/rad, of 1.48.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.judge.ordinary import all_done
+from realitygap.diagnose.search.prune import untold
+from realitygap.diagnose.search.rivals import Rival
+from realitygap.diagnose.search.search import Found
+
+
+def told_after_all(
+    simulations: Simulations, found: Found, vague: Sequence[Suspect], rivals: Mapping[Suspect, Sequence[Rival]]
+) -> Found:
+    """What was found with those of `vague`, which the search had found, named that are adjusted, as far as their
+    intervals tell them there, they gain what a name has to, on held-out runs too, and do more than laws are off by.
+
+    Args:
+        simulations: of the problem.
+        found: with what laws are off by adjusted.
+        vague: what was not named for its interval.
+        rivals: what could stand in the place of each finding of the search.
+    """
+    asked = [s for s in vague if s in found.adjusted]
+    asked = [s for s in asked if s not in untold(simulations.problem, found.cautious)]
+    done = all_done(simulations, found) if asked else {}
+    for suspect in asked:
+        rest = [c for c in found.best.fit.changes if c.suspect != suspect]
+        without = found.yardstick.fit(rest, found.best.fit, "compared")
+        if without is None or suspect not in done:
+            continue
+        gain = found.best.evidence - without.evidence
+        spoken_for = not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse
+        if gain >= found.limit and spoken_for and done[suspect].named(found.limit):
+            found = replace(
+                found,
+                adjusted=tuple(s for s in found.adjusted if s != suspect),
+                gains=found.gains | {suspect: gain},
+                without=found.without | {suspect: without},
+                rivals=found.rivals | {suspect: list(rivals.get(suspect, ()))},
+                least={**found.least, suspect: found.limit},
+            )
+    return found

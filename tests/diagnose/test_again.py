@@ -1,0 +1,46 @@
+"""What is adjusted gets its name where its interval tells it in the end: on the bundled demo (synthetic)."""
+
+from dataclasses import replace
+
+import pytest
+from demo_problem import demo_problem, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge.again import told_after_all
+from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.rehearse.planting import plant_recordings
+from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
+
+
+@pytest.mark.parametrize("there", [True, False], ids=["missing", "not missing"])
+def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) -> None:
+    bare = demo_problem()
+    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
+    viscous = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 0.4})
+    with Simulations(bare, 2) as simulations:
+        floors = measure(simulations, [])
+    problem = plant_recordings(bare, floors, [dry, viscous] if there else [dry], "mujoco")
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [dry, viscous])
+        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry, viscous])
+        assert still is not None
+        assert best is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
+        best = yardstick.score(best.fit)
+        base, cautious, s = yardstick.score(Fit((), still)), yardstick.cautious(best.fit), viscous.suspect
+        found = Found(base, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(s,))
+        assert told_after_all(simulations, found, [], {}) is found, "what was not vague stays as it was told"
+        assert told_after_all(simulations, replace(found, adjusted=()), [s], {}).gains == {}, "what is no part of it"
+        told = told_after_all(simulations, found, [s], {})
+    assert told.adjusted == (() if there else (s,))
+    assert (s in told.gains) is there
+    assert told.best is best, "values are as they were"
+    if there:
+        assert told.gains[s] > found.limit
+        assert told.rivals == {s: []}
+        assert told.least == {s: found.limit}
+        assert {c.suspect for c in told.without[s].fit.changes} == {dry.suspect}
