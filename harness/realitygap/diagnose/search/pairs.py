@@ -6,7 +6,7 @@ inertia do. The one finding is named, as it says as much with less; that recordi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from realitygap.diagnose.candidates.starts import sized
 from realitygap.diagnose.data.changes import Change, Suspect, clash
@@ -26,11 +26,16 @@ def pairs_for(place: Place, rivals: Sequence[Rival]) -> list[Rival]:
     round_, own, out = place.round_, place.change.suspect, list[Rival]()
     if len(sized(place.change)) < 2 or own.table is not None:
         return []
+    known = set[frozenset[Suspect]]()
     for first in [r for r in rivals if not r.open][:FIRST]:
         for second in _beside(place, first):
+            both = frozenset({first.suspect, second.suspect})
+            if both in known:
+                continue
+            known.add(both)
             quick = round_.adjusted([*first.scored.fit.changes, second], first.scored.fit)
             scored = round_.yardstick.refined(quick) if quick is not None and place.close(quick) else None
-            if scored is None or not _needed(place, scored, [first.suspect, second.suspect]):
+            if scored is None or not _needed(place, scored, both):
                 continue
             pair = Rival(first.suspect, scored, *compare(round_.yardstick.channels, round_.now, scored), second.suspect)
             if pair.open:
@@ -49,7 +54,7 @@ def _beside(place: Place, rival: Rival) -> list[Change]:
     return list({p.block.suspect: p.change for p in reversed(enough)}.values())[::-1][:SECOND]
 
 
-def _needed(place: Place, scored: Scored, pair: Sequence[Suspect]) -> bool:
+def _needed(place: Place, scored: Scored, pair: Collection[Suspect]) -> bool:
     """Whether a model needs either of two findings, as far as straight lines tell."""
     losses = straight_losses(place.round_.simulations.problem, scored)
     return all(losses.get(s, 0.0) >= place.round_.limit for s in pair)
