@@ -11,7 +11,9 @@ from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.judge import ordinary
 from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
+from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
@@ -46,6 +48,27 @@ def test_a_gain_that_is_off_by_little_is_adjusted_and_one_that_is_off_by_much_is
     factor, told = found
     assert [s.effect for s in told.adjusted] == (["controller_gain"] if factor < 1.04 else [])
     assert [c.suspect.effect for c in told.best.fit.changes] == ["coulomb_friction", "controller_gain"]
+
+
+@pytest.mark.parametrize("small", [True, False])
+def test_a_small_limit_has_to_be_missed_on_held_out_runs(small: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same model without it leaves no gap there: what is smaller than laws are off by is adjusted then."""
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    dry = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    limit = guess(problem, suspect_of(problem, "torque_speed_limit", "elbow"))
+    does = Done(whole=20.0, beyond=19.0, ordinary=30.0 if small else 5.0, usual=False)
+    monkeypatch.setattr(ordinary, "all_done", lambda *_: {limit.suspect: does})
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [dry])
+        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry])
+        assert still is not None
+        assert best is not None
+        bare = yardstick.score(Fit((), still))
+        for without, missed in ((best, False), (bare, True)):
+            floors = measure(simulations, best.fit.changes)
+            found = Found(bare, best, best, 6.0, {}, floors, yardstick, without={limit.suspect: without})
+            told = tolerated(simulations, found, [])
+            assert told.adjusted == ((limit.suspect,) if small and not missed else ())
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:

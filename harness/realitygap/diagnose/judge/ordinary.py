@@ -16,6 +16,7 @@ from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE, usual
 from realitygap.diagnose.search.search import Found
@@ -56,16 +57,30 @@ class Done:
         where these could do what they may; of 40 true delays, plays, springs and offsets all but two of these did more.
         """
         told, apart = 0.5 * self.beyond**2 >= limit, not self.usual and self.beyond > APART * self.whole
-        return told and (apart or self.whole > AS_LARGE * self.ordinary)
+        return told and (apart or self.large)
+
+    @property
+    def large(self) -> bool:
+        """Whether it is as large as what laws of its kind are off by."""
+        return self.whole > AS_LARGE * self.ordinary
 
 
 def tolerated(simulations: Simulations, found: Found, told: Collection[Suspect]) -> Found:
     """What was found with what laws are ordinarily off by as no findings (`Found.adjusted`), which changes no value.
 
-    What the recordings `told` by themselves stays named.
+    What the recordings `told` by themselves stays named. What is smaller than laws are off by, and no fault of theirs,
+    has to leave a gap on held-out runs where it is missing: two limits that were there left 3.0 and 7.1 floors, and one
+    that was made of a droop 1.2.
     """
     done = {s: d for s, d in all_done(simulations, found).items() if s not in told}
-    return replace(found, adjusted=tuple(s for s, d in done.items() if not d.named(found.limit)))
+    named = [s for s, d in done.items() if d.named(found.limit) and (d.large or _missed(simulations, found, s))]
+    return replace(found, adjusted=tuple(s for s in done if s not in named))
+
+
+def _missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
+    """Whether held-out runs show a gap without a finding, the other values fitted anew."""
+    without = found.without.get(suspect)
+    return without is None or held_out_gap(simulations, found.floors, without.fit.changes) > CLEAR
 
 
 def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
