@@ -3,15 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from demo_problem import demo_problem, suspect_of
+from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.again import told_after_all
-from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -21,9 +19,7 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
     bare = demo_problem()
     dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
     viscous = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 0.4})
-    with Simulations(bare, 2) as simulations:
-        floors = measure(simulations, [])
-    problem = plant_recordings(bare, floors, [dry, viscous] if there else [dry], "mujoco")
+    problem = planted(dry, viscous) if there else planted(dry)
     with Simulations(problem, 2) as simulations:
         yardstick = Yardstick(simulations, [dry, viscous])
         still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry, viscous])

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from demo_problem import demo_problem, suspect_of
+from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change, standing
 from realitygap.diagnose.data.problem import Problem
@@ -10,8 +10,6 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.advice import experiment
-from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.result.diagnosis import _listed, why
 from realitygap.diagnose.result.story_text import rival_label
 from realitygap.diagnose.search.ahead import by_two_steps
@@ -26,14 +24,6 @@ LENGTH = 0.1115
 
 def of(bare: Problem, effect: str, target: str, **values: float) -> Change:
     return guess(bare, suspect_of(bare, effect, target)).at(values)
-
-
-def planted(*missing: Change) -> Problem:
-    """The demo's motions, recorded with what is missing."""
-    bare = demo_problem()
-    with Simulations(bare, 2) as simulations:
-        floors = measure(simulations, [])
-    return plant_recordings(bare, floors, missing, "mujoco")
 
 
 def stood(simulations: Simulations, at: list[Change], others: list[Change]) -> Round:

@@ -33,14 +33,14 @@ def told_after_all(
     asked = [s for s in vague if s in found.adjusted]
     asked = [s for s in asked if s not in untold(simulations.problem, found.cautious)]
     done = all_done(simulations, found) if asked else {}
-    for suspect in asked:
+    for suspect in (s for s, d in done.items() if s in asked and d.named(found.limit)):
         rest = [c for c in found.best.fit.changes if c.suspect != suspect]
         without = found.yardstick.fit(rest, found.best.fit, "compared")
-        if without is None or suspect not in done:
+        if without is None:
             continue
         gain = found.best.evidence - without.evidence
         spoken_for = not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse
-        if gain >= found.limit and spoken_for and done[suspect].named(found.limit):
+        if gain >= found.limit and spoken_for:
             found = replace(
                 found,
                 adjusted=tuple(s for s in found.adjusted if s != suspect),
