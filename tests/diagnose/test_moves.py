@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
-from realitygap.diagnose.candidates.suspects import LATER
+from realitygap.diagnose.candidates.suspects import LATER, bounds
 from realitygap.diagnose.fit.fit import secant
 from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.rivals import LOOSER
-from realitygap.robot.effects import EFFECTS
+from realitygap_engines.model.robot import Sphere
 
 
 def white(n: int) -> Metric:
@@ -84,8 +85,33 @@ def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
     assert lines.earning([2], 5.0) == []
 
 
+@pytest.mark.parametrize(("end", "most"), [("joint", 3.0), ("contact", 3.0), ("beyond", 12.0), ("nothing", 3.0)])
+def test_a_link_has_no_more_inertia_than_with_its_mass_at_its_ends(end: str, most: float) -> None:
+    """Of a rod m·L²/4 instead of m·L²/12, where a joint, a contact or nothing tells how long it is; (3·L)²/4 where a
+    contact is a whole length beyond its end. Fits and straight lines keep to that.
+    """
+    problem, length = demo_problem(), 0.4
+    (world, arm, *rest), (first, second) = problem.plant.model.links, problem.plant.model.joints
+    inertia = np.diag([1.0, 1.0, 0.01]) * arm.mass * length**2 / 12
+    contact = {"contact": length, "beyond": 1.5 * length}.get(end)
+    spheres = () if contact is None else (Sphere(np.array([0.0, 0.0, -contact]), 0.01),)
+    rod = replace(arm, com=np.array([0.0, 0.0, -length / 2]), inertia=inertia, spheres=spheres)
+    origin = second.origin.copy()
+    origin[:3, 3] = [0.0, 0.0, -length if end == "joint" else -length / 2]
+    model = replace(problem.plant.model, links=(world, rod, *rest), joints=(first, replace(second, origin=origin)))
+    there = replace(problem, plant=replace(problem.plant, model=model))
+    suspect = suspect_of(there, "link_inertia", "upper_arm")
+    low, high = bounds(there.plant, suspect)["scale"]
+    assert high == pytest.approx(most)
+    assert 0.0 < low < 1.0
+    assert Space(there, [guess(there, suspect)]).at(np.array([1e6]))[0].parameters["scale"] == high
+    assert (found := starts(there, suspect)[0].at([1e6])).parameters["scale"] == high
+    assert found.absurd(there.plant)
+    assert not found.at({"scale": 0.99 * high}).absurd(there.plant)
+
+
 @pytest.mark.parametrize(("place", "load"), [(0.3, True), (1.0, False), (-1.0, False)])
 def test_a_load_that_ran_away_from_its_link_is_none(place: float, load: bool) -> None:
-    why = EFFECTS["payload"].absurd
-    assert why is not None
-    assert (why({"mass": 1.0, "x": 0.0, "y": place, "z": 0.1}) is None) == load
+    problem = demo_problem()
+    change = guess(problem, suspect_of(problem, "payload", "forearm"))
+    assert change.at({"mass": 1.0, "x": 0.0, "y": place, "z": 0.1}).absurd(problem.plant) == (not load)

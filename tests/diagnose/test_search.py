@@ -16,7 +16,7 @@ from realitygap.diagnose.fit.responses import Block, residual, respond
 from realitygap.diagnose.search.evidence import Scored, score, stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
-from realitygap.diagnose.search.yardstick import Yardstick, absurd
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 
@@ -77,7 +77,7 @@ def test_values_that_are_no_more_the_effect_are_no_fit(problem: Problem, simulat
     astray, friction = Astray(simulations, []), guess(problem, suspect_of(problem, "stribeck_friction", "elbow"))
     quick = astray.fit([friction], care="quick")
     assert quick is not None
-    assert absurd(quick)
+    assert astray.absurd(quick)
     assert astray.fit([friction], care="compared") is None
 
 

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from realitygap.diagnose.candidates.ripple import ORDINARY, periods_of
-from realitygap.diagnose.candidates.suspects import fitted, neutral, sizes, whole
+from realitygap.diagnose.candidates.suspects import bounds, fitted, neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
@@ -59,6 +59,7 @@ class Start:
             it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave; `load`: point
             masses at several places, whose sum is one mass at their centre.
         share: of each try that is simulated; the response is taken as many times.
+        within: the least and the largest value of each parameter at the target, of a linear start.
     """
 
     first: Change
@@ -66,6 +67,7 @@ class Start:
     zero: tuple[tuple[str, float], ...]
     kind: Literal["linear", "inverse", "whole", "wave", "load"]
     share: float = 1.0
+    within: tuple[tuple[str, tuple[float, float]], ...] = ()
 
     @property
     def suspect(self) -> Suspect:
@@ -101,11 +103,11 @@ class Start:
             return self.first.at({"mass": total * self.tries[0].parameters["mass"], **place})
         for k, amount in enumerate(amounts):
             for name in self.moved(k):
-                p, tried = self.suspect.kind.parameter(name), self.tries[k].parameters[name]
+                (low, high), tried = self._within(name), self.tries[k].parameters[name]
                 value = (
                     tried / max(amount, 1e-3) if self.kind == "inverse" else zero[name] + amount * (tried - zero[name])
                 )
-                values[name] = float(np.clip(value, p.low, p.high))
+                values[name] = float(np.clip(value, low, high))
         return self.first.at(values)
 
     def reach(self, number: int) -> tuple[float, float]:
@@ -118,10 +120,15 @@ class Start:
             return 0.0, FURTHEST
         low, high, zero = -FURTHEST, FURTHEST, dict(self.zero)
         for name in self.moved(number):
-            p, change = self.suspect.kind.parameter(name), self.tries[number].parameters[name] - zero[name]
-            a, b = sorted(((p.low - zero[name]) / change, (p.high - zero[name]) / change))
+            change = self.tries[number].parameters[name] - zero[name]
+            a, b = sorted((end - zero[name]) / change for end in self._within(name))
             low, high = max(low, a), min(high, b)
         return min(low, 0.0), max(high, 0.0)
+
+    def _within(self, name: str) -> tuple[float, float]:
+        """The least and the largest value of a parameter."""
+        p = self.suspect.kind.parameter(name)
+        return dict(self.within).get(name, (p.low, p.high))
 
 
 def guess(problem: Problem, suspect: Suspect) -> Change:
@@ -177,17 +184,17 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
     if effect.name == "ground_friction" and zero["coefficient"] > 0:
         slippery = [first.at({"coefficient": zero["coefficient"] * k}) for k in SLIPPERIER]
         return [Start(first, (t,), known, "linear") for t in slippery]
-    named = [p.name for p in sized(first)]
+    named, within = [p.name for p in sized(first)], bounds(problem.plant, suspect)
     still = {n: zero[n] for n in named}
     out = []
     for factor in TO_BOTH_SIDES if signed(effect) else (1.0,):
         group = []
         for n in named:
-            p, step = effect.parameter(n), factor * size[n]
-            inside = p.low <= zero[n] + step <= p.high
+            step, (low, high) = factor * size[n], within[n]
+            inside = low <= zero[n] + step <= high
             group.append(first.at(still | {n: zero[n] + (step if inside else -step)}))
         near = not problem.plant.model.floating and all(abs(zero[n]) >= size[n] for n in named)
-        out.append(Start(first, tuple(group), known, "linear", NEARBY if near else 1.0))
+        out.append(Start(first, tuple(group), known, "linear", NEARBY if near else 1.0, tuple(within.items())))
     return out
 
 

@@ -196,8 +196,10 @@ def whole(effect: Effect) -> bool:
     return any(p.logarithmic and p.absent == 0.0 for p in effect.parameters) or effect.name == "soft_ground"
 
 
-def bounds(suspect: Suspect, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper bounds of the named parameters."""
-    effect = suspect.kind
-    chosen = [effect.parameter(n) for n in names]
-    return np.array([p.low for p in chosen]), np.array([p.high for p in chosen])
+def bounds(plant: Plant, suspect: Suspect) -> dict[str, tuple[float, float]]:
+    """The least and the largest value of each parameter: its own bounds, and what can be at the target."""
+    kind = suspect.kind
+    there = [kind.largest(plant, i) for i in suspect.indices] if kind.largest else []
+    return {
+        p.name: (p.low, min([p.high, *(most[p.name] for most in there if p.name in most)])) for p in kind.parameters
+    }

@@ -74,6 +74,11 @@ class Change:
         """The same with some of its parameters at other values."""
         return replace(self, values=tuple((self.parameters | dict(values)).items()))
 
+    def absurd(self, plant: Plant) -> bool:
+        """Whether its values are not the effect that it is of, on a plant."""
+        why = self.suspect.kind.absurd
+        return why is not None and any(why(plant, i, self.parameters) is not None for i in self.suspect.indices)
+
 
 Standing = frozenset[tuple[Suspect, tuple[str, ...]]]
 """Which findings a model has, and what of each is free."""

@@ -7,7 +7,7 @@ from copy import copy
 
 import numpy as np
 
-from realitygap.diagnose.candidates.suspects import neutral, sizes, whole
+from realitygap.diagnose.candidates.suspects import bounds, neutral, sizes, whole
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
@@ -36,6 +36,7 @@ class Space:
         names, scale, low, high, first, expected, width, positive, furthest = [], [], [], [], [], [], [], [], []
         for i, change in enumerate(self.changes):
             size, zero = sizes(problem.plant, change.suspect), neutral(problem.plant, change.suspect)
+            within = bounds(problem.plant, change.suspect)
             for name in change.free:
                 p, value = change.suspect.kind.parameter(name), change.parameters[name]
                 names.append((i, name))
@@ -44,9 +45,9 @@ class Space:
                 expected.append(zero[name] if plain else value)
                 width.append(SLAB if plain else LOOSE)
                 positive.append(plain and p.absent is None and p.low >= 0.0 and zero[name] > 0.0)
-                low.append(p.low)
-                high.append(p.high)
-                first.append(min(max(value, p.low), p.high))
+                low.append(within[name][0])
+                high.append(within[name][1])
+                first.append(min(max(value, low[-1]), high[-1]))
                 furthest.append(TURNED / _reach(problem, change) if name == "periods" else np.inf)
         self.names = tuple(names)
         self.scale, self.low, self.high = np.array(scale), np.array(low), np.array(high)

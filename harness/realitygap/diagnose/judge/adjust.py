@@ -127,8 +127,14 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
     name has to.
     """
     exact = found.yardstick.plain(beside.fit)
-    blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in refused]
-    return [_seen(p) for p in linear_at(exact, blocks).several(found.limit)]
+    out = set(refused)
+    while True:
+        blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in out]
+        seen = linear_at(exact, blocks).several(found.limit)
+        absurd = {p.block.suspect for p in seen if p.change.absurd(found.yardstick.problem.plant)}
+        if not absurd:
+            return [_seen(p) for p in seen]
+        out |= absurd
 
 
 def _seen(promise: Promise) -> Change:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.candidates.suspects import neutral, whole
+from realitygap.diagnose.candidates.suspects import bounds, neutral, whole
 from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
@@ -28,7 +28,7 @@ FINER = 4.0
 def planted(problem: Problem, suspect: Suspect, factor: float) -> Change:
     """A suspect at some times its first size. Values that leave the effect's bounds are put back to them."""
     effect, first = suspect.kind, guess(problem, suspect)
-    zero, values = neutral(problem.plant, suspect), first.parameters
+    zero, values, within = neutral(problem.plant, suspect), first.parameters, bounds(problem.plant, suspect)
     for p in effect.parameters:
         if p.shape:
             continue
@@ -36,7 +36,7 @@ def planted(problem: Problem, suspect: Suspect, factor: float) -> Change:
             value = values[p.name] / factor  # a limit or a stiffness: the lower, the more it does
         else:
             value = zero[p.name] + factor * (values[p.name] - zero[p.name])
-        values[p.name] = float(np.clip(value, p.low, p.high))
+        values[p.name] = float(np.clip(value, *within[p.name]))
     return first.at(values)
 
 

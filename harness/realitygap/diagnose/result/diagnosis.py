@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from realitygap.diagnose.candidates.suspects import bounds
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.units import table_units, unit_there
@@ -111,8 +112,8 @@ class Diagnosis:
         for (i, name), deviation in zip(fitted.names, self.found.cautious.deviation, strict=True):
             if fitted.changes[i].suspect == change.suspect and name == parameter:
                 off = float(deviation)
-        p = change.suspect.kind.parameter(parameter)
-        return min(value, max(value - Z95 * off, p.low)), max(value, min(value + Z95 * off, p.high))
+        low, high = bounds(self.problem.plant, change.suspect)[parameter]
+        return min(value, max(value - Z95 * off, low)), max(value, min(value + Z95 * off, high))
 
     def to_json(self) -> dict[str, Any]:
         """The content of `diagnosis.json`."""

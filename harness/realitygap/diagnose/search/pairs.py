@@ -15,7 +15,7 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.prune import straight_losses
 from realitygap.diagnose.search.rivals import CLOSE, Place, Rival, lines_at
 
-FIRST, SECOND = 4, 2
+FIRST, SECOND = 4, 3
 """Rivals that something is looked for beside, the closest ones, and what is fitted beside each: what promises most."""
 
 
@@ -51,7 +51,10 @@ def _beside(place: Place, rival: Rival) -> list[Change]:
     promises = lines_at(round_, rival.scored, [b for b in known if b.start.kind != "whole"]).promises()
     whole = round_.now.evidence - place.alone.evidence
     enough = [p for p in promises if p.gain > max(round_.limit, rival.behind - (1.0 - CLOSE) * whole)]
-    return list({p.block.suspect: p.change for p in reversed(enough)}.values())[::-1][:SECOND]
+    strongest = dict[Suspect, Change]()
+    for promise in enough:
+        strongest.setdefault(promise.block.suspect, promise.change)
+    return list(strongest.values())[:SECOND]
 
 
 def _needed(place: Place, scored: Scored, pair: Collection[Suspect]) -> bool:

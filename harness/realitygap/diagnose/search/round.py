@@ -19,7 +19,7 @@ from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored, stretches
 from realitygap.diagnose.search.imperfections import SHARE, WORST, known_to
 from realitygap.diagnose.search.linear import Linear, Promise
-from realitygap.diagnose.search.yardstick import Yardstick, absurd
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 BEAM = 4
@@ -237,7 +237,7 @@ class Round:
         """
         there = {(c.suspect, c.free): c for c in other.fit.changes}
         again = self.adjusted([there.get((c.suspect, c.free), c) for c in self.now.fit.changes], other.fit)
-        if again is not None and again.evidence > self.now.evidence and not absurd(again):
+        if again is not None and again.evidence > self.now.evidence and not self.yardstick.absurd(again):
             self.now, self._led = again, True
 
     def retold(self) -> Scored:

@@ -169,11 +169,11 @@ class Yardstick:
             anew = little
             if anew:
                 start, near = best, best.fit
-        if best is None or (care != "quick" and absurd(best)):
+        if best is None or (care != "quick" and self.absurd(best)):
             return None
         if care != "whole":
             there = self.settled(best.fit, passes)
-            return None if care != "quick" and absurd(there) else there
+            return None if care != "quick" and self.absurd(there) else there
         found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
         return None if found is None else self.score(found)
 
@@ -193,7 +193,7 @@ class Yardstick:
         place where laws count as imperfect.
         """
         full = self.fit(quick.fit.changes, quick.fit, "compared")
-        better = full is not None and full.evidence < quick.evidence and not absurd(quick)
+        better = full is not None and full.evidence < quick.evidence and not self.absurd(quick)
         return quick if better else full
 
     def settled(self, at: Fit, care: Care = "compared") -> Scored:
@@ -228,6 +228,12 @@ class Yardstick:
             best = best if again is None else max(best, again, key=lambda s: s.evidence)
         return best
 
+    def absurd(self, found: Scored) -> bool:
+        """Whether some values of a model are not the effect that they are of, as a Stribeck friction that rises with
+        speed.
+        """
+        return any(change.absurd(self.problem.plant) for change in found.fit.changes)
+
     def _of_joint(self, at: Fit, suspect: Suspect) -> list[Array]:
         """The residual of a suspect's joint in floors, by training motion: (t, signals)."""
         if not single(suspect):
@@ -239,9 +245,3 @@ class Yardstick:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
                 out.setdefault(channel.case, []).append(at.residual[span] / floor)
         return [np.column_stack(out[c]) for c in self.train if c in out]
-
-
-def absurd(found: Scored) -> bool:
-    """Whether some values of a model are not the effect that they are of, as a Stribeck friction rising with speed."""
-    kinds = [(c.suspect.kind.absurd, c.parameters) for c in found.fit.changes]
-    return any(why is not None and why(values) is not None for why, values in kinds)

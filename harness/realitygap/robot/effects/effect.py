@@ -69,10 +69,11 @@ class Effect:
         possible: (plant, index) -> a reason in words why it cannot act there, or None.
         page: physics, equation, signature, confusions, source.
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
+        largest: (plant, index) -> the largest values that can be there, where that is less than a parameter's bound.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
         unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
-        absurd: (values) -> a reason in words why these values are not this effect, or None.
+        absurd: (plant, index, values) -> a reason in words why these values are not this effect there, or None.
         contradiction: (values) -> what in them cannot be, and what was expected, or None.
         read: (keys of a scenario) -> checked values, of an effect whose parameters are tables instead of numbers.
         example: such values.
@@ -91,9 +92,10 @@ class Effect:
     possible: Callable[[Plant, int], str | None]
     page: Page
     scaled: Callable[[Plant, int], dict[str, float]] | None = None
+    largest: Callable[[Plant, int], dict[str, float]] | None = None
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
-    absurd: Callable[[Values], str | None] | None = None
+    absurd: Callable[[Plant, int, Values], str | None] | None = None
     unseen_when_followed: str = ""
     contradiction: Callable[[Values], str | None] | None = None
     read: Callable[[Mapping[str, Any]], dict[str, Any]] | None = None

@@ -84,7 +84,7 @@ def _more_stribeck(plant: Plant, index: int) -> dict[str, float]:
     return {"static": 2.0 * coulomb, "coulomb": coulomb, "velocity": 0.1 * speed_scale(plant, index)}
 
 
-def _rising(values: Values) -> str | None:
+def _rising(_plant: Plant, _index: int, values: Values) -> str | None:
     return "it would grow with speed" if values["static"] <= values["coulomb"] else None
 
 

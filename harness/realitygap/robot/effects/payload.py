@@ -29,7 +29,7 @@ def _first(plant: Plant, index: int) -> dict[str, float]:
     return {"mass": max(0.05 * sum(m.mass for m in moving), 0.2 * link.mass), "x": x, "y": y, "z": z}
 
 
-def _none(values: Values) -> str | None:
+def _none(_plant: Plant, _index: int, values: Values) -> str | None:
     if not (math.isfinite(values["mass"]) and values["mass"] > 0):
         return "nothing would be loaded"
     if max(abs(values[axis]) for axis in "xyz") >= WHERE:
