@@ -266,6 +266,7 @@ class DartEngine(Engine):
             "joint_damping": Capability("emulated", "law.joints; DART's own is not seen by its contact solver"),
             "joint_friction": Capability("emulated", "law.joints"),
             "joint_limits": Capability("native", "rows of the contact problem, without velocity limits"),
+            "lone_body": Capability("native", "as with joints"),
             "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "complementarity, exact Coulomb cones"),
             "soft_ground": Capability("emulated", "law.joints: implicit spring and damper per point, Coulomb's law"),

@@ -309,6 +309,7 @@ class DrakeEngine(Engine):
             "joint_damping": Capability("native", "implicit, in the metric of the contact problem"),
             "joint_friction": Capability("emulated", "law.joints"),
             "joint_limits": Capability("native", "constraints of the contact problem"),
+            "lone_body": Capability("native", "as with joints"),
             "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", f"sap with {RIGID:g} N/m per point, damped over {RELAXATION:g} steps"),
             "soft_ground": Capability("native", "sap: linear spring and damper per point, implicit"),

@@ -236,6 +236,7 @@ CAPABILITIES = {
     "joint_damping": "implicit viscous joint damping",
     "joint_friction": "dry joint friction that holds at rest",
     "joint_limits": "position limits",
+    "lone_body": "a body without joints whose step is forward dynamics",
     "mimic_joints": "joints that are coupled to others",
     "rigid_ground": "rigid contact with dry friction of the pair",
     "soft_ground": "contact stiffness and damping per point",

@@ -329,6 +329,9 @@ class MujocoEngine(Engine):
             "joint_damping": Capability("native", "dof_damping, implicit in the discrete integrator"),
             "joint_friction": Capability("native", "dof_frictionloss; creeps about 1e-5 rad/s at 85 % of breakaway"),
             "joint_limits": Capability("native", "soft limits with a time constant of two steps"),
+            "lone_body": Capability(
+                "no", "its gyroscopic torque is the one at the end of the step: an error of order h"
+            ),
             "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "elliptic cones, soft with a time constant of two steps"),
             "soft_ground": Capability("native", "solref from stiffness and damping"),

@@ -318,6 +318,7 @@ class PybulletEngine(Engine):
             "joint_damping": Capability("emulated", "law.joints, exact; Bullet's own is explicit"),
             "joint_friction": Capability("emulated", "law.joints; exact, without creep"),
             "joint_limits": Capability("native", "rows of the contact problem"),
+            "lone_body": Capability("native", "as with joints"),
             "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability("native", "friction cone, projected Gauss-Seidel"),
             "soft_ground": Capability("native", "contactStiffness and contactDamping of the ground"),

@@ -11,12 +11,13 @@ import realitygap_engines as engines
 from realitygap.audit import Certificate, Proof, audit, certify
 from realitygap.audit.audit import groups
 from realitygap.audit.check import Check, largest
+from realitygap.audit.dynamics import checks_of
 from realitygap.audit.machines import random_state, tree, velocities
 from realitygap.audit.oracle import Oracle
 from realitygap.audit.robot import load_robot
 from realitygap.files.errors import InputError
 from realitygap_engines import Capability, Physics, Simulation
-from realitygap_engines.model.robot import Model
+from realitygap_engines.model.robot import Link, Model
 from realitygap_engines.model.urdf import write_urdf
 
 
@@ -205,3 +206,16 @@ def test_real_robots_are_the_same_machine(data_dir: Path, robot: str) -> None:
     rows = [check.row(engines.load(name)) for name in engines.available() for check in groups(loaded)["robot"]]
     bad = [row for row in [*rows, *loaded.rows()] if row.verdict == "failed"]
     assert not bad
+
+
+@pytest.mark.parametrize("name", engines.available())
+def test_a_body_that_is_alone_spins_as_forward_dynamics_or_that_is_declared_and_halves_with_the_step(name: str) -> None:
+    """Euler's equations of three different moments of inertia."""
+    link = Link("body", 12.0, np.zeros(3), np.diag([0.4, 0.3, 0.2]))
+    body, engine = Model("body", (link,), (), floating=True), engines.load(name)
+    rows = {h: {c.property: c.row(engine) for c in checks_of(body, "body", h)} for h in (1e-3, 5e-4)}
+    assert {row.verdict for row in rows[1e-3].values()} <= {"passed", "declared"}
+    native = engine.capabilities()["lone_body"].level != "no"
+    whole, half = (rows[h]["body: one real step"] for h in rows)
+    assert (whole.verdict == "passed") == native
+    assert native or half.measured == pytest.approx(whole.measured / 2, rel=0.1)

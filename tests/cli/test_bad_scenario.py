@@ -56,6 +56,8 @@ CASES: dict[str, tuple[Edit, str]] = {
     "scenario empty": (file("scenario.yaml", ""), "scenario.yaml: holds nothing, expected a mapping of keys"),
     "scenario a list": (file("scenario.yaml", "- a"), "holds a list, expected a mapping of keys"),
     "scenario malformed": (file("scenario.yaml", "robot: {"), "is not valid YAML at line 1"),
+    "scenario with tabs": (file("scenario.yaml", "robot:\n\turdf: a\n"), "expected spaces in place of a tab"),
+    "not a boolean": (changed(recordings={"virtual": "maybe"}), "found 'maybe'; expected true or false"),
     "scenario binary": (file("scenario.yaml", bytes(range(256))), "is not valid YAML"),
     "scenario of aliases": (file("scenario.yaml", BOMB), "its aliases stand for"),
     "scenario that holds itself": (file("scenario.yaml", "a: &a [*a]"), "line 1: a value holds itself"),

@@ -268,3 +268,5 @@ def test_budgets_as_options() -> None:
     assert parse_budget(["1.5", "effort=0.25", "velocity=1e1"]) == {"position": 1.5, "effort": 0.25, "velocity": 10.0}
     with pytest.raises(InputError, match="found 'effort=nan'; expected SIGNAL=VALUE"):
         parse_budget(["effort=nan"])
+    with pytest.raises(InputError, match=r"found 'position=0'; .* and a number above zero"):
+        parse_budget(["position=0"])

@@ -168,6 +168,10 @@ BAD = {
     "origin nan": ((*ARM, HINGE.replace("0.3 -0.1 0.2", "nan 0 0")), "joint shoulder: origin xyz is 'nan 0 0'"),
     "limit nan": ((*ARM, HINGE.replace('lower="-1"', 'lower="nan"')), "limit lower is 'nan'"),
     "limits crossed": ((*ARM, HINGE.replace('lower="-1"', 'lower="3"')), "lower limit 3 above its upper limit 2"),
+    "axis with commas": (
+        (*ARM, HINGE.replace("0.6 0 0.8", "0.6,0,0.8")),
+        "joint shoulder: axis xyz is '0.6,0,0.8', expected 3 finite numbers with spaces between them",
+    ),
     "axis of zeros": ((*ARM, HINGE.replace("0.6 0 0.8", "0 0 0")), "expected a direction"),
     "damping negative": (
         (*ARM, joint("shoulder", "base", "arm", "revolute", '<dynamics damping="-1"/>')),

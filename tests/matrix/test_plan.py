@@ -74,6 +74,15 @@ def test_combinations_are_left_out(write: Callable[..., list[Task]], leave_out: 
             write(text)
 
 
+def test_patterns_that_match_nothing_are_told_with_what_there_is(tmp_path: Path) -> None:
+    path = tmp_path / "matrix.yaml"
+    path.write_text(f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: [foo*, bar]\n")
+    with pytest.raises(
+        InputError, match=r"holds no cell; recordings is foo\*, bar; expected .* match chirp_1, sines_1_rep1"
+    ):
+        plan(load_matrix(path))
+
+
 def test_cells_are_listed_as_the_file_says_their_values(tmp_path: Path) -> None:
     path = tmp_path / "matrix.yaml"
     path.write_text(

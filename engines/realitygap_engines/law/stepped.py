@@ -26,6 +26,7 @@ EMULATED = {
     "joint_damping": Capability("emulated", "law.joints, exact and implicit"),
     "joint_friction": Capability("emulated", "law.joints; exact, without creep"),
     "joint_limits": Capability("emulated", f"law.limits: a stop of {FIRM:g} times the unit of inertia"),
+    "lone_body": Capability("native", "as with joints"),
     "mimic_joints": MIMIC_JOINTS,
     "rigid_ground": Capability("emulated", "law.ground: points that do not go below the surface, Coulomb's cone"),
     "soft_ground": Capability("emulated", "law.ground: implicit spring and damper per point, Coulomb's cone"),

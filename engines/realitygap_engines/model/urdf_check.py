@@ -115,9 +115,9 @@ def _check_part(path: Path, part: ElementTree.Element) -> None:
 
 
 def _check_numbers(what: str, tag: str, text: str, count: int, *, positive: bool) -> None:
-    expected = "a finite number" if count == 1 else f"{count} finite numbers"
+    expected = "a finite number" if count == 1 else f"{count} finite numbers with spaces between them"
     try:
-        values = [float(word) for word in text.replace(",", " ").split()]
+        values = [float(word) for word in text.split()]
     except ValueError:
         raise ModelError(f"{what} is {text!r}, expected {expected}") from None
     endless = tag == "limit" and not any(math.isnan(v) for v in values)

@@ -208,6 +208,7 @@ class OdeEngine(Engine):
             "joint_damping": Capability("native", "the same motor: implicit"),
             "joint_friction": Capability("native", "a motor of limited torque"),
             "joint_limits": Capability("native", "stops of the joint; of a hinge within half a turn only"),
+            "lone_body": Capability("no", "Coriolis terms a step late: an error of order h"),
             "mimic_joints": MIMIC_JOINTS,
             "rigid_ground": Capability(
                 "native", "cone where it slides; a point at rest has a pyramid and holds up to 1.4 times askew"

@@ -72,20 +72,21 @@ def checks_of(model: Model, what: str, h: float = STEP, way_tolerance: float = 1
         return _way_error(engine, bare, oracle)
 
     states = f"at {many} random states"
+    stepping = "forward_dynamics" if model.joints else "lone_body"
     return (
         Check(f"{what}: total mass", mass, 1e-9, note="by the inertia matrix of the base, set free"),
         Check(f"{what}: mass matrix", inertia, 1e-9, note=states),
         Check(f"{what}: gravity", gravity, 1e-9, note=states),
         Check(f"{what}: Coriolis", coriolis, 1e-9, note=states),
         Check(f"{what}: state set and read", state_back, 1e-9, note=states),
-        Check(f"{what}: one real step", step, 1e-6, "1", f"against forward dynamics, {states}", "forward_dynamics"),
+        Check(f"{what}: one real step", step, 1e-6, "1", f"against forward dynamics, {states}", stepping),
         Check(
             f"{what}: one step of the joint law",
             law_step,
             1e-6,
             "1",
             f"armature, damping and friction, all joints sliding, {states}",
-            "forward_dynamics",
+            stepping,
         ),
         Check(
             f"{what}: 10 ms under constant effort", way, way_tolerance, "1", "change of velocity, at a step of 0.1 ms"

@@ -27,7 +27,10 @@ def parse_budget(texts: Sequence[str]) -> dict[str, float]:
         except ValueError:
             number = float("nan")
         if signal not in SIGNALS or not number > 0:
-            raise InputError(f"--max-gap: found {text!r}; expected SIGNAL=VALUE with one of {', '.join(SIGNALS)}")
+            known = ", ".join(SIGNALS)
+            raise InputError(
+                f"--max-gap: found {text!r}; expected SIGNAL=VALUE with one of {known} and a number above zero"
+            )
         out[signal] = number
     return out
 

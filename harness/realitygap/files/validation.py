@@ -25,10 +25,11 @@ WORDS = {
     "a valid string": "text",
     "a valid number": "a number",
     "a valid integer": "a whole number",
+    "a valid boolean": "true or false",
 }
 """What pydantic says, in the words of a YAML file."""
 COUNTED = re.compile(r"\w+ should have at (least|most) (\d+ \w+) after validation, not \d+")
-UNPARSED = re.compile(r", unable to parse string as an? \w+$")
+UNPARSED = re.compile(r", unable to (parse string as an? \w+|interpret input)$")
 INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
 

@@ -72,7 +72,8 @@ def load_yaml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: is nested too deeply; expected a mapping of keys") from None
     except yaml.MarkedYAMLError as error:
         where = f" at line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise InputError(f"{path}: is not valid YAML{where}: {error.problem}") from None
+        tab = "; expected spaces in place of a tab" if "\\t" in str(error.problem) else ""
+        raise InputError(f"{path}: is not valid YAML{where}: {error.problem}{tab}") from None
     except (ValueError, yaml.YAMLError) as error:  # not UTF-8, a control character, a date that does not exist
         raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
     if not isinstance(data, dict):

@@ -65,7 +65,11 @@ def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
                     )
                 tasks[name] = task
     if not tasks:
-        raise InputError(f"{matrix.path}: holds no cell; expected recordings that match and not everything left out")
+        there = ", ".join(sorted({case.name for file in matrix.scenarios for case in file.cases()}))
+        raise InputError(
+            f"{matrix.path}: holds no cell; recordings is {', '.join(matrix.matrix.recordings)}; expected patterns "
+            f"that match {there or 'a recording'}, and not everything left out"
+        )
     return [tasks[name] for name in sorted(tasks)]
 
 

@@ -38,7 +38,7 @@ def closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -
         if len(out) == SHOWN or p.gain <= 0 or known:
             continue
         after = rms(costs(simulations, found.floors, [*changes, p.change], train), train)
-        if after < before:
+        if float(f"{after:.3g}") < float(f"{before:.3g}"):  # as the page tells them
             out.append(Closest(p.change, before, after, _short_of(found, p)))
     return out
 

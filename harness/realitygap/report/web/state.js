@@ -91,7 +91,9 @@ function targetText(target) {
 function contextText(...without) {
   const parts = switchable.filter((a) => !without.includes(a)).map((a) => {
     const value = state.choice[a];
-    return value < 0 ? `all ${data.axes[a].label}s` : data.axes[a].values[value].text;
+    if (value < 0) return `all ${data.axes[a].label}s`;
+    const { text, value: own } = data.axes[a].values[value];
+    return typeof own === "number" && Number(text) === own ? `${data.axes[a].label} ${text}` : text;
   });
   return parts.join(" · ");
 }
