@@ -60,6 +60,13 @@ def test_white_noise_counts_in_full_and_what_lasts_once() -> None:
     assert 1.0 / few == pytest.approx((1 + keep) / (1 - keep), rel=0.2)
 
 
+def test_a_motion_in_which_a_channel_was_not_measured_tells_nothing_of_how_long_it_lasts() -> None:
+    lasting = np.full(400, 3.0)
+    (alone,) = facts([channel(400)], lasting)
+    both = facts([channel(400), channel(400, case=1)], np.concatenate([lasting, np.full(400, np.nan)]))
+    assert both == pytest.approx([alone, alone])
+
+
 def test_a_constant_gap_is_no_mean_that_could_be_left_out() -> None:
     (few,) = facts([channel(400)], np.full(400, 3.0))
     assert few == pytest.approx(1 / 50)  # once in half a second

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.locate import Place, locate
+from realitygap.diagnose.judge.locate import Place, locate, phases
+from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.robot.drive import DC, DUTY, EFFORT, PID, POSITION, SPEED, VELOCITY
 
 UNSURE = 1e3
 """Floor of a few samples, in the largest gap: as where a held command jumps."""
@@ -69,3 +71,58 @@ def test_a_motion_without_effort_is_never_loaded_beside_others_that_are(simulati
     simulated[0] = simulated[0] | {"effort": np.zeros_like(simulated[0]["effort"])}
     assert len(locate(problem, floors, simulated)) > 2
     assert not [p for p in locate(problem, floors, {0: simulated[0]}) if "loaded" in p.when]
+
+
+def _unmeasured(problem: Problem) -> Problem:
+    """The motions in which the velocity of the elbow was never told, as of an interface that is not there."""
+    cases = []
+    for case in problem.cases:
+        velocity = case.value("velocity").copy()
+        velocity[:, 1] = np.nan
+        cases.append(replace(case, measured=replace(case.measured, velocity=velocity)))
+    return replace(problem, cases=tuple(cases))
+
+
+def test_a_joint_that_was_not_measured_takes_no_number_from_the_others(
+    simulations: Simulations, found: tuple[Floors, list[Place], list[Place]]
+) -> None:
+    problem, floors = simulations.problem, found[0]
+    simulated = {i: a for i, a in enumerate(simulations.of([], range(len(problem.cases)))) if a is not None}
+    part, judge = _unmeasured(problem), problem.of("held_out")
+    places = [p for p in locate(part, floors, simulated) if p.signal == "velocity"]
+    assert places == [p for p in found[1] if p.signal == "velocity" and p.joint == "shoulder"]
+    (told,) = (u for u in in_units(part, judge, simulated, simulated) if u.signal == "velocity")
+    assert np.isfinite(told.before)
+    off = {i: {s: v + 1.0 for s, v in of.items()} for i, of in simulated.items()}
+    assert ("elbow", "velocity") not in {(w.joint, w.signal) for w in worsened(part, floors, judge, simulated, off)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "meaning", "gain", "command", "effort", "share"),
+    [
+        (DC, POSITION, 5.0, 1.0, 0.1, 1.0),
+        (DC, POSITION, 0.5, 1.0, 0.1, 0.0),
+        (DC, DUTY, 5.0, 1.0, 0.1, 1.0),
+        (DC, DUTY, 5.0, 0.5, 0.1, 0.0),
+        (PID, POSITION, 0.0, 1.0, 1.5, 1.0),
+        (PID, POSITION, 0.0, 1.0, 0.5, 0.0),
+        (PID, EFFORT, 0.0, 5.0, 1.4, 0.0),
+        (SPEED, VELOCITY, 2.0, 3.0, -1.5, 1.0),
+        (SPEED, VELOCITY, 2.0, 3.0, 1.2, 0.0),
+    ],
+)
+def test_a_servo_gives_all_it_can_by_its_own_limit(
+    simulations: Simulations, kind: int, meaning: int, gain: float, command: float, effort: float, share: float
+) -> None:
+    """By its duty, which 0.96 bounds, where that is what it gives, and by its effort of 1.5 N·m elsewhere."""
+    case = simulations.problem.cases[0]
+    plant = case.experiment.plant.copy()
+    for name, value in {"kind": kind, "meaning": meaning, "gain": gain}.items():
+        plant.drive[name] = value
+    plant.drive["duty_limit"], plant.drive["effort_limit"] = 0.96, 1.5
+    told = np.full_like(case.value("position"), command)
+    here = replace(
+        case, experiment=replace(case.experiment, plant=plant), measured=replace(case.measured, command=told)
+    )
+    still = {"position": np.zeros_like(told), "effort": np.full_like(told, effort)}
+    assert np.mean(phases(here, 0, still)["saturation"]) == share

@@ -129,22 +129,30 @@ def changed(plant: Plant, changes: Sequence[Change], reference: Plant) -> Plant:
     """A plant with effects changed.
 
     Where a run's own value differs from that of the reference (another gain, another load), a change keeps its ratio
-    to the reference: a gain that is 10 % low is 10 % low in every run.
+    to the reference: a gain that is 10 % low is 10 % low in every run. What may have either sign, as where a mass sits,
+    keeps its difference: a centre 5 mm further out is that in every run.
     """
     out = plant.copy()
     for change in changes:
-        effect = change.suspect.kind
-        indices = list(change.suspect.indices)
-        for i in indices:
-            here, there = effect.own(plant, i), effect.own(reference, i)
-            values = {}
-            for name, value in change.values:
-                own, first = here.get(name), there.get(name)
-                if effect.parameter(name).absent is None and own is not None and first and own != first:
-                    value = value * own / first
-                values[name] = value
-            if len(indices) > 1 and values == change.parameters:
-                effect.apply(out, indices, values)
-                break
-            effect.apply(out, [i], values)
+        alike: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        for i in change.suspect.indices:
+            alike.setdefault(_there(change, plant, reference, i), []).append(i)
+        for values, indices in alike.items():
+            change.suspect.kind.apply(out, indices, dict(values))
     return out
+
+
+def _there(change: Change, plant: Plant, reference: Plant, index: int) -> tuple[tuple[str, float], ...]:
+    """The values of a change at a joint or link of a plant that may differ from the reference."""
+    effect = change.suspect.kind
+    here, there = effect.own(plant, index), effect.own(reference, index)
+    values = []
+    for name, value in change.values:
+        own, first, p = here.get(name), there.get(name), effect.parameter(name)
+        if p.absent is None and own is not None and first is not None and own != first:
+            if p.low < 0.0:
+                value = own + (value - first)
+            elif first:
+                value = value * own / first
+        values.append((name, value))
+    return tuple(values)

@@ -64,6 +64,10 @@ class Problem:
         """The signals of joints among them."""
         return [s for s in self.signals(case) if s in JOINT_SIGNALS]
 
+    def measured(self, cases: Sequence[int], signal: str, joint: int) -> bool:
+        """Whether a signal of a joint was measured in some of these motions."""
+        return any(bool(np.isfinite(self.cases[i].value(signal)[:, joint]).any()) for i in cases)
+
     def changed_plant(self, changes: Sequence[Change], case: int) -> Plant:
         """The plant of one motion with changes."""
         return changed(self.cases[case].experiment.plant, changes, self.plant)

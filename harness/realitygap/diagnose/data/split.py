@@ -56,7 +56,8 @@ def _marked(file: ScenarioFile, cases: Sequence[Case]) -> tuple[list[Case], str]
         kept = {i for i in range(len(cases)) if i % 3 == 2 or (len(cases) == 2 and i == 1)}
         marked = [replace(c, use="held_out" if i in kept else "train") for i, c in enumerate(cases)]
         names = ", ".join(c.name for c in marked if c.use == "held_out")
-        return marked, f"no run was marked held_out: every third motion was kept back ({names})"
+        which = "every third motion" if len(cases) > 2 else "the second of two motions"
+        return marked, f"no run was marked held_out: {which} was kept back ({names})"
     (only,) = cases
     time = only.measured.time
     middle = float(time[0] + FITTED * (time[-1] - time[0]))

@@ -12,7 +12,7 @@ from realitygap.compare.gap import BASE, unit_of
 from realitygap.diagnose.data.case import Case
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.robot.drive import Array
+from realitygap.robot.drive import DC, DUTY, POSITION, Array
 
 Mask = NDArray[np.bool_]
 SLOW = 0.05
@@ -21,6 +21,8 @@ NEAR = 0.08
 """How close to a change of direction is a reversal [s]."""
 LOADED = 0.6
 """A joint is loaded above this part of its largest effort."""
+FULL = 0.999
+"""A servo gives all it can from this part of its largest effort on: what is clipped is equal to it but for rounding."""
 STANDS_OUT = 1.3
 """A phase is named where its residual is this much larger than that of the whole."""
 ABOVE = 1.5
@@ -67,7 +69,7 @@ def locate(problem: Problem, floors: Floors, simulated: Mapping[int, dict[str, A
             continue
         for signal in ("position", "velocity", "effort"):
             cases = [i for i in simulated if signal in problem.signals(i)]
-            if cases:
+            if problem.measured(cases, signal, j):
                 place = _place(problem, floors, joint, j, signal, {i: simulated[i] for i in cases})
                 if place.floors > ABOVE:
                     out.append(place)
@@ -104,12 +106,12 @@ def _place(
         scaled.append(delta / sigma)
         noises.append(floors.noise[i][signal][j] / sigma)
         masks.append(phases(case, j, sim))
-    residual = np.nan_to_num(np.concatenate(scaled))
-    whole = float(np.sqrt(np.mean(residual**2)))
+    residual = np.concatenate(scaled)
+    known, whole = np.isfinite(residual), float(np.sqrt(np.nanmean(residual**2)))
     when = []
     for phase in dict.fromkeys(phase for of in masks for phase in of):
         never = [np.zeros(len(part), dtype=bool) for part in scaled]  # a motion without effort is never loaded
-        mask = np.concatenate([of.get(phase, none) for of, none in zip(masks, never, strict=True)])
+        mask = known & np.concatenate([of.get(phase, none) for of, none in zip(masks, never, strict=True)])
         if mask.sum() >= 5 and np.sqrt(np.mean(residual[mask] ** 2)) > STANDS_OUT * whole:
             when.append(phase)
     gap = float(np.nanmean(np.concatenate(gaps)) * scale)
@@ -145,18 +147,28 @@ def phases(case: Case, j: int, simulated: Mapping[str, Array]) -> dict[str, Mask
     rate = (len(time) - 1) / max(time[-1] - time[0], 1e-9)
     reach = max(int(NEAR * rate), 1)
     out["reversal"] = _around(turns, reach, len(time))
-    command = case.measured.command
-    if command is not None:
-        drive = case.experiment.plant.drive[j]
-        error = np.abs(drive["gain"] * (command[:, j] - position))
-        out["saturation"] = np.nan_to_num(error) >= drive["duty_limit"]
     effort = simulated.get("effort")
+    saturated = _saturated(case, j, position, effort)
+    if saturated is not None:
+        out["saturation"] = saturated
     if effort is not None and np.abs(effort[:, j]).max(initial=0.0) > 0:
         out["loaded"] = np.abs(effort[:, j]) > LOADED * np.abs(effort[:, j]).max()
     if case.measured.imu_angular is not None:
         jerk = np.abs(np.gradient(np.linalg.norm(case.measured.imu_angular, axis=1), time))
         out["impact"] = _around(np.flatnonzero(jerk > 6 * np.median(jerk) + 1e-9), reach, len(time))
     return out
+
+
+def _saturated(case: Case, j: int, position: Array, effort: Array | None) -> Mask | None:
+    """Where a servo gives all it can, by its duty or by its effort; None where neither is known. Shape (t,)."""
+    drive, command = case.experiment.plant.drive[j], case.measured.command
+    if drive["kind"] == DC and drive["meaning"] in (POSITION, DUTY):
+        if command is None:
+            return None
+        duty = drive["gain"] * (command[:, j] - position) if drive["meaning"] == POSITION else command[:, j]
+        return np.asarray(np.nan_to_num(np.abs(duty)) >= drive["duty_limit"])
+    limit = min(drive["effort_limit"], drive["real_limit"])
+    return None if effort is None else np.asarray(np.abs(effort[:, j]) >= FULL * limit)
 
 
 def _around(centers: NDArray[np.int64], reach: int, count: int) -> Mask:

@@ -91,8 +91,9 @@ def facts(channels: Sequence[Channel], residual: Array) -> Array:
         part = residual[span] / np.hypot(channel.noise, channel.slow)
         rate = (n - 1) / (channel.time[-1] - channel.time[0])
         lasting = _lasting(part[np.isfinite(part)], int(LONGEST * rate))
-        found.setdefault(channel.key, []).append(min(lasting, max(LONGEST * rate, 1.0)))
-    return np.array([1.0 / np.mean(found[c.key]) for c in channels])
+        if np.isfinite(part).any():  # a motion in which it was not measured tells nothing of how long it lasts
+            found.setdefault(channel.key, []).append(min(lasting, max(LONGEST * rate, 1.0)))
+    return np.array([1.0 / np.mean(found.get(c.key, 1.0)) for c in channels])
 
 
 def _lasting(value: Array, longest: int) -> float:

@@ -133,13 +133,14 @@ def diagnose(
     found, why_not = _searched(simulations, everyone, told, say, patience)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
-    mended = artefacts(proofs)
-    if mended:
+    while mended := artefacts(proofs):
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: it mends that engine, and is not named"
             for s in mended
         ]
-        found, why_not = _searched(simulations, [s for s in everyone if s not in mended], told, say, patience)
+        everyone, told = [s for s in everyone if s not in mended], [c for c in told if c.suspect not in mended]
+        anew = replace(patience, steps=patience.steps + simulations.steps)
+        found, why_not = _searched(simulations, everyone, told, say, anew)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     notes += why_not

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
+from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near, stretched
@@ -241,7 +242,7 @@ class Yardstick:
         column = int(np.sum(self.problem.judged[: suspect.indices[0]]))
         out: dict[int, list[Array]] = {}
         for channel, span in spans(self.channels):
-            if channel.column == column:
+            if channel.signal in JOINT_SIGNALS and channel.column == column:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
                 out.setdefault(channel.case, []).append(at.residual[span] / floor)
         return [np.column_stack(out[c]) for c in self.train if c in out]
