@@ -200,6 +200,19 @@ def test_columns_may_leave_out_that_a_joint_is_one(tmp_path: Path) -> None:
     assert any(line.startswith("position: ") and "by their names" in line for line in draft.guessed)
 
 
+@pytest.mark.parametrize(
+    ("joints", "reason"),
+    [
+        (("shoulder", "elbow"), "by number, in the URDF's order: check it"),
+        (("arm2", "arm1"), "by the numbers in the joints' names"),
+    ],
+)
+def test_columns_by_number_are_told_as_such(joints: tuple[str, ...], reason: str, tmp_path: Path) -> None:
+    draft = init(arm(tmp_path / "arm.urdf", joints), [named(tmp_path, ["q2", "q1"])], tmp_path / "out")
+    (position,) = [line for line in draft.guessed if line.startswith("position: ")]
+    assert position.endswith(f"({reason})")
+
+
 def test_columns_of_other_names_are_told_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"recordings.columns.position: \{shoulder: COLUMN\}"):
         init(arm(tmp_path / "arm.urdf"), [named(tmp_path, ["motor_a", "motor_b"])], tmp_path / "out")

@@ -73,9 +73,23 @@ def measured_joints(labels: Sequence[str], joints: Sequence[str]) -> tuple[str, 
     return tuple(joint for joint in joints if joint in found)
 
 
+def told_by(found: Mapping[str, str], joints: Sequence[str]) -> str:
+    """How labels by joint say whose they are: a number says less than a name, as robots and loggers count apart."""
+    if all(_named(words(label), joints)[0] == joint for joint, label in found.items()):
+        return "by their names"
+    if all(_number(joint) in map(int, re.findall(r"\d+", label)) for joint, label in found.items()):
+        return "by the numbers in the joints' names"
+    return "by number, in the URDF's order: check it"
+
+
+def _number(joint: str) -> int:
+    """The last number in a joint's name; -1 where it has none."""
+    return int(numbers[-1]) if (numbers := re.findall(r"\d+", joint)) else -1
+
+
 def _in_order(found: Mapping[int, str], joints: Sequence[str]) -> dict[str, str] | None:
     """Labels by number, given to the joints of these numbers."""
-    own = [int(numbers[-1]) if (numbers := re.findall(r"\d+", joint)) else -1 for joint in joints]
+    own = [_number(joint) for joint in joints]
     for expected in (own, list(range(len(joints))), list(range(1, len(joints) + 1))):
         if len(set(expected)) == len(joints) and sorted(found) == sorted(expected):
             return {joint: found[number] for joint, number in zip(joints, expected, strict=True)}

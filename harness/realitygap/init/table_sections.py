@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
-from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, words
+from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, told_by, words
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
@@ -91,7 +91,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         meaning=meaning,
         told=told,
         followed=followed,
-        columns=_columns(columns),
+        columns=_columns(columns, joints),
         units=units,
         units_by=units_by,
         angles=angles,
@@ -149,13 +149,13 @@ def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> l
     return [f"motion: {{recorded: {quoted(name) if isinstance(name, str) else 'command'}{kind}}}{guess}"]
 
 
-def _columns(columns: Mapping[str, Column]) -> list[str]:
+def _columns(columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
     """The `columns` that are not called as a scenario expects by itself."""
     lines = []
     for key, name in columns.items():
         if isinstance(name, dict):
             inner = ", ".join(f"{quoted(j)}: {quoted(c)}" for j, c in name.items())
-            lines.append(f"    {key}: {{{inner}}}  # GUESS: by their names")
+            lines.append(f"    {key}: {{{inner}}}  # GUESS: {told_by(name, joints)}")
         elif isinstance(name, list):
             lines.append(
                 f"    {key}: [{', '.join(map(quoted, name))}]  # GUESS: seconds and nanoseconds, by their names"
