@@ -58,6 +58,31 @@ def test_where_names_say_nothing_the_command_comes_first(
     assert "comes 50 ms before" in path.read_text()
 
 
+def test_a_topic_of_commands_is_never_the_state(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """Neither alone nor beside states that are all NaN."""
+    sent = messages()
+    alone = [message for message in sent if message[0] == "/joint_commands"]
+    lost = [
+        (topic, at, kind, {**m, "position": [np.nan] * 3} if topic == "/joint_states" else m)
+        for topic, at, kind, m in sent
+    ]
+    urdf, out = arm(tmp_path / "arm.urdf"), tmp_path / "out"
+    with pytest.raises(InputError, match=r"alone: what /joint_commands holds are commands, by name or type; expected"):
+        init(urdf, [write_bag(tmp_path / "alone", "mcap", alone)], out)
+    with pytest.raises(InputError, match=r"lost: all positions of /joint_states are NaN or left out, and what /joint_"):
+        init(urdf, [write_bag(tmp_path / "lost", "mcap", lost)], out)
+    assert not out.exists()
+
+
+def test_of_two_states_the_other_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    sent = messages()
+    more = [("/arm/joint_states", *rest) for topic, *rest in sent if topic == "/joint_states"]
+    draft = init(arm(tmp_path / "arm.urdf"), [write_bag(tmp_path / "run", "mcap", [*sent, *more])], tmp_path / "out")
+    (state,) = [line for line in draft.guessed if line.startswith("state: ")]
+    assert "/arm/joint_states" in state
+    assert state.endswith("; there is also /joint_states)")
+
+
 def test_a_command_that_is_a_duty_gets_a_motor(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     out = []
     for k in range(100):

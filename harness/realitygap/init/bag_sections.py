@@ -6,7 +6,7 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
-from realitygap.init.roles import CURRENT, Roles, roles_of
+from realitygap.init.roles import CURRENT, Roles, other_states, roles_of, why_no_state
 from realitygap.init.sections import (
     AS_FOLLOWED,
     FOLLOWED,
@@ -36,6 +36,11 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         roles = roles_of(contents)
     else:
         patterns = []
+    if joints and roles.state is None and (reasons := why_no_state(contents)):
+        raise InputError(
+            f"{contents.path}: {', and '.join(reasons)}; expected a topic with the measured positions of "
+            f"{', '.join(joints)}: record one, or name it in a scenario as recordings.state; it has {contents.listing}"
+        )
     if joints and roles.state is None:
         raise InputError(
             f"{contents.path}: no topic holds the positions of {', '.join(joints)} of {urdf}; it has "
@@ -69,8 +74,13 @@ def _patterns(contents: Contents, joints: Sequence[str]) -> list[str]:
 def _names(patterns: Sequence[str]) -> list[str]:
     if not patterns:
         return []
-    more = f"; there is also {', '.join(patterns[1:])}" if patterns[1:] else ""
-    return [f'  joints: {{"*": {quoted(patterns[0])}}}  # GUESS: so the recording names the joints{more}']
+    also = _also(patterns[1:])
+    return [f'  joints: {{"*": {quoted(patterns[0])}}}  # GUESS: so the recording names the joints{also}']
+
+
+def _also(others: Sequence[str]) -> str:
+    """What else could have been taken."""
+    return f"; there is also {', '.join(others)}" if others else ""
 
 
 def _others(contents: Contents) -> str:
@@ -103,7 +113,8 @@ def _motion(roles: Roles) -> list[str]:
 def _recordings(contents: Contents, roles: Roles) -> list[str]:
     lines = []
     if roles.state is not None:
-        lines.append(f"  state: {quoted(roles.state.stream.topic)}  # GUESS: {roles.state.reason}")
+        also = _also(other_states(contents, roles))
+        lines.append(f"  state: {quoted(roles.state.stream.topic)}  # GUESS: {roles.state.reason}{also}")
     if roles.effort is not None:
         if roles.state is not None and roles.effort.stream is roles.state.stream:
             lines.append(f"  effort: motor  # GUESS: N·m of the motor, before friction; {roles.effort.reason}")

@@ -51,12 +51,13 @@ def roles_of(contents: Contents) -> Roles:
     controllers = [s for s in streams if s.controller]
     goals = [s for s in streams if s.goal]
     positions = [s for s in streams if "position" in s.signals and not s.controller and not s.goal]
-    if not positions and controllers:
+    measured = [s for s in positions if not _says_command(s)]
+    if not measured and controllers:
         told = Role(controllers[0], "a controller's state holds both what it measures and what it asks for")
         return Roles(told, told, effort=_effort(told.stream, streams))
-    if not positions:
+    if not measured:
         return Roles()
-    state = max(positions, key=_like_a_state)
+    state = max(measured, key=_like_a_state)
     others = [s for s in positions if s is not state and set(s.joints) & set(state.joints)]
     leads = {s.topic: lead(s, state) for s in others}
     bare = not STATE.search(state.topic) and not COMMAND.search(state.topic)
@@ -79,6 +80,29 @@ def roles_of(contents: Contents) -> Roles:
         return replace(roles, command=unnamed[0], order=unnamed[1])
     other = other_command(contents, state)
     return roles if other is None else replace(roles, command=other[0], meaning=other[1], order=other[2])
+
+
+def why_no_state(contents: Contents) -> list[str]:
+    """What keeps topics with the robot's joints from being the state, of a bag that has none."""
+    asked = [s.topic for s in contents.joint_streams if "position" in s.signals and (s.goal or _says_command(s))]
+    empty = [s.topic for s in contents.joint_streams if "position" not in s.signals and not _says_command(s)]
+    reasons = [f"all positions of {', '.join(empty)} are NaN or left out"] if empty else []
+    return [*reasons, *([f"what {', '.join(asked)} holds are commands, by name or type"] if asked else [])]
+
+
+def other_states(contents: Contents, roles: Roles) -> list[str]:
+    """The topics that say that they are states of the same joints as the one that was taken."""
+    taken = [role.stream for role in (roles.state, roles.command) if role is not None]
+    return [
+        s.topic
+        for s in contents.joint_streams
+        if "position" in s.signals and s not in taken and not s.controller and STATE.search(s.topic)
+        if roles.state is not None and set(s.joints) & set(roles.state.stream.joints)
+    ]
+
+
+def _says_command(stream: JointStream) -> bool:
+    return bool(COMMAND.search(stream.topic)) and not STATE.search(stream.topic)
 
 
 def other_command(contents: Contents, state: JointStream) -> tuple[Role, str, tuple[str, ...]] | None:
