@@ -215,6 +215,15 @@ def test_a_joint_that_was_not_recorded_is_held(
     assert build_plant(load_scenario(draft.path)).model.joint_names == ["shoulder", "elbow"]
 
 
+def test_a_joint_that_is_commanded_and_not_measured_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    states = [m for m in messages(names=("shoulder",)) if m[0] == "/joint_states"]
+    commands = [m for m in messages() if m[0] == "/joint_commands"]
+    bag = write_bag(tmp_path / "run", "mcap", sorted([*states, *commands], key=lambda m: m[1]))
+    draft = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+    assert draft.told[0].startswith("elbow is held where robot.hold says")
+    assert "may have moved: it has /joint_commands" in draft.told[0]
+
+
 def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     urdf = arm(tmp_path / "arm.urdf")
     good = write_bag(tmp_path / "good", "mcap", messages())

@@ -181,10 +181,20 @@ def test_a_joint_without_columns_is_held(tmp_path: Path) -> None:
     scenario, _ = read_all(draft.path, ["shoulder", "elbow"])
     assert scenario.robot.hold == {"wrist": 0.0}
     assert any(line.startswith("hold: ") for line in draft.guessed)
+    assert not any("may have moved" in line for line in draft.told)
     single = init(urdf, [named(tmp_path, ["elbow"])], tmp_path / "single")
     scenario, (recording,) = read_all(single.path, ["elbow"])
     assert scenario.robot.hold == {"shoulder": 0.0, "wrist": 0.0}
     np.testing.assert_allclose(recording.command[:, 0], goal(np.arange(100) * 0.01))
+
+
+def test_a_joint_that_is_held_though_it_was_there_is_told(tmp_path: Path) -> None:
+    """It may have moved, which the scenario says, too."""
+    table = named(tmp_path, ["shoulder", "elbow"])
+    pd.read_csv(table).rename(columns={"elbow_position": "elbow_velocity"}).to_csv(table, index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [table], tmp_path / "out")
+    assert "may have moved: it has elbow_command, elbow_velocity; add its position" in draft.told[0]
+    assert f"  # {draft.told[0]}" in draft.path.read_text().splitlines()
 
 
 def test_columns_may_leave_out_that_a_joint_is_one(tmp_path: Path) -> None:

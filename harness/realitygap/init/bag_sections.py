@@ -54,6 +54,8 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         )
     moving = next(iter(contents.poses + contents.imus), None)
     told = _told(contents, roles, joints)
+    held = tuple(j for j in joints if roles.state is not None and names[j] not in roles.state.stream.joints)
+    seen = {j: [s.topic for s in contents.joint_streams if names[j] in s.joints] for j in held}
     return Sections(
         _motion(replace(roles, order=tuple(joint for name in roles.order for joint in joints if names[joint] == name))),
         [*_names(patterns), *_recordings(contents, roles)],
@@ -62,7 +64,8 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         moving,
         told=told,
         followed=_followed(roles),
-        held=tuple(j for j in joints if roles.state is not None and names[j] not in roles.state.stream.joints),
+        held=held,
+        unmeasured={joint: topics for joint, topics in seen.items() if topics},
     )
 
 

@@ -84,7 +84,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             for case in loaded.cases():
                 path = named.get(case.path.resolve(), case.path)
                 recordings[case.path] = read_recording(path, case.scenario, model.joint_names, file=target)
-            told = [*sections.told, *repeated(loaded, recordings)]
+            told = [*sections.unsure, *sections.told, *repeated(loaded, recordings)]
             turned = in_degrees(loaded, sections, model, recordings)
             if turned is not None:
                 text = _text(urdf, out, packages, model, fixed, turned, held)
@@ -178,6 +178,7 @@ def _text(
     lines.append(f"  base: {base}  {GUESS}{reason}")
     if held:
         inner = ", ".join(f"{quoted(name)}: {angle:g}" for name, angle in held.items())
+        lines += [f"  # {sentence}" for sentence in sections.unsure]
         lines.append(f"  hold: {{{inner}}}  {GUESS}where they stand [rad or m], as they were not recorded")
     if model.joints:
         servos = [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot)]

@@ -73,6 +73,16 @@ def measured_joints(labels: Sequence[str], joints: Sequence[str]) -> tuple[str, 
     return tuple(joint for joint in joints if joint in found)
 
 
+def unmeasured(labels: Sequence[str], joints: Sequence[str], held: Sequence[str]) -> dict[str, list[str]]:
+    """The labels of signals that name a joint that is held: it was there, though its position was not recorded."""
+    out: dict[str, list[str]] = {}
+    for label in labels:
+        joint, rest = _named(words(label), joints)
+        if joint is not None and joint in held and role_of(rest) is not None:
+            out.setdefault(joint, []).append(label)
+    return out
+
+
 def told_by(found: Mapping[str, str], joints: Sequence[str]) -> str:
     """How labels by joint say whose they are: a number says less than a name, as robots and loggers count apart."""
     if all(_named(words(label), joints)[0] == joint for joint, label in found.items()):

@@ -64,6 +64,8 @@ class Sections:
         units: of columns, where they are not SI, by signal and, where they differ, by joint; and how they were found.
         angles: the signals in angles whose unit no name says.
         held: the joints that were not recorded.
+        unmeasured: of these, the ones of which something else than a position was recorded, and in which columns or
+            topics.
     """
 
     motion: list[str]
@@ -79,6 +81,16 @@ class Sections:
     units_by: str = "as the names say"
     angles: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
+    unmeasured: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def unsure(self) -> list[str]:
+        """What is to be said of joints that are held and may have moved."""
+        return [
+            f"{joint} is held where robot.hold says, as its position was not recorded, but it may have moved: it has "
+            f"{', '.join(where)}; add its position, or check where it stood"
+            for joint, where in self.unmeasured.items()
+        ]
 
     @property
     def table(self) -> list[str]:

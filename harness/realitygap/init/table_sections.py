@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
-from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, told_by, words
+from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, told_by, unmeasured, words
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
@@ -52,7 +52,8 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         part = measured_joints(labels, joints)
         if part and part != tuple(joints):
             held = tuple(joint for joint in joints if joint not in part)
-            return replace(table_sections(paths, part, urdf, out), held=held)
+            seen = unmeasured(labels, joints, held)
+            return replace(table_sections(paths, part, urdf, out), held=held, unmeasured=seen)
         raise InputError(
             f"{path}: no column holds the position of {', '.join(joints)} of {urdf}; it has {', '.join(labels)}; "
             "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it: "
