@@ -156,6 +156,17 @@ def test_the_next_command_can_be_copied(tmp_path: Path, write_bag: Callable[...,
     assert command[:5] == ["realitygap", "run", str(draft.path), "--engine", "mujoco"]
 
 
+def test_before_the_next_command_stands_what_it_needs(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """A run of a scenario that nothing drives is refused."""
+    states = [m for m in messages() if m[0] == "/joint_states"]
+    bag = write_bag(tmp_path / "run", "mcap", states)
+    draft = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+    assert "drives_nothing" in [mistake.kind for mistake in check(load_scenario(draft.path))]
+    last = draft.lines()[-1]
+    assert last.startswith(f"next: say in {draft.path} what drives the joints: motion: {{recorded: COMMANDS}} or ")
+    assert f"; then realitygap run {draft.path}" in last
+
+
 @pytest.mark.parametrize("version", ["v2.1", "v3.0"])
 def test_every_episode_of_a_data_set_is_a_run(version: str, tmp_path: Path) -> None:
     data_set(tmp_path / "set", version)

@@ -28,6 +28,10 @@ from realitygap.scenario.schema_file import COMMENT, SCHEMA
 from realitygap.scenario.which_file import RECORDINGS, ROBOTS
 
 GUESS = "# GUESS: "
+NO_MOTION = (
+    "what drives the joints: motion: {recorded: COMMANDS} or {keyframes: FILE}, or {followed: true} with a recording of "
+    "efforts"
+)
 HINT = "add use: train or use: held_out; without them a diagnosis keeps every third motion to judge on"
 
 
@@ -38,14 +42,16 @@ class Draft:
     path: Path
     guessed: list[str]
     told: list[str]
+    driven: bool = True
 
     def lines(self) -> list[str]:
         """All of it for a terminal."""
+        run = f"realitygap run {quote(str(self.path))} --engine mujoco    (without --engine: in all of them)"
         return [
             f"wrote {self.path}",
             *(f"guessed: {line}" for line in self.guessed),
             *(line if line.startswith("not used") else f"note: {line}" for line in self.told),
-            f"next: realitygap run {quote(str(self.path))} --engine mujoco    (without --engine: in all of them)",
+            f"next: {run}" if self.driven else f"next: say in {self.path} {NO_MOTION}; then {run}",
         ]
 
 
@@ -94,7 +100,8 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 draft.rename(target)
         finally:
             draft.unlink(missing_ok=True)
-    return Draft(target, _guesses(text), told)
+    driven = not model.joints or loaded.scenario.motion is not None
+    return Draft(target, _guesses(text), told, driven)
 
 
 def _check_given(urdf: Path, bags: list[Path]) -> None:
