@@ -129,6 +129,14 @@ def test_a_free_body_turns_about_world_axes(axes: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(np.diff(nose, axis=0) / 0.01, np.cross([0, -2.0, 0], nose)[:-1], atol=0.03)
 
 
+def test_a_table_without_the_pose_of_a_robot_without_joints_is_told(tmp_path: Path) -> None:
+    path = write(one_joint(), tmp_path / "run.csv")
+    with pytest.raises(
+        InputError, match=r"no joints that move .*; it has time, .*; expected x, y, z, qw, qx, qy, qz, or"
+    ):
+        read_recording(path, scenario(None, "free"), [], file=FILE)
+
+
 def test_rows_that_repeat_a_time_are_dropped(tmp_path: Path) -> None:
     frame = one_joint()
     frame["time"] = frame["time"].where(frame.index != 10, frame["time"].shift())

@@ -29,7 +29,7 @@ from realitygap.scenario.which_file import RECORDINGS, ROBOTS
 
 GUESS = "# GUESS: "
 NO_MOTION = (
-    "what drives the joints: motion: {recorded: COMMANDS} or {keyframes: FILE}, or {followed: true} with a recording of "
+    "what drives the joints: motion: {recorded: COMMANDS} or {keyframes: FILE}, or {followed: true} with recorded "
     "efforts"
 )
 HINT = "add use: train or use: held_out; without them a diagnosis keeps every third motion to judge on"

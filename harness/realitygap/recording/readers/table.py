@@ -229,10 +229,16 @@ class Table:
     def base(self) -> dict[str, Array]:
         """Pose and velocity of the base, in world axes."""
         c = self.columns
-        needed = not self.request.joints or bool({"base_position", "base_quaternion"} & c.model_fields_set)
+        stated = bool({"base_position", "base_quaternion"} & c.model_fields_set)
         pose = [*c.base_position, *c.base_quaternion]
-        if not needed and not all(name in self.frame for name in pose):
-            return {}
+        if not stated and not all(name in self.frame for name in pose):
+            if self.request.joints:
+                return {}
+            raise InputError(
+                f"{self.path}: holds no pose of the robot, which has no joints that move (all are fixed, or in "
+                f"robot.hold); it has {self._listing()}; expected {', '.join(pose)}, or their names in recordings."
+                "columns.base_position and base_quaternion, or a robot's file with joints that move"
+            )
         found = {
             "base_position": self._columns(c.base_position, "base_position", 3),
             "base_quaternion": self._columns(c.base_quaternion, "base_quaternion", 4),
