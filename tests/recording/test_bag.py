@@ -107,11 +107,35 @@ def test_an_empty_bag(form: str, tmp_path: Path, write_bag: Callable[..., Path])
         read_recording(path, scenario(), ["a"], file=FILE)
 
 
+@pytest.mark.parametrize(
+    ("form", "name", "sentence"),
+    [
+        ("mcap", "run.bag", r"run.bag: is an MCAP file; expected a name with \.mcap for it: rename it"),
+        ("mcap", "run.csv", r"run.csv: is an MCAP file; expected a name with \.mcap"),
+        ("bag", "run.mcap", r"run.mcap: is a bag of ROS 1; expected a name with \.bag"),
+        ("db3", "run.mcap", r"run.mcap: is an SQLite database; expected a name with \.db3"),
+        ("text", "run.mcap", r"run.mcap: is text; expected an MCAP file: rename it to \.csv"),
+    ],
+)
+def test_a_file_of_another_kind_than_its_name_says(
+    form: str, name: str, sentence: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    data = b"time,position/a\n0.0,1.0\n"
+    if form != "text":
+        path = write_bag(tmp_path / ("bag.bag" if form == "bag" else "bag"), form, two_joints())
+        data = (path if form == "bag" else next(path.glob(f"*.{form}"))).read_bytes()
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=sentence):
+        read_recording(tmp_path / name, scenario(), ["a"], file=FILE)
+
+
 def test_an_empty_folder_and_unknown_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"without metadata.yaml and with no \.mcap"):
         read_recording(tmp_path, scenario(), ["a"], file=FILE)
     (tmp_path / "run.txt").write_text("")
-    with pytest.raises(InputError, match=r"is not a kind of recording that is known here; expected \.bag"):
+    with pytest.raises(
+        InputError, match=r"is not a kind of recording that is known here; expected \.bag.* save it as \.csv"
+    ):
         read_recording(tmp_path / "run.txt", scenario(), ["a"], file=FILE)
     with pytest.raises(InputError, match="does not exist"):
         read_recording(tmp_path / "none.mcap", scenario(), ["a"], file=FILE)

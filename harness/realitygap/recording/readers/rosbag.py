@@ -20,6 +20,7 @@ from realitygap.files.unpacked import unpacked
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.bag_limits import Allowance, limited
 from realitygap.recording.readers.clock import choose_clock
+from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
 from realitygap.recording.readers.trajectory import Trajectories
@@ -295,6 +296,8 @@ def opened(path: Path) -> Iterator[Bag]:
     store = get_typestore(Stores.LATEST)
     with unpacked(path) as plain, limited(plain) as limits:
         source = _storage(plain)
+        if source.is_file():
+            _reading(path, partial(check_kind, path if source == plain else source, source))
         reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
         _reading(path, reader.open)
         try:

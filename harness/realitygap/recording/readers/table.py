@@ -14,6 +14,7 @@ from realitygap.files.text_table import once, text_table
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
+from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
 from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with
 from realitygap.recording.readers.units import SECONDS, joint_factors
@@ -83,6 +84,7 @@ def load(path: Path) -> Frame:
     """
     with unpacked(path) as plain:
         try:
+            check_kind(path, plain)
             if plain.suffix.lower() == ".parquet":
                 frame: Frame = ParquetColumns(path, plain)
             else:

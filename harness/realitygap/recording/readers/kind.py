@@ -1,0 +1,42 @@
+"""Whether a recording is what its name says, by its first bytes: people rename files and mistype their ends."""
+
+from pathlib import Path
+
+from realitygap.files.errors import InputError
+
+FIRST = {  # suffix -> what files of the kind begin with, and what they are called
+    ".bag": (b"#ROSBAG V", "a bag of ROS 1"),
+    ".db3": (b"SQLite format 3\0", "an SQLite database"),
+    ".mcap": (b"\x89MCAP0\r\n", "an MCAP file"),
+    ".parquet": (b"PAR1", "a Parquet file"),
+}
+BAGS = (".bag", ".db3", ".mcap")
+"""Kinds that are never text. Text that is called .parquet the reader of tables tells by itself."""
+ENOUGH = 64
+"""Bytes that tell text from other things."""
+
+
+def check_kind(path: Path, plain: Path) -> None:
+    """Make sure that a file is no other kind of recording than its name says. One that cannot be told by its first
+    bytes, as where they are damaged, is left to its reader.
+
+    Args:
+        path: the recording as the user knows it.
+        plain: the file itself, unpacked.
+
+    Raises:
+        InputError: for a file of another kind.
+        OSError: for one that cannot be read.
+    """
+    with plain.open("rb") as file:
+        start = file.read(ENOUGH)
+    own = plain.suffix.lower()
+    for suffix, (first, called) in FIRST.items():
+        if start.startswith(first):
+            if suffix == own:
+                return
+            raise InputError(f"{path}: is {called}; expected a name with {suffix} for it: rename it")
+    if own in BAGS and start.isascii() and (words := start.decode().split()) and "".join(words).isprintable():
+        raise InputError(
+            f"{path}: is text; expected {FIRST[own][1]}: rename it to .csv where it is a table with a header line"
+        )
