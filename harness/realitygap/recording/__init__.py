@@ -56,7 +56,7 @@ def reader_of(path: Path) -> str:
         known = ", ".join(k for k in READERS if k not in (FOLDER, DATASET))
         raise InputError(
             f"{path}: is not a kind of recording that is known here; expected {known}, a bag folder or the folder of a "
-            "LeRobot data set"
+            "LeRobot data set; save it as .csv with a header line: time, position/JOINT, command/JOINT, effort/JOINT"
         )
     return READERS[kind]
 
