@@ -3,6 +3,7 @@
 import json
 import shlex
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from realitygap.check import check
 from realitygap.files.errors import InputError
 from realitygap.files.yaml_file import load_yaml
 from realitygap.init.draft import init, parse_packages
+from realitygap.init.probe import JointStream
+from realitygap.init.roles import lead
 from realitygap.robot.plant import build_plant
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.servos import DcServo, PidServo
@@ -296,3 +299,8 @@ def test_missing_meshes_are_no_error_where_nothing_touches_the_ground(
     path.write_text(path.read_text().replace("ground: none", "ground: flat"))
     with pytest.raises(ModelError, match=r"mesh package://nowhere/link.stl of link elbow_link was not found"):
         build_plant(load_scenario(path))
+
+
+def test_of_one_message_each_nothing_tells_which_topic_leads() -> None:
+    one = JointStream("/a", "JointState", ("elbow",), np.array([0.1]), {"position": np.array([[0.2]])})
+    assert lead(one, replace(one, topic="/b")) is None

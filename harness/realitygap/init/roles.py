@@ -152,9 +152,11 @@ def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Rol
 
 def lead(command: JointStream, state: JointStream) -> float | None:
     """The time [s] by which one stream of positions comes before another; None where that cannot be told."""
+    if len(command.time) < 2 or len(state.time) < 2:
+        return None
     joints = [j for j in command.joints if j in state.joints]
     start, end = max(command.time[0], state.time[0]), min(command.time[-1], state.time[-1])
-    step = min(float(np.median(np.diff(s.time))) for s in (command, state) if len(s.time) > 1) / 2.0
+    step = min(float(np.median(np.diff(s.time))) for s in (command, state)) / 2.0
     if not end - start > 10 * step:
         return None
     even = np.arange(start, end, step)
