@@ -147,6 +147,7 @@ def test_the_terminal_hears_what_was_guessed_not_used_and_missing(
     assert lines[0].startswith("wrote ")
     assert 'guessed: state: "/joint_states" (its name says state, it holds velocity)' in lines
     assert any(line.startswith("guessed: kp: 30 (the URDF's effort limit of 3") for line in lines)
+    assert any(line.startswith("guessed: kd: 0.15 (") and "motion's held: false" in line for line in lines)
     assert "not used: /log (std_msgs/String), /tf (tf2_msgs/TFMessage)" in lines
     assert "note: no effort was found: torques are not compared" in lines
 

@@ -110,10 +110,11 @@ def _pid(effort: float, _: float) -> list[str]:
     bounded = bool(np.isfinite(effort))
     kp = effort / FULL_ERROR if bounded else KP_UNKNOWN
     why = f"the URDF's effort limit of {effort:g} at {FULL_ERROR:g} rad of error" if bounded else "no effort limit"
+    spikes = "steps of a held command become spikes of effort, which motion's held: false avoids"
     return [
         "    kind: pid",
         f"    kp: {kp:.3g}  # GUESS: {why}",
-        f"    kd: {kp * DAMPING_TIME:.3g}  # GUESS: {DAMPING_TIME:g} s times kp",
+        f"    kd: {kp * DAMPING_TIME:.3g}  # GUESS: {DAMPING_TIME:g} s times kp; {spikes}",
     ]
 
 
