@@ -70,9 +70,11 @@ def test_a_topic_of_commands_is_never_the_state(tmp_path: Path, write_bag: Calla
         for topic, at, kind, m in sent
     ]
     urdf, out = arm(tmp_path / "arm.urdf"), tmp_path / "out"
-    with pytest.raises(InputError, match=r"alone: what /joint_commands holds are commands, by name or type; expected"):
+    with pytest.raises(
+        InputError, match=r"alone: the positions of /joint_commands are commands by name or type; expec"
+    ):
         init(urdf, [write_bag(tmp_path / "alone", "mcap", alone)], out)
-    with pytest.raises(InputError, match=r"lost: all positions of /joint_states are NaN or left out, and what /joint_"):
+    with pytest.raises(InputError, match=r"lost: all positions of /joint_states are NaN or left out, and the posi"):
         init(urdf, [write_bag(tmp_path / "lost", "mcap", lost)], out)
     assert not out.exists()
 

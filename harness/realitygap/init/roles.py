@@ -87,7 +87,7 @@ def why_no_state(contents: Contents) -> list[str]:
     asked = [s.topic for s in contents.joint_streams if "position" in s.signals and (s.goal or _says_command(s))]
     empty = [s.topic for s in contents.joint_streams if "position" not in s.signals and not _says_command(s)]
     reasons = [f"all positions of {', '.join(empty)} are NaN or left out"] if empty else []
-    return [*reasons, *([f"what {', '.join(asked)} holds are commands, by name or type"] if asked else [])]
+    return [*reasons, *([f"the positions of {', '.join(asked)} are commands by name or type"] if asked else [])]
 
 
 def other_states(contents: Contents, roles: Roles) -> list[str]:
