@@ -34,6 +34,21 @@ def scaled(signal: str, factor: float, everywhere: bool = False) -> Spoil:
     return spoil
 
 
+def counted(*signals: str, noise: float = 0.0) -> Spoil:
+    """As a servo's register holds it; noise of a filter [counts] leaves no whole numbers."""
+
+    def spoil(team: Team, j: int) -> None:
+        for number, table in enumerate(team.tables.values()):
+            rng = np.random.default_rng(number)
+            for signal in signals:
+                value = getattr(table, signal)
+                value[:, j] = np.round(2048 + value[:, j] * 4096 / (2 * np.pi)) + noise * rng.standard_normal(
+                    len(value)
+                )
+
+    return spoil
+
+
 def both(*spoils: Spoil) -> Spoil:
     def spoil(team: Team, j: int) -> None:
         for each in spoils:
@@ -275,4 +290,8 @@ MISTAKES = (
     Planted("no motion", "drives_nothing", no_motion, "all"),
     Planted("an encoder that is stuck", "stuck_position", stuck_encoder),
     Planted("another zero", "far_zero", other_zero, slides=False),
+    Planted("position in counts", "counts", counted("position"), slides=False),
+    Planted("command in counts", "counts", counted("command"), slides=False),
+    Planted("position and command in counts", "counts", counted("position", "command"), slides=False),
+    Planted("both in filtered counts", "counts", counted("position", "command", noise=0.3), slides=False),
 )

@@ -281,6 +281,13 @@ def test_a_velocity_that_is_none_or_in_another_unit_is_told_with_the_key_that_me
         assert check(file.override({"recordings.columns.units": {"velocity": dict(reversed(units.items()))}})) == []
 
 
+def test_a_velocity_that_fits_counts_is_not_certainly_in_thousandths(team: Team, tmp_path: Path) -> None:
+    wrong = team.copy()
+    scaled("velocity", 2 * np.pi / 4096)(wrong, 1)
+    (found,) = check(load_scenario(wrong.write(tmp_path)))
+    assert (found.kind, found.certainty, found.joints) == ("velocity", "likely", ("elbow",))
+
+
 @pytest.mark.parametrize("signal", ["position", "command"])
 def test_degrees_of_one_column_are_told_with_the_unit_that_mends_them(signal: str, team: Team, tmp_path: Path) -> None:
     spoilt = team.copy()

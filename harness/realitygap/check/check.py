@@ -9,6 +9,7 @@ import numpy as np
 from realitygap.check.asked import asked_efforts
 from realitygap.check.clocks import clock_offset, no_overlap, time_unit
 from realitygap.check.commanded_effort import commanded_efforts
+from realitygap.check.counts import count_mistakes
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
 from realitygap.check.few import few_samples
@@ -84,7 +85,9 @@ def blamed_joints(warnings: Iterable[Mistake]) -> set[str]:
 
 def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[Mistake]:
     """What is wrong with the recordings. What follows from another mistake, in any of them, is not told again."""
-    clocks = {id(o): time_unit(o) or no_overlap(o) for o in observed}
+    counts = {id(o): count_mistakes(o) for o in observed}
+    in_rad = {id(o): _without(o, _joints(counts[id(o)])) for o in observed}
+    clocks = {id(o): time_unit(o, in_rad[id(o)]) or no_overlap(o) for o in observed}
     found = [m for o in observed for m in clocks[id(o)]]
     rest = [o for o in observed if not clocks[id(o)]]
     late: list[Mistake] = []
@@ -92,7 +95,9 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
         late = [m for o in rest for m in clock_offset(o, moving(o))]
         found += [*late, *(m for o in rest for m in undriven(o))]
     shifted = {run for m in late for run in m.runs}
-    angles = [m for o in rest if not undriven_robot and not late for m in asked_efforts(o, moving(o))]
+    angles = [m for o in rest for m in counts[id(o)]]
+    if not undriven_robot and not late:
+        angles += [m for o in rest for m in asked_efforts(o, moving(o) & in_rad[id(o)])]
     asked = _joints(angles)
     for o in rest:
         if not undriven_robot and o.name not in shifted:

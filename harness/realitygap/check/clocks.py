@@ -30,12 +30,13 @@ ENOUGH = 0.97
 """Where a delay and a lag that a servo may have explain so much, an offset has nothing to add."""
 
 
-def time_unit(o: Observed) -> list[Mistake]:
+def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
     """Times that are a thousand or a million times too long or too short.
 
-    The travel by the reported velocity over the travel of the position is then that factor, at all joints.
+    The travel by the reported velocity over the travel of the position is then that factor, at all joints (n,) that are
+    judged.
     """
-    slopes = travel_slopes(o)
+    slopes = travel_slopes(o, judged)
     by_velocity = float(np.median(np.abs(slopes))) if len(slopes) else 1.0  # a sign is another mistake
     key = f"{o.key}.path"
     for factor, name in ((1e3, "ms"), (1e6, "µs"), (1e9, "ns")):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from realitygap_engines.model.robot import Joint
 
+from realitygap.check.counts import count_mistake, far_beyond
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import supply
@@ -45,7 +46,9 @@ def limit_mistakes(plant: Plant) -> list[Mistake]:
 
 
 def angle_mistakes(o: Observed) -> list[Mistake]:
-    """Measured angles that fit the limits, or the servo's speed, only when they are degrees; or limits that do."""
+    """Measured angles that fit the limits, or the servo's speed, only when they are degrees, or no limits at all; or
+    limits that are to blame.
+    """
     out = []
     seen = wide(o.position)
     speed = np.gradient(o.position, o.step, axis=0)
@@ -61,6 +64,11 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
             told = f"lies up to {beyond:.4g} rad beyond its limits {joint.lower:.4g} and {joint.upper:.4g}"
         elif fits and free < fast / TOO_FAST and fast / DEGREES < free and seen[j] > TURN / 2:
             told = f"moves at {fast:.4g} rad/s, and its servo at {free:.3g} rad/s at most"
+        elif far_beyond(o, j):
+            limits = f"its limits {joint.lower:.4g} and {joint.upper:.4g}, and as degrees, too"
+            told = f"the position of {joint.name} lies up to {beyond:.4g} rad beyond {limits}"
+            out.append(count_mistake(o, j, told, "position"))
+            continue
         else:
             apart = joint.upper - joint.lower
             if seen[j] > 5.0 * apart and _beyond(_turned(joint), q) <= LEEWAY and seen[j] < TURN:

@@ -8,6 +8,7 @@ Certainty = Literal["certain", "likely"]
 
 KINDS: dict[str, str] = {
     "degrees": "an angle in degrees where radians are expected, or the other way round: a factor of 57.3",
+    "counts": "an angle in encoder counts, or in another unit that is none of angles, where radians are expected",
     "thousandths": "a length in mm (an angle in mrad) where m (rad) is expected, or the other way round",
     "milliseconds": "times in ms or µs where seconds are expected, or the other way round",
     "milliamperes": "an effort a thousand times too large or too small, as from a current in mA",

@@ -8,10 +8,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from realitygap.check.counts import PER_RAD
 from realitygap.check.follow import Following, following
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Mask, Observed
-from realitygap.check.words import FAR_BETTER, factor_of, joined, unit
+from realitygap.check.words import FACTORS, FAR_BETTER, factor_of, joined, unit
 from realitygap.recording.faults import STRETCH
 from realitygap.trace.trace import Array
 
@@ -59,14 +60,16 @@ def _fit(o: Observed) -> tuple[Following, Mask, Mask] | None:
     return fit, moves, np.asarray(by_velocity.std(axis=0) > 0)
 
 
-def travel_slopes(o: Observed) -> Array:
-    """Travel by velocity over travel by position, of the joints where the one explains the other. Shape (m,)."""
+def travel_slopes(o: Observed, judged: Mask) -> Array:
+    """Travel by velocity over travel by position, of the judged joints (n,) where the one explains the other. Shape
+    (m,).
+    """
     found = _fit(o)
     if found is None:
         return np.zeros(0)
     fit, moves, told = found
     share, slope = np.diag(fit.share), np.diag(fit.slope)
-    return np.asarray(slope[moves & told & (share > FITS)])
+    return np.asarray(slope[judged & moves & told & (share > FITS)])
 
 
 def opposed(o: Observed) -> Mask:
@@ -121,7 +124,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         if own < FITS:
             lost.append(int(j))
             continue
-        factor = factor_of(o, int(j), float(a), weakest=0.5)
+        factor = None if _as_of_counts(float(a)) else factor_of(o, int(j), float(a), weakest=0.5)
         if factor is not None:
             kind, times = factor
             sentence = (
@@ -142,6 +145,12 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
             )
             out.append(Mistake("velocity", "likely", (joint,), sentence, key, (o.name,)))
     return out + _of_others(o, share, slope, lost, key)
+
+
+def _as_of_counts(slope: float) -> bool:
+    """Whether a velocity is what counts make of rad, or rad of counts: closer to that than to thousandths."""
+    off, between = abs(np.log(abs(slope))), np.sqrt(FACTORS["thousandths"] / PER_RAD)
+    return bool(abs(off - np.log(PER_RAD)) < np.log(between))
 
 
 def _told_units(o: Observed, kind: str, times: float) -> str:
