@@ -217,6 +217,22 @@ def masses(factor: float, everywhere: bool, inertia: float = 1.0) -> Spoil:
     return spoil
 
 
+def lengths(factor: float) -> Spoil:
+    """The origins of all joints beyond the first."""
+
+    def spoil(team: Team, _: int) -> None:
+        def longer(match: re.Match[str]) -> str:
+            xyz = " ".join(f"{float(x) * factor:g}" for x in match[2].split())
+            return f'{match[1]}"{xyz}"'
+
+        for name, text in team.files.items():
+            head, *joints = re.split(r"(?=<joint )", text)
+            joints = [re.sub(r'(<origin xyz=)"([^"]*)"', longer, joint, count=1) for joint in joints]
+            team.files[name] = head + "".join(joints)
+
+    return spoil
+
+
 def limits(factor: float) -> Spoil:
     def spoil(team: Team, j: int) -> None:
         for name, text in team.files.items():
@@ -290,6 +306,7 @@ MISTAKES = (
     Planted("no motion", "drives_nothing", no_motion, "all"),
     Planted("an encoder that is stuck", "stuck_position", stuck_encoder),
     Planted("another zero", "far_zero", other_zero, slides=False),
+    Planted("origins of joints in mm", "thousandths", lengths(1000.0), "any", (2, 6)),
     Planted("position in counts", "counts", counted("position"), slides=False),
     Planted("command in counts", "counts", counted("command"), slides=False),
     Planted("position and command in counts", "counts", counted("position", "command"), slides=False),

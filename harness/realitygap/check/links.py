@@ -1,4 +1,4 @@
-"""Masses and inertias that no link of such a robot has."""
+"""Lengths, masses and inertias that no link of such a robot has."""
 
 import numpy as np
 from realitygap_engines.model.robot import Model
@@ -10,11 +10,43 @@ WIDE, ABSURD = 5.0, 30.0
 """A body whose mass lies further from its centre than this many times the robot's reach is none; the second certain."""
 ODD = 100.0
 """A single link that is this many times heavier than the next is in another unit: 30 is a rotor beside its housing."""
+LONG, ENDLESS = 20.0, 100.0
+"""m: a moving link is no longer than this (the sections of the longest booms that fold, of concrete pumps, have about
+15 m), and in mm one of 2 cm already is; the second certain, which only the jibs of the largest cranes come near."""
 
 
 def link_mistakes(plant: Plant) -> list[Mistake]:
+    """Lengths in mm, or else masses and inertias in another unit, which lengths make wrong as well."""
+    return _long_links(plant.model) or _heavy_links(plant.model)
+
+
+def _long_links(model: Model) -> list[Mistake]:
+    """Joints, or centres of mass, that are far from the joint that carries their link.
+
+    A first joint may stand anywhere on a fixed base.
+    """
+    first = 0 if model.floating else 1
+    far = [
+        (float(np.linalg.norm(joint.origin[:3, 3])), f"the origin of joint {joint.name}", "its parent", joint.name)
+        for joint in model.joints
+        if joint.parent >= first
+    ]
+    for i, link in enumerate(model.links[first:], first):
+        name = model.joints[i - 1].name if i else model.joints[0].name if model.joints else link.name
+        far.append((float(np.linalg.norm(link.com)), f"the centre of mass of link {link.name}", "its joint", name))
+    long = sorted((f for f in far if f[0] > LONG), reverse=True)
+    if not long:
+        return []
+    length, what, whence, _ = long[0]
+    sentence = (
+        f"{what} is {length:.4g} m from {whence}: lengths a thousand times too large, as of mm; expected m in the URDF"
+    )
+    names = tuple(sorted({name for *_, name in long}))
+    return [Mistake("thousandths", "certain" if length > ENDLESS else "likely", names, sentence, "robot.urdf")]
+
+
+def _heavy_links(model: Model) -> list[Mistake]:
     """Inertias that are far too large for the size of a robot, and a link that is far heavier than all others."""
-    model = plant.model
     reach = _reach(model)
     out = []
     first = 0 if model.floating else 1
