@@ -228,6 +228,26 @@ def test_readings_that_are_absent_are_told_and_no_mistake(
     assert last == "no mistake found"
 
 
+def test_samples_that_are_not_there_or_are_dropped_are_told_and_no_mistake(
+    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lossy = team.copy()
+    first, second = list(lossy.tables.values())[:2]
+    pause = (first.time > 2.0) & (first.time < 4.0)
+    for signal in ("time", "command", "position", "velocity", "effort"):
+        setattr(first, signal, getattr(first, signal)[~pause])
+    second.time[1::2] = second.time[:-1:2]
+    with pytest.raises(SystemExit) as ended:
+        main(["check", str(lossy.write(tmp_path))])
+    assert not ended.value.code
+    names = list(lossy.tables)
+    hole, repeated, last = capsys.readouterr().out.splitlines()
+    assert hole.startswith(f"note: {names[0]}: no samples from {first.time[first.time <= 2.0][-1]:.3f} to 4.0")
+    rows = len(second.time)
+    assert repeated == f"note: {names[1]}: {rows // 2} rows repeat the time of another and were dropped, of {rows}"
+    assert last == "no mistake found"
+
+
 def as_data_set(file: Path) -> Path:
     """A scenario of tables with their columns in a LeRobot data set instead; velocities, positions and commands."""
     folder, data = file.parent / "set", yaml.safe_load(file.read_text())

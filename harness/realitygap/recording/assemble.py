@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from realitygap.files.errors import InputError
-from realitygap.recording.absent import without_absent
+from realitygap.recording.absent import holes, without_absent
 from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.outliers import told, without_outliers
@@ -37,12 +37,14 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         raise InputError(f"{clock.source}: holds {len(clock.time)} sample, expected at least two")
     for samples in streams.all():
         _steady(samples)
+    pauses = holes(clock.time)
     streams, absent = _known(streams)
     clock = streams.state or streams.pose
     assert clock is not None
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
-    notes = [*streams.notes, *absent]
+    lacking = [*streams.dropped, *pauses, *absent]
+    notes = [*streams.notes, *lacking]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -74,7 +76,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         outliers,
         streams.episode,
         streams.files,
-        tuple(absent),
+        tuple(lacking),
     )
 
 

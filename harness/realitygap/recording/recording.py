@@ -29,7 +29,7 @@ class Recording:
         outliers: readings that no motion explains, and that are not in the trace any more.
         episode: which one of a data set.
         files: what was read, where that is not all of the path.
-        absent: of the notes, those on readings that are absent.
+        absent: of the notes, those on samples and readings that are absent or were dropped.
     """
 
     path: Path

@@ -37,7 +37,8 @@ class Samples:
 @dataclass(frozen=True)
 class Streams:
     """The streams of one recording on one origin of time; what was not asked for or not recorded is None. `files` are
-    those that were read of a larger whole, `episode` which one of a data set.
+    those that were read of a larger whole, `episode` which one of a data set, `dropped` the notes on samples that are
+    in the recording and not in the streams.
     """
 
     state: Samples | None = None
@@ -48,6 +49,7 @@ class Streams:
     supply: Samples | None = None
     temperature: Samples | None = None
     notes: tuple[str, ...] = field(default=())
+    dropped: tuple[str, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
 

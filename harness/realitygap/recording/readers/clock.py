@@ -34,7 +34,9 @@ class Clock:
         last = np.append(np.diff(time[order]) > 0, True)
         keep = order[last]
         if len(keep) < len(time):
-            done.append(f"{len(time) - len(keep)} messages repeat the stamp of another and were dropped")
+            done.append(
+                f"{len(time) - len(keep)} messages repeat the stamp of another and were dropped, of {len(time)}"
+            )
         zero = min(int(t.min()) for t in self.chosen.values())
         zero_received = min(int(t.min()) for t in self.received.values())
         return (

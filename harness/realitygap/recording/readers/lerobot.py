@@ -42,7 +42,7 @@ def read(path: Path, request: Request) -> Streams:
     episode = folder.episode(request.recordings.episode, f"{request.file}: recordings: episode")
     names = {signal: name for signal in FEATURES if (name := _feature(folder, request, signal)) is not None}
     table = folder.rows(episode, ["timestamp", "frame_index", *dict.fromkeys(names.values())])
-    time, keep, notes = _times(table, folder, episode)
+    time, keep, notes, dropped = _times(table, folder, episode)
     values = {s: _values(folder, episode, table, request, s, name)[keep] for s, name in names.items()}
 
     def samples(*signals: str) -> Samples | None:
@@ -54,7 +54,7 @@ def read(path: Path, request: Request) -> Streams:
         command = Samples(command.source, time, {request.command_signal: values["command"]}, request.joints)
     state = samples("position", "velocity", "effort")
     files = (path / "meta" / "info.json", episode.file)
-    return Streams(state, command, notes=tuple(notes), episode=episode.number, files=files)
+    return Streams(state, command, notes=tuple(notes), dropped=tuple(dropped), episode=episode.number, files=files)
 
 
 def _feature(folder: DataFolder, request: Request, signal: str) -> str | None:
@@ -81,9 +81,9 @@ def _feature(folder: DataFolder, request: Request, signal: str) -> str | None:
     raise InputError(f"{request.file}: {key}: {folder.path} has no feature {name}; it has {', '.join(folder.features)}")
 
 
-def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Array, list[str]]:
-    """The times [s] of the rows, the rows in their order, and what was dropped."""
-    notes = []
+def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Array, list[str], list[str]]:
+    """The times [s] of the rows, the rows in their order, what they were taken from, and what was dropped."""
+    notes, dropped = [], []
     if "timestamp" in table.column_names:
         time = _numbers(table, "timestamp", episode)[:, 0]
     elif "frame_index" in table.column_names:
@@ -96,8 +96,8 @@ def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[A
     order = np.argsort(time, kind="stable")
     keep = order[np.append(np.diff(time[order]) > 0, True)]
     if len(keep) < len(time):
-        notes.append(f"{len(time) - len(keep)} rows repeat the time of another and were dropped")
-    return time[keep], keep, notes
+        dropped.append(f"{len(time) - len(keep)} rows repeat the time of another and were dropped, of {len(time)}")
+    return time[keep], keep, notes, dropped
 
 
 def _values(

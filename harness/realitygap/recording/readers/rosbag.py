@@ -80,13 +80,14 @@ def read(path: Path, request: Request) -> Streams:
         raise InputError(f"{path}: {empty[0].name}: {collector.nothing}{expected}")
     clock = choose_clock({t.name: (np.array(t.taking.stamps), np.array(t.taking.received)) for t in topics})
     roles: dict[str, Any] = {}
-    notes = [clock.note]
+    notes, dropped = [clock.note], list[str]()
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)
+        if note:
+            (dropped if len(keep) < len(clock.chosen[topic.name]) else notes).append(f"{topic.name}: {note}")
         if isinstance(topic.collector, Trajectories):
             source = f"{path}: {topic.name}"
             roles[topic.role] = _followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
-            notes += [f"{topic.name}: {note}"] if note else []
             continue
         signals, present = topic.collector.arrays()
         joints = request.joints if isinstance(topic.collector, JointMessages) else ()
@@ -94,8 +95,8 @@ def read(path: Path, request: Request) -> Streams:
             signals = {name: value[keep] for name, value in signals.items()}
             present = None if present is None else present[keep]
         roles[topic.role] = Samples(f"{path}: {topic.name}", time, signals, joints, present, received)
-        notes += [f"{topic.name}: {n}" for n in (note, topic.collector.note) if n]
-    return Streams(**roles, notes=tuple(dict.fromkeys(notes)))
+        notes += [f"{topic.name}: {topic.collector.note}"] if topic.collector.note else []
+    return Streams(**roles, notes=tuple(dict.fromkeys(notes)), dropped=tuple(dict.fromkeys(dropped)))
 
 
 def _followed(

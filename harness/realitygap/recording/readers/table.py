@@ -39,7 +39,7 @@ def read(path: Path, request: Request) -> Streams:
     state = table.state() if joints else {}
     command, said = table.command() if joints else ({}, None)
     apart = said is not None and rows_apart(rows_with(np.isfinite(state["position"])), rows_with(said))
-    notes = [*table.notes, *([APART] if apart else [])]
+    dropped = list(table.dropped)
 
     def samples(signals: dict[str, Array], named: tuple[str, ...] = (), present: Mask | None = None) -> Samples | None:
         if not signals:
@@ -52,7 +52,7 @@ def read(path: Path, request: Request) -> Streams:
             return None
         keep = own[last_of_each(time[own])]
         if len(keep) < len(own):
-            notes.append(f"{len(own) - len(keep)} rows repeat the time of another and were dropped")
+            dropped.append(f"{len(own) - len(keep)} rows repeat the time of another and were dropped, of {len(own)}")
         kept = signals if len(keep) == len(time) else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
@@ -63,7 +63,8 @@ def read(path: Path, request: Request) -> Streams:
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
         temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
-        notes=tuple(dict.fromkeys(notes)),
+        notes=(APART,) if apart else (),
+        dropped=tuple(dict.fromkeys(dropped)),
     )
 
 
@@ -124,7 +125,7 @@ class Table:
         self.request = request
         self.columns: Columns = request.recordings.columns
         self.names = dict(zip(request.joints, request.names, strict=True))
-        self.notes: tuple[str, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
+        self.dropped: tuple[str, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
 
     def times(self) -> Array:
         """The times [s] from the first row, which never go back."""
