@@ -169,6 +169,13 @@ def stuck_encoder(team: Team, j: int) -> None:
         table.position[:, j] = table.position[0, j]
 
 
+def lost_readings(team: Team, j: int) -> None:
+    """A driver writes a number of its own while the bus is silent."""
+    for table in team.tables.values():
+        lost = (table.time > 2.0) & (table.time < 3.0)
+        table.position[lost, j] = table.position[:, j].max() + (0.05 if team.joints[j].startswith("slide") else 0.5)
+
+
 def other_zero(team: Team, j: int) -> None:
     for table in team.tables.values():
         table.position[:, j] -= 1.2
@@ -307,6 +314,7 @@ MISTAKES = (
     Planted("an encoder that is stuck", "stuck_position", stuck_encoder),
     Planted("another zero", "far_zero", other_zero, slides=False),
     Planted("origins of joints in mm", "thousandths", lengths(1000.0), "any", (2, 6)),
+    Planted("readings lost for a second", "stuck_position", lost_readings),
     Planted("position in counts", "counts", counted("position"), slides=False),
     Planted("command in counts", "counts", counted("command"), slides=False),
     Planted("position and command in counts", "counts", counted("position", "command"), slides=False),

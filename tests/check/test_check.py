@@ -140,6 +140,21 @@ def test_a_joint_whose_servo_is_off_may_stand_still(off: bool, team: Team, tmp_p
     assert found == [("undriven_joint" if off else "stuck_position", "likely", ("elbow",))]
 
 
+@pytest.mark.parametrize("told", [True, False])
+def test_steps_between_slow_samples_are_no_lost_readings(told: bool, team: Team, tmp_path: Path) -> None:
+    """A servo may be told to step and stand exactly in between; one that is told none of it lost its readings."""
+    slow = team.copy()
+    for name in slow.tables:
+        time = np.arange(0.0, 6.0, 0.1)
+        step = 0.6 * (time % 3.0 > 1.5)[:, None] * np.array([1.0, 1.0])
+        command = step if told else 0.1 * np.sin(time)[:, None] * np.array([1.0, 1.0])
+        position = np.vstack([step[:1], step[:-1]]) if told else np.where(step > 0, 0.6, command)
+        slow.tables[name] = Table(time, command, position, np.full_like(position, np.nan), None)
+    slow.scenario["recordings"]["effort"] = "none"
+    found = {m.kind for m in check(load_scenario(slow.write(tmp_path)))}
+    assert ("stuck_position" in found) is not told
+
+
 def test_a_weak_servo_that_sags_by_less_than_a_radian_has_no_other_zero(team: Team, tmp_path: Path) -> None:
     for sag, kinds in ((0.5, set[str]()), (1.0, {"far_zero"})):
         low = team.copy()

@@ -95,6 +95,12 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
         late = [m for o in rest for m in clock_offset(o, moving(o))]
         found += [*late, *(m for o in rest for m in undriven(o))]
     shifted = {run for m in late for run in m.runs}
+    stuck = [m for o in rest for m in stuck_readings(o)]
+
+    def stands(m: Mistake) -> bool:
+        """Whether it is more than what readings that are stuck for a while make likely."""
+        return m.certainty == "certain" or not _joints(stuck) & set(m.joints)
+
     angles = [m for o in rest for m in counts[id(o)]]
     if not undriven_robot and not late:
         angles += [m for o in rest for m in asked_efforts(o, moving(o) & in_rad[id(o)])]
@@ -102,14 +108,14 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
     for o in rest:
         if not undriven_robot and o.name not in shifted:
             seen = [m for m in motion_mistakes(o, rest) if not late or m.kind not in SHIFTED]
-            angles += [m for m in seen if not asked & set(m.joints)]
+            angles += [m for m in seen if not asked & set(m.joints) and stands(m)]
         angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
     found += angles
     usual = usual_slopes(rest)
     speeds = [m for o in rest for m in velocity_mistakes(o, _without(o, _joints(angles)), usual)]
     named = _joints(m for m in speeds if m.kind != "velocity")  # in any of them
-    found += [m for m in speeds if m.kind != "velocity" or not named & set(m.joints)]
-    found += [m for o in rest for m in stuck_readings(o) if not _joints(found) & set(m.joints)]
+    found += [m for m in speeds if stands(m) and (m.kind != "velocity" or not named & set(m.joints))]
+    found += [m for m in stuck if not _joints(found) & set(m.joints)]
     if undriven_robot or late:
         return found
     held = [m for o in rest for m in constant_command(o)]

@@ -22,7 +22,7 @@ KINDS: dict[str, str] = {
     "velocity": "the reported velocity is not the derivative of the position",
     "effort_size": "an effort that no servo of this robot gives",
     "effort_direction": "an effort that does not push towards the command",
-    "stuck_position": "a position that never changes while the joint is moved",
+    "stuck_position": "a position that never changes while the joint is moved, or not for a while in which it was lost",
     "far_zero": "a position that is far from its command all along",
     "undriven_joint": "nothing drives a joint: it has no servo, or no command",
     "constant_command": "a command that never changes while the joint is moved",
