@@ -24,8 +24,9 @@ FEWEST = 10
 AROUND = 5
 """Steps between readings, before and after, that tell how fast a joint moved there."""
 JUMPS, JUMP_QUANTA = 5.0, 20.0
-"""Such steps, and quanta of the sensor, that a jump has into equal readings and out of them: 2 of each was the most of
-274 recordings of seven machines, of backlash and of stiction; readings lost as zeros had 18 and 178."""
+"""Such steps, and quanta of the sensor, that a jump has into equal readings and out of them: 2 of the larger of both
+was the most of 274 recordings of seven machines, by backlash and stiction; readings lost as zeros had 18, and 178
+quanta."""
 BESIDE, BESIDE_SLIDE = 0.7, 0.1
 """rad (40°) and m: twice what a robot that holds its first command sags by at most (`start.FAR`). Six real machines are
 0.08 rad from it all along, at most."""
