@@ -133,7 +133,7 @@ def diagnose(
     found, why_not = _searched(simulations, everyone, told, say, patience)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
-    while mended := artefacts(proofs):
+    while mended := [s for s in artefacts(proofs) if s in everyone]:
         notes += [
             f"{s} helps in {problem.engine} far more than in any other engine: it mends that engine, and is not named"
             for s in mended
