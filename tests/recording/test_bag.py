@@ -114,7 +114,11 @@ def test_an_empty_bag(form: str, tmp_path: Path, write_bag: Callable[..., Path])
         ("mcap", "run.csv", r"run.csv: is an MCAP file; expected a name with \.mcap"),
         ("bag", "run.mcap", r"run.mcap: is a bag of ROS 1; expected a name with \.bag"),
         ("db3", "run.mcap", r"run.mcap: is an SQLite database; expected a name with \.db3"),
-        ("text", "run.mcap", r"run.mcap: is text; expected an MCAP file: rename it to \.csv"),
+        (
+            "text",
+            "run.mcap",
+            r"run.mcap: the bag cannot be read: it is text; expected an MCAP file: rename it to \.csv",
+        ),
     ],
 )
 def test_a_file_of_another_kind_than_its_name_says(

@@ -38,5 +38,6 @@ def check_kind(path: Path, plain: Path) -> None:
             raise InputError(f"{path}: is {called}; expected a name with {suffix} for it: rename it")
     if own in BAGS and start.isascii() and (words := start.decode().split()) and "".join(words).isprintable():
         raise InputError(
-            f"{path}: is text; expected {FIRST[own][1]}: rename it to .csv where it is a table with a header line"
+            f"{path}: the bag cannot be read: it is text; expected {FIRST[own][1]}: rename it to .csv where it is a "
+            "table with a header line"
         )
