@@ -1,6 +1,7 @@
 """What does no more than laws are ordinarily off by is no finding of the bundled demo (synthetic), but adjusted."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,24 +52,19 @@ def test_a_gain_that_is_off_by_little_is_adjusted_and_one_that_is_off_by_much_is
 
 
 @pytest.mark.parametrize("small", [True, False])
-def test_a_small_limit_has_to_be_missed_on_held_out_runs(small: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_small_limit_has_to_be_missed_on_held_out_runs(
+    small: bool, judged: Any, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The same model without it leaves no gap there: what is smaller than laws are off by is adjusted then."""
-    problem = build_problem(load_scenario(DEMO), "mujoco")
-    dry = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    problem, yardstick, bare, best, *_ = judged
     limit = guess(problem, suspect_of(problem, "torque_speed_limit", "elbow"))
     does = Done(whole=20.0, beyond=19.0, ordinary=30.0 if small else 5.0, usual=False)
     monkeypatch.setattr(ordinary, "all_done", lambda *_: {limit.suspect: does})
-    with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [dry])
-        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry])
-        assert still is not None
-        assert best is not None
-        bare = yardstick.score(Fit((), still))
-        for without, missed in ((best, False), (bare, True)):
-            floors = measure(simulations, best.fit.changes)
-            found = Found(bare, best, best, 6.0, {}, floors, yardstick, without={limit.suspect: without})
-            told = tolerated(simulations, found, [])
-            assert told.adjusted == ((limit.suspect,) if small and not missed else ())
+    floors = measure(simulations, best.fit.changes)
+    for without, missed in ((best, False), (bare, True)):
+        found = Found(bare, best, best, 6.0, {}, floors, yardstick, without={limit.suspect: without})
+        told = tolerated(simulations, found, [])
+        assert told.adjusted == ((limit.suspect,) if small and not missed else ())
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:

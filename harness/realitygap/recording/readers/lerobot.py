@@ -8,6 +8,7 @@ import pyarrow as pa
 from realitygap.files.errors import InputError
 from realitygap.recording.readers.lerobot_folder import DataFolder, EpisodeRows, open_folder
 from realitygap.recording.readers.lerobot_units import scale_of
+from realitygap.recording.readers.rows import Rows, last_of_each, told_repeats
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT
 from realitygap.trace.trace import Array
@@ -81,7 +82,7 @@ def _feature(folder: DataFolder, request: Request, signal: str) -> str | None:
     raise InputError(f"{request.file}: {key}: {folder.path} has no feature {name}; it has {', '.join(folder.features)}")
 
 
-def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Array, list[str], list[str]]:
+def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Rows, list[str], list[str]]:
     """The times [s] of the rows, the rows in their order, what they were taken from, and what was dropped."""
     notes, dropped = [], []
     if "timestamp" in table.column_names:
@@ -94,9 +95,9 @@ def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[A
     if not np.isfinite(time).all():
         raise InputError(f"{episode.file}: a timestamp of episode {episode.number} is not finite, expected s")
     order = np.argsort(time, kind="stable")
-    keep = order[np.append(np.diff(time[order]) > 0, True)]
+    keep = order[last_of_each(time[order])]
     if len(keep) < len(time):
-        dropped.append(f"{len(time) - len(keep)} rows repeat the time of another and were dropped, of {len(time)}")
+        dropped.append(told_repeats(len(keep), len(time)))
     return time[keep], keep, notes, dropped
 
 

@@ -34,6 +34,11 @@ def rows_with(mask: Mask) -> Mask:
     return np.asarray(mask.reshape(len(mask), -1).any(axis=1))
 
 
+def told_repeats(kept: int, rows: int) -> str:
+    """What is said of rows that were not kept, as they repeat the time of another."""
+    return f"{rows - kept} rows repeat the time of another and were dropped, of {rows}"
+
+
 def last_of_each(time: Array) -> Rows:
     """The last of the rows of every time, of times that never go back. Shape (t,)."""
     return np.flatnonzero(np.append(np.diff(time) > 0, True))

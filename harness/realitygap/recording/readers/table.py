@@ -16,7 +16,7 @@ from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
-from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with
+from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with, told_repeats
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT, Columns
@@ -52,7 +52,7 @@ def read(path: Path, request: Request) -> Streams:
             return None
         keep = own[last_of_each(time[own])]
         if len(keep) < len(own):
-            dropped.append(f"{len(own) - len(keep)} rows repeat the time of another and were dropped, of {len(own)}")
+            dropped.append(told_repeats(len(keep), len(own)))
         kept = signals if len(keep) == len(time) else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
