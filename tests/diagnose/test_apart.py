@@ -9,7 +9,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.whitening import spans
-from realitygap.diagnose.search.apart import reached
+from realitygap.diagnose.search.apart import ERRORS, reached, scatter
 from realitygap.diagnose.search.yardstick import Yardstick
 
 
@@ -31,3 +31,14 @@ def test_a_change_reaches_what_is_explained_where_it_acts(problem: Problem, simu
     assert sum(share.values()) == pytest.approx(1.0)
     assert share[1] > share[0]
     assert share[1] < reached(yardstick.channels, explained, told - bare) <= 1.0
+
+
+@pytest.mark.parametrize("number", [2, 3, 5, 60])
+def test_a_difference_is_sure_by_chance_once_in_twenty_however_few_stretches_tell_it(number: int) -> None:
+    parts = np.random.default_rng(number).standard_normal((20000, number))
+    sure = np.mean([p.sum() > ERRORS * scatter(p) for p in parts])
+    assert sure == pytest.approx(0.05, abs=0.005)
+
+
+def test_one_stretch_tells_no_scatter() -> None:
+    assert scatter(np.array([3.0])) == 0.0

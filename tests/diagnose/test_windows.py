@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from double_pendulum import FRICTION, NOISE, write_double
 from realitygap.diagnose.candidates.suspects import suspects
@@ -62,6 +63,21 @@ def test_repetitions_that_forget_are_judged_one_by_one_over_windows(forgetful: P
         begins = [w.begin for w in case.windows]
         assert begins[0] == case.measured.time[0]
         assert np.diff(begins).min() > 0.9 * case.length
+
+
+def test_a_pause_parts_windows(tmp_path: Path) -> None:
+    """Half a second and more of which nothing was written: no window goes on through it, and each is simulated."""
+    write_double(tmp_path)
+    for path in tmp_path.glob("*.csv"):
+        table = pd.read_csv(path)
+        table[(table["time"] < 2.0) | (table["time"] > 3.5)].to_csv(path, index=False)
+    problem = build_problem(load_scenario(tmp_path / "scenario.yaml"), "mujoco")
+    for k, case in enumerate(problem.cases):
+        assert max(w.duration for w in case.windows) < 2.0 * case.length < 1.5
+        assert {float(w.begin) for w in case.windows} > {min(case.measured.time[case.measured.time > 3.0])}
+        signals = answer(problem, Query((), k, "mujoco"))
+        assert signals is not None
+        assert np.isfinite(problem.delta(k, "position", signals)).all()
 
 
 def test_a_swing_that_repeats_stays_whole(tmp_path: Path) -> None:

@@ -29,19 +29,24 @@ PAST = 2.0
 def cut(case: Case, length: float) -> Case:
     """A case whose motion is simulated in windows of about a length [s]; as it is, where that holds too few samples.
 
-    It begins with its first sample: what a case compares starts at a measured state.
+    It begins with its first sample: what a case compares starts at a measured state. A pause of the readings that is as
+    long as a window parts windows: in it a motion forgets how it began, too.
     """
     time = case.measured.time
     period = float(np.median(np.diff(time)))
     size = int(min(length / period, len(time)))
     if size < FEWEST or len(time) < FEWEST:
         return case
-    moments, begins = Moments(case), [0]
-    while begins[-1] + size + FEWEST <= len(time):
-        ahead = begins[-1] + size
-        late = range(ahead, min(ahead + int(SLACK * size), len(time) - FEWEST) + 1)
-        begins.append(min(late, key=moments.doubt))
-    ends = [*(time[k] for k in begins[1:]), time[-1] + case.experiment.scenario.timestep]
+    moments, begins = Moments(case), list[int]()
+    pauses = np.flatnonzero(np.diff(time) > length) + 1
+    for first, last in pairwise([0, *pauses, len(time)]):
+        begins.append(int(first))
+        while begins[-1] + size + FEWEST <= last:
+            ahead = begins[-1] + size
+            late = range(ahead, min(ahead + int(SLACK * size), last - FEWEST) + 1)
+            begins.append(min(late, key=moments.doubt))
+    over = time + case.experiment.scenario.timestep  # where a window ends after whose last reading none follows
+    ends = [*(over[k - 1] if k in pauses else time[k] for k in begins[1:]), over[-1]]
     windows = tuple(_window(case, moments, k, end) for k, end in zip(begins, ends, strict=True))
     return replace(case, windows=windows, length=length)
 
