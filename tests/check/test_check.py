@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import lerobot_sets
@@ -12,6 +13,7 @@ import pytest
 import yaml
 from realitygap.check import Mistake, accepted, blamed_joints, certain, check
 from realitygap.check.mistake import merged
+from realitygap.check.observed import observe
 from realitygap.cli.main import main
 from realitygap.files.errors import InputError
 from realitygap.scenario.file import load_scenario
@@ -331,3 +333,15 @@ def test_degrees_of_one_column_are_told_with_the_unit_that_mends_them(signal: st
     (found,) = check(file)
     assert found.sentence.endswith(f"expected both in rad, or `units: {{{signal}: deg}}` under recordings.columns")
     assert check(file.override({f"recordings.columns.units.{signal}": {"elbow": "deg", "*": "rad"}})) == []
+
+
+@pytest.mark.parametrize(("count", "start", "period"), [(281, 2.5, 0.01), (400, 0.0, 0.005), (200, 0.0, 0.00501)])
+def test_the_even_clock_ends_within_the_recording(
+    count: int, start: float, period: float, team: Team, tmp_path: Path
+) -> None:
+    """However its stamps are rounded: beyond its last reading nothing is known, and accelerations are of all."""
+    seen = observe(load_scenario(team.write(tmp_path)))[0]
+    trace = replace(seen.recording.trace.rows(np.arange(count)), time=np.round(start + period * np.arange(count), 9))
+    shifted = replace(seen, recording=replace(seen.recording, trace=trace))
+    assert np.isfinite(shifted.position).all()
+    assert np.isfinite(shifted.acceleration).all()

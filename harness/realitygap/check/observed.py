@@ -89,7 +89,8 @@ class Observed:
     def clock(self) -> Array:
         """Even times over the measurement [s]. Shape (k,)."""
         time = self.recording.trace.time
-        return np.asarray(time[0] + self.step * np.arange(int((time[-1] - time[0]) / self.step) + 1))
+        even = time[0] + self.step * np.arange(int((time[-1] - time[0]) / self.step) + 1)
+        return np.asarray(np.minimum(even, time[-1]))  # rounding passes the last reading, where nothing is known
 
     @cached_property
     def position(self) -> Array:
