@@ -147,8 +147,7 @@ def richer(plant: Plant, change: Change) -> Change | None:
     free = LATER.get(change.suspect.effect)
     if free is None:
         return None
-    values = change.parameters
-    slow = 0.1 * min(speed_scale(plant, i) for i in change.suspect.indices)
+    values, slow = change.parameters, _slow(plant, change.suspect)
     if values.get("onset") == 0.0:
         values["onset"] = slow
     if values.get("static_coefficient") == 0.0:
@@ -159,6 +158,21 @@ def richer(plant: Plant, change: Change) -> Change | None:
     if values.get("share") == 1.0:
         values["share"] = first["share"]
     return replace(change, values=tuple(values.items()), free=free)
+
+
+def begun_again(plant: Plant, change: Change) -> Change:
+    """A change with the speed at which its friction falls as it is first tried, or as it is where it has none.
+
+    That may be of any size, and from where it shows nothing, as at creeping, no slope leads back. Beside a viscous
+    friction that was not found yet, one of 0.47 rad/s was fitted as 0.001 rad/s, and both are found from here.
+    """
+    speeds = {p.name for p in change.suspect.kind.parameters if p.shape and p.logarithmic}.intersection(change.free)
+    return change.at(dict.fromkeys(speeds, _slow(plant, change.suspect)))
+
+
+def _slow(plant: Plant, suspect: Suspect) -> float:
+    """A speed that is slow for all joints of a suspect [rad/s or m/s]."""
+    return 0.1 * min(speed_scale(plant, i) for i in suspect.indices)
 
 
 def neutral(plant: Plant, suspect: Suspect) -> dict[str, float]:

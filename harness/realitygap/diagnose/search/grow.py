@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.candidates.suspects import everyday, richer
+from realitygap.diagnose.candidates.suspects import begun_again, everyday, richer
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
@@ -139,14 +139,27 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, change, beside)
         if each and change.free:
             ways.append(([*beside, *each], limit * (len(each) - 1)))
-    for of in alike(accepted):
+    for of in [*alike(accepted), *([c] for c in _shaping(accepted, firsts[:TRIED]))]:
         beside = [c for c in accepted if c not in of]
         tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
         for shaped in dict.fromkeys(tries):
             number = sum(new is not old for new, old in zip(shaped, of, strict=True))
             if number:
                 ways.append(([*beside, *shaped], SURE * number))
+    for change in accepted:
+        again = begun_again(plant, change)
+        if again != change:
+            ways.append(([again if c is change else c for c in accepted], EQUAL))
     return ways
+
+
+def _shaping(accepted: Sequence[Change], promising: Sequence[Change]) -> list[Change]:
+    """What was found, alike at several joints, where more of its kind of law promises something at its own joint: that
+    may be its shape. Of six frictions under load one that falls with speed had a Stribeck friction beside it.
+    """
+    there = {(c.suspect.indices, c.suspect.kind.law) for c in promising}
+    several = [c for of in alike(accepted) if len(of) > 1 for c in of]
+    return [c for c in several if (c.suspect.indices, c.suspect.kind.law) in there]
 
 
 def shared(round_: Round) -> Ways:
