@@ -25,7 +25,8 @@ def test_the_speed_at_which_friction_falls_begins_again_and_all_else_stays(probl
     assert again.at({"velocity": slow.parameters["velocity"]}) == slow
     assert begun_again(problem.plant, again) == again
     fixed = replace(slow, free=FREE[:2])
-    assert begun_again(problem.plant, fixed) == fixed
+    mass = guess(problem, suspect_of(problem, "link_mass", "forearm"))
+    assert [begun_again(problem.plant, c) for c in (fixed, mass)] == [fixed, mass], "nothing to begin again"
 
 
 def test_a_speed_that_ran_to_where_it_shows_nothing_is_tried_from_its_first_guess(

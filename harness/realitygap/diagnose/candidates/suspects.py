@@ -147,13 +147,13 @@ def richer(plant: Plant, change: Change) -> Change | None:
     free = LATER.get(change.suspect.effect)
     if free is None:
         return None
-    values, slow = change.parameters, _slow(plant, change.suspect)
+    values, suspect = change.parameters, change.suspect
     if values.get("onset") == 0.0:
-        values["onset"] = slow
+        values["onset"] = _slow(plant, suspect)
     if values.get("static_coefficient") == 0.0:
         half = 0.5 * values["coefficient"]
-        values |= {"coefficient": half, "static_coefficient": half, "velocity": slow}
-    first = change.suspect.kind.first_size(plant, change.suspect.indices[0])
+        values |= {"coefficient": half, "static_coefficient": half, "velocity": _slow(plant, suspect)}
+    first = suspect.kind.first_size(plant, suspect.indices[0])
     values |= {n: first[n] for n in free if n not in change.free and not np.isfinite(values[n])}
     if values.get("share") == 1.0:
         values["share"] = first["share"]
@@ -166,8 +166,9 @@ def begun_again(plant: Plant, change: Change) -> Change:
     That may be of any size, and from where it shows nothing, as at creeping, no slope leads back. Beside a viscous
     friction that was not found yet, one of 0.47 rad/s was fitted as 0.001 rad/s, and both are found from here.
     """
-    speeds = {p.name for p in change.suspect.kind.parameters if p.shape and p.logarithmic}.intersection(change.free)
-    return change.at(dict.fromkeys(speeds, _slow(plant, change.suspect)))
+    suspect = change.suspect
+    speeds = {p.name for p in suspect.kind.parameters if p.shape and p.logarithmic}.intersection(change.free)
+    return change.at(dict.fromkeys(speeds, _slow(plant, suspect))) if speeds else change
 
 
 def _slow(plant: Plant, suspect: Suspect) -> float:
