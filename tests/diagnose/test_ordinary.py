@@ -13,8 +13,10 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge import ordinary
+from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
 from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
@@ -62,9 +64,24 @@ def test_a_small_limit_has_to_be_missed_on_held_out_runs(
     monkeypatch.setattr(ordinary, "all_done", lambda *_: {limit.suspect: does})
     floors = measure(simulations, best.fit.changes)
     for without, missed in ((best, False), (bare, True)):
-        found = Found(bare, best, best, 6.0, {}, floors, yardstick, without={limit.suspect: without})
+        gains = {limit.suspect: MUCH * 6.0}
+        found = Found(bare, best, best, 6.0, {}, floors, yardstick, gains, without={limit.suspect: without})
         told = tolerated(simulations, found, [])
         assert told.adjusted == ((limit.suspect,) if small and not missed else ())
+
+
+@pytest.mark.parametrize(("says", "shows"), [(0.5, False), (0.5, True), (1.5, False)])
+def test_what_all_runs_say_little_for_has_to_show_in_the_gap_of_those_kept_back(
+    says: float, shows: bool, judged: Any, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, yardstick, bare, best, *_ = judged
+    suspect = guess(problem, suspect_of(problem, "viscous_friction", "shoulder")).suspect
+    monkeypatch.setattr(ordinary, "all_done", lambda *_: {suspect: Done(50.0, 40.0, 10.0, usual=True)})
+    monkeypatch.setattr(ordinary, "predicted", lambda *_: Verdict(1.0, 1.0))
+    without = bare if shows else best
+    found = Found(bare, best, best, 6.0, {}, measure(simulations, best.fit.changes), yardstick)
+    found = replace(found, gains={suspect: says * MUCH * 6.0}, without={suspect: without})
+    assert tolerated(simulations, found, []).adjusted == (() if shows or says > 1.0 else (suspect,))
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:

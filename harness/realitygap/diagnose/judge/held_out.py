@@ -53,7 +53,7 @@ class Verdict:
     def worse(self) -> bool:
         """Whether held-out runs do not speak for it, beyond what stretches of them scatter by (95 %, one-sided): a name
         has to help where it was not fitted. Of a push that comes and goes was made a constant effort, which they gained
-        8 ± 6 by; what is true of 21 other planted machines they gained 2.2 (a velocity's filter) or 4 to 43 errors by.
+        8 ± 7 by; what is true of 21 other planted machines they gained 1.8 (a velocity's filter) or 3 to 36 errors by.
         """
         return self.least < 0.0
 
@@ -97,7 +97,7 @@ class Against:
     def weight(self) -> float:
         """What they say for it at the least, which counts `CHOSE` times where it is against it: what helps by chance
         where it was not fitted may be anything. By each of 127 names that were true of machines planted at six seeds
-        held-out runs gained 2.7 to 47 standard errors, beside all others; by four that were false 1.0 to 1.6.
+        held-out runs gained 2.2 to 39 standard errors, beside all others; by four that were false 0.8 to 1.3.
         """
         return min(self.verdict.least, CHOSE * self.verdict.least)
 

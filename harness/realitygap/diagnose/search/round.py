@@ -36,11 +36,11 @@ DOUBTFUL = 2.0
 """A finding that gains less than this many times what a name needs is doubtful: it is tried without where a straight
 line says so, and left out where its interval does not tell it."""
 
-MUCH, SCATTER = 10.0, 2.33
+MUCH, SCATTER = 10.0, 2.12
 """A finding that gains less than so many times what a name needs also has to gain that many standard errors of what
-stretches of the recordings scatter by (99 %, one-sided). Beside nearly right laws of two seeds nobody had looked into,
-six that were false gained 2.5 to 9 times the need and 1.4 to 2.3 standard errors, as an offset of 0.15° beside play; of
-24 that were true those that gained so little gained 3.1 of them. What gains more may show in a single stretch, as a
+stretches of the recordings scatter by (98 %, one-sided). Beside nearly right laws of two seeds nobody had looked into,
+six that were false gained 2.5 to 9 times the need and 1.3 to 2.1 standard errors, as an offset of 0.15° beside play; of
+24 that were true those that gained so little gained 2.8 of them. What gains more may show in a single stretch, as a
 stop does."""
 PARTS = 10
 """Of fewer stretches nobody knows what they scatter by: 1.64 of these errors are asked there (95 %), and only of what
