@@ -13,6 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge import ordinary
+from realitygap.diagnose.judge.gaps import WORST, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
 from realitygap.diagnose.likelihood.floors import measure
@@ -82,6 +83,19 @@ def test_what_all_runs_say_little_for_has_to_show_in_the_gap_of_those_kept_back(
     found = Found(bare, best, best, 6.0, {}, measure(simulations, best.fit.changes), yardstick)
     found = replace(found, gains={suspect: says * MUCH * 6.0}, without={suspect: without})
     assert tolerated(simulations, found, []).adjusted == (() if shows or says > 1.0 else (suspect,))
+
+
+def test_the_gap_of_a_joint_tells_what_the_gap_of_all_hides(judged: Any, simulations: Simulations) -> None:
+    """Friction of the elbow: without it the elbow is further off than the whole arm, and the shoulder hardly."""
+    problem, _, bare, best, *_ = judged
+    floors = measure(simulations, best.fit.changes)
+    without, with_ = (joint_gaps(simulations, floors, m.fit.changes) for m in (bare, best))
+    whole = [held_out_gap(simulations, floors, m.fit.changes) for m in (bare, best)]
+    shoulder, elbow = without / with_
+    assert elbow > whole[0] / whole[1] > shoulder
+    assert np.sqrt(np.mean(without**2)) == pytest.approx(whole[0], rel=0.05)
+    absurd = guess(problem, suspect_of(problem, "link_mass", "forearm")).at({"mass": np.nan})
+    assert (joint_gaps(simulations, floors, [absurd]) == WORST).all(), "what cannot be simulated is as far off as can be"
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:

@@ -1,11 +1,10 @@
-"""Shapes of what was found: begun again where they run away, and freed where one joint of several needs its own."""
+"""Shapes of what was found: begun again where they run away."""
 
 from dataclasses import replace
 
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again
-from realitygap.diagnose.data.changes import standing
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
@@ -39,22 +38,3 @@ def test_a_speed_that_ran_to_where_it_shows_nothing_is_tried_from_its_first_gues
     round_ = Round(simulations, at, [name], needed(1), nothing, print)
     round_.now = replace(round_.now, fit=replace(round_.now.fit, changes=(slow,)))
     assert [begun_again(problem.plant, slow)] in [way for way, _ in _ways(round_)]
-
-
-def test_one_joint_of_several_is_tried_with_its_own_shape_where_more_promises_something_there(
-    problem: Problem, simulations: Simulations
-) -> None:
-    loads = [guess(problem, suspect_of(problem, "load_dependent_friction", j)) for j in ("shoulder", "elbow")]
-    dry = suspect_of(problem, "coulomb_friction", "elbow")
-    train = problem.of("train")
-    nothing, at = (Fit(tuple(c), demanded(simulations, c, train)) for c in ([], loads))
-    round_ = Round(simulations, at, [*(c.suspect for c in loads), dry], needed(3), nothing, print)
-    kinds = [standing(way) for way, _ in _ways(round_)]
-
-    def with_shapes(*joints: int) -> frozenset[object]:
-        free = ("coefficient", "static_coefficient", "velocity")
-        return frozenset(standing([replace(c, free=free) if k in joints else c for k, c in enumerate(loads)]))
-
-    assert with_shapes(1) in kinds, "dry friction of the elbow could be what its friction under load does at rest"
-    assert with_shapes(0, 1) in kinds
-    assert with_shapes(0) not in kinds

@@ -8,10 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.likelihood.floors import Floors
+from realitygap.robot.drive import Array
 
 CLEAR = 1.3
 """A gap up to this many floors leaves nothing to name: floors are known to some 30 % from two or three repetitions."""
@@ -60,6 +62,21 @@ def held_out_gap(simulations: Simulations, floors: Floors, changes: Sequence[Cha
     """The gap over the held-out runs with changes, in floors."""
     judge = simulations.problem.of("held_out")
     return rms(costs(simulations, floors, changes, judge), judge)
+
+
+def joint_gaps(simulations: Simulations, floors: Floors, changes: Sequence[Change]) -> Array:
+    """The same of every judged joint alone, all its signals alike; NaN where none of them was measured. Shape (k,)."""
+    problem = simulations.problem
+    judge = problem.of("held_out")
+    parts = [np.zeros((0, int(problem.judged.sum())))]
+    for case, answer in zip(judge, simulations.of(changes, judge), strict=True):
+        for s in (s for s in problem.signals(case) if s in JOINT_SIGNALS):
+            sigma = problem.deviation(s, floors.sigma(case, s))
+            off = np.full_like(sigma, WORST) if answer is None else problem.delta(case, s, answer) / sigma
+            parts.append(np.minimum(off**2, WORST**2))
+    squares = np.concatenate(parts)
+    count = np.isfinite(squares).sum(axis=0)
+    return np.asarray(np.sqrt(np.where(count > 0, np.nansum(squares, axis=0) / np.maximum(count, 1), np.nan)))
 
 
 def shown(

@@ -139,7 +139,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, change, beside)
         if each and change.free:
             ways.append(([*beside, *each], limit * (len(each) - 1)))
-    for of in [*alike(accepted), *([c] for c in _shaping(accepted, firsts[:TRIED]))]:
+    for of in alike(accepted):
         beside = [c for c in accepted if c not in of]
         tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
         for shaped in dict.fromkeys(tries):
@@ -151,15 +151,6 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         if again != change:
             ways.append(([again if c is change else c for c in accepted], EQUAL))
     return ways
-
-
-def _shaping(accepted: Sequence[Change], promising: Sequence[Change]) -> list[Change]:
-    """What was found, alike at several joints, where more of its kind of law promises something at its own joint: that
-    may be its shape. Of six frictions under load one that falls with speed had a Stribeck friction beside it.
-    """
-    there = {(c.suspect.indices, c.suspect.kind.law) for c in promising}
-    several = [c for of in alike(accepted) if len(of) > 1 for c in of]
-    return [c for c in several if (c.suspect.indices, c.suspect.kind.law) in there]
 
 
 def shared(round_: Round) -> Ways:
