@@ -95,7 +95,7 @@ def test_the_gap_of_a_joint_tells_what_the_gap_of_all_hides(judged: Any, simulat
     assert elbow > whole[0] / whole[1] > shoulder
     assert np.sqrt(np.mean(without**2)) == pytest.approx(whole[0], rel=0.05)
     absurd = guess(problem, suspect_of(problem, "link_mass", "forearm")).at({"mass": np.nan})
-    assert (joint_gaps(simulations, floors, [absurd]) == WORST).all(), "what cannot be simulated is as far off as can be"
+    assert (joint_gaps(simulations, floors, [absurd]) == WORST).all(), "what cannot be simulated is furthest off"
 
 
 def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_only_beyond_them() -> None:
