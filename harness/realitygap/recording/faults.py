@@ -16,6 +16,8 @@ STRETCH = 0.15  # s: over which the travel by velocity and by position are compa
 TIMES = np.linspace(0.0, 0.1, 51)  # s: low-pass filters that are tried
 SURE = 0.9  # correlation of travel by velocity with travel by position from which on a filter is believed
 OFF = 0.04  # a scale of a velocity further than this from 1 is a fault
+CHANCE = 5.0  # standard deviations: of a million steps that noise alone moves, none
+NORMAL = 1.4826  # of a median deviation to a standard deviation
 CLOCK_DRIFT = 100e-6  # quartz clocks drift by 20 to 50 millionths
 
 
@@ -125,16 +127,21 @@ def low_pass(value: Array, constant: float, period: float) -> Array:
 def repeated_readings(recording: Recording) -> Fault | None:
     """Readings of a joint that repeat the one before them, in position and velocity, in the middle of a motion.
 
-    In the middle means that the position moves the same way by two quanta or more just before and just after.
+    In the middle means that the position moves the same way by two quanta or more just before and just after, and so
+    far that noise does not make it stand still: `CHANCE` times what steps ordinarily differ by from the mean of their
+    neighbours, in standard deviations.
     """
     trace = recording.trace
     if trace.position is None or not len(trace.joints) or len(trace.time) < 4:
         return None
     steps = np.diff(trace.position, axis=0)
-    least = 1.9 * quantum(trace.position)
-    before, after = steps[:-2], steps[2:]
-    moves = (np.abs(before) > least) & (np.abs(after) > least) & (before * after > 0) & (least > 0)
-    repeated = moves & (steps[1:-1] == 0)
+    one = quantum(trace.position)
+    before, at, after = steps[:-2], steps[1:-1], steps[2:]
+    moves = (np.abs(before) > 1.9 * one) & (np.abs(after) > 1.9 * one) & (before * after > 0) & (one > 0)
+    middle = 0.5 * (before + after)
+    usual = [np.median(np.abs(off[m])) if m.any() else 0.0 for off, m in zip((at - middle).T, moves.T, strict=True)]
+    moves &= np.abs(middle) > CHANCE * np.maximum(NORMAL * np.array(usual), 0.5 * one)
+    repeated = moves & (at == 0)
     if trace.velocity is not None:
         repeated &= np.diff(trace.velocity, axis=0)[1:-1] == 0
     if not repeated.any():

@@ -20,7 +20,7 @@ from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.worsened import InUnits, Worsened
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.result.odds import odds
-from realitygap.diagnose.search.rivals import Rival
+from realitygap.diagnose.search.rivals import ODDS, Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
@@ -246,9 +246,10 @@ def why(rival: Rival, of: Suspect | None = None) -> str:
     they = "they explain" if of is None and rival.beside is not None else "it explains"
     if rival.behind <= 0:
         return f"{where}, {they} the recordings as well"
+    little = "too little to decide" if rival.behind <= ODDS else "no more than stretches of them scatter by"
     return (
         f"{where}, {they.replace('explain', 'make')} the recordings {odds(rival.behind)} times less probable, which is "
-        f"too little to decide (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"
+        f"{little} (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"
     )
 
 
