@@ -1,17 +1,20 @@
 """Shapes of what was found: begun again where they run away."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again
+from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.search.grow import _ways
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.search import needed
+from realitygap.diagnose.search.search import _richer, needed
 
 FREE = ("static", "coulomb", "velocity")
 CREEPING = {"static": 0.6, "coulomb": 0.45, "velocity": 1e-3}
@@ -38,3 +41,17 @@ def test_a_speed_that_ran_to_where_it_shows_nothing_is_tried_from_its_first_gues
     round_ = Round(simulations, at, [name], needed(1), nothing, print)
     round_.now = replace(round_.now, fit=replace(round_.now.fit, changes=(slow,)))
     assert [begun_again(problem.plant, slow)] in [way for way, _ in _ways(round_)]
+
+
+def test_a_model_that_has_only_a_shape_more_is_asked_for_no_other_name(problem: Problem) -> None:
+    friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
+    other = guess(problem, suspect_of(problem, "viscous_friction", "elbow"))
+    shaped = replace(friction, free=("torque", "onset")).at({"onset": 0.1})
+
+    def model(*changes: Change) -> Any:
+        return SimpleNamespace(fit=SimpleNamespace(changes=changes))
+
+    round_ = cast("Round", SimpleNamespace(now=model(friction)))
+    assert _richer(round_, model(shaped))
+    assert not _richer(round_, model(friction, other))
+    assert not _richer(round_, model(other))

@@ -82,6 +82,16 @@ def test_repeated_readings(count: int) -> None:
     assert (") repeats the one before it, in swing: " in found.sentence) == (count == 1)
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.5, 1.0, 2.0])
+def test_slow_readings_are_equal_by_chance(noise: float) -> None:
+    """Steps of some quanta beside noise of as many: no bus repeats them, and nothing is said of one."""
+    rng, time = np.random.default_rng(3), np.arange(0.0, 40.0, PERIOD)
+    angle = 0.3 * np.sin(1.5 * time) + noise * QUANTUM * rng.standard_normal(len(time))
+    position = np.column_stack([np.round(angle / QUANTUM) * QUANTUM, np.zeros_like(time)])
+    sound = recording()
+    assert repeated_readings(replace(sound, trace=Trace(time, ("swing", "rest"), position=position))) is None
+
+
 def test_a_joint_at_rest_repeats_its_reading_rightly() -> None:
     sound = recording()
     still = replace(sound.trace, position=np.zeros((2000, 2)), velocity=np.zeros((2000, 2)))
