@@ -6,17 +6,16 @@ from typing import cast
 
 import numpy as np
 import pytest
-from demo_problem import demo_problem, planted, suspect_of
+from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import standing
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.search.merged import merged
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.search import needed, search
+from realitygap.diagnose.search.search import needed
 
 STIFFNESS, EFFORT = 0.4, 0.1
 LIMIT = 7.0
@@ -60,18 +59,3 @@ def test_springs_of_several_joints_take_the_place_of_a_payload_together(
     shaped = [replace(c, free=("stiffness", "rest")) for c in springs]
     assert [standing(way) for way, _ in ways] == [standing([springs[0], shaped[1]]), standing(shaped)]
     assert {needs for _, needs in ways} == {-LIMIT}
-
-
-def test_one_law_for_two_is_looked_for_when_it_is_late() -> None:
-    """Planted: a spring that rests elsewhere. What is found in the first round is it in two, and there is no second."""
-    bare = demo_problem()
-    spring = guess(bare, suspect_of(bare, "cable_spring", "elbow"))
-    true = replace(spring, free=("stiffness", "rest")).at({"stiffness": 1.0, "rest": 0.5})
-    problem = planted(true)
-    suspects = [spring.suspect, suspect_of(problem, "constant_effort", "elbow")]
-    with Simulations(problem, 2) as simulations:
-        found = search(simulations, suspects, [], print, Patience(steps=1.0))
-    (change,) = found.best.fit.changes
-    assert found.cut
-    assert change.suspect == spring.suspect
-    assert change.parameters["rest"] == pytest.approx(0.5, rel=0.2)

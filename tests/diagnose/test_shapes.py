@@ -43,15 +43,15 @@ def test_a_speed_that_ran_to_where_it_shows_nothing_is_tried_from_its_first_gues
     assert [begun_again(problem.plant, slow)] in [way for way, _ in _ways(round_)]
 
 
-def test_a_model_that_has_only_a_shape_more_is_asked_for_no_other_name(problem: Problem) -> None:
+def test_a_shape_that_gains_more_than_another_name_comes_first(problem: Problem) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
     other = guess(problem, suspect_of(problem, "viscous_friction", "elbow"))
     shaped = replace(friction, free=("torque", "onset")).at({"onset": 0.1})
 
-    def model(*changes: Change) -> Any:
-        return SimpleNamespace(fit=SimpleNamespace(changes=changes))
+    def model(evidence: float, *changes: Change) -> Any:
+        return SimpleNamespace(evidence=evidence, fit=SimpleNamespace(changes=changes))
 
-    round_ = cast("Round", SimpleNamespace(now=model(friction)))
-    assert _richer(round_, model(shaped))
-    assert not _richer(round_, model(friction, other))
-    assert not _richer(round_, model(other))
+    round_ = cast("Round", SimpleNamespace(now=model(0.0, friction)))
+    assert _richer(round_, model(9.0, shaped), model(5.0, other))
+    assert not _richer(round_, model(5.0, shaped), model(9.0, other))
+    assert not _richer(round_, model(9.0, friction, other), model(5.0, other))

@@ -89,8 +89,7 @@ def search(
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
         patience: how long to look for more: the first round ends with what gains enough, and what was found by then is
-            still asked whether it is needed, whether one law stands for two of them, and what could stand in its place,
-            which is told.
+            still asked whether it is needed, and what could stand in its place, which is told.
 
     Raises:
         InputError: for a scenario whose own model cannot be simulated.
@@ -112,14 +111,15 @@ def search(
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
-        if following is not None and not many and not _richer(round_, following):
+        if following is not None and not many:
             better = _renamed(round_, kept, asked)
-            following = following if better is None or standing(better.fit.changes) in seen else better
+            left = better is None or standing(better.fit.changes) in seen or _richer(round_, following, better)
+            following = following if better is None or left else better
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
         for ways in (parted, shared, merged):
-            if following is None and fresh and (ways is merged or not _over(round_, first)):
+            if following is None and fresh and not _over(round_, first):
                 following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)
         again = following is not None  # what failed is tried again beside what is new
@@ -179,12 +179,13 @@ def _renamed(round_: Round, keep: Sequence[Suspect], asked: set[Suspect]) -> Sco
     return better
 
 
-def _richer(round_: Round, found: Scored) -> bool:
-    """Whether all that is new in a model is a shape of what is there: a name is asked for once its shape is fitted.
+def _richer(round_: Round, found: Scored, renamed: Scored) -> bool:
+    """Whether all that is new in a model is a shape of what is there, and it gains more than another name does.
 
     A profile that gained 1624 by its acceleration was left without it for another name of a friction, which gained 76.
     """
-    return {c.suspect for c in found.fit.changes} == {c.suspect for c in round_.now.fit.changes}
+    same = {c.suspect for c in found.fit.changes} == {c.suspect for c in round_.now.fit.changes}
+    return same and found.evidence > renamed.evidence
 
 
 def _over(round_: Round, first: bool) -> bool:
