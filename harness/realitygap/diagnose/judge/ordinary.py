@@ -92,7 +92,7 @@ def _plain(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
     if without is None:
         return True
     held_out = predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes)
-    return found.gains[suspect] + held_out.gain >= MUCH * found.limit
+    return found.gains.get(suspect, np.inf) + held_out.gain >= MUCH * found.limit
 
 
 def _shows(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
