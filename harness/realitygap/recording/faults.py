@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.recording.delay import delay, moving_commands
+from realitygap.recording.noise import own_noise
 from realitygap.recording.outliers import told
 from realitygap.recording.quantum import quantum
 from realitygap.recording.recording import Recording
@@ -17,7 +18,6 @@ TIMES = np.linspace(0.0, 0.1, 51)  # s: low-pass filters that are tried
 SURE = 0.9  # correlation of travel by velocity with travel by position from which on a filter is believed
 OFF = 0.04  # a scale of a velocity further than this from 1 is a fault
 CHANCE = 5.0  # standard deviations: of a million steps that noise alone moves, none
-NORMAL = 1.4826  # of a median deviation to a standard deviation
 CLOCK_DRIFT = 100e-6  # quartz clocks drift by 20 to 50 millionths
 
 
@@ -128,8 +128,8 @@ def repeated_readings(recording: Recording) -> Fault | None:
     """Readings of a joint that repeat the one before them, in position and velocity, in the middle of a motion.
 
     In the middle means that the position moves the same way by two quanta or more just before and just after, and so
-    far that noise does not make it stand still: `CHANCE` times what steps ordinarily differ by from the mean of their
-    neighbours, in standard deviations.
+    far that noise does not make it stand still: `CHANCE` standard deviations of what a step differs by from the mean of
+    its neighbours, which is half a third difference.
     """
     trace = recording.trace
     if trace.position is None or not len(trace.joints) or len(trace.time) < 4:
@@ -139,8 +139,7 @@ def repeated_readings(recording: Recording) -> Fault | None:
     before, at, after = steps[:-2], steps[1:-1], steps[2:]
     moves = (np.abs(before) > 1.9 * one) & (np.abs(after) > 1.9 * one) & (before * after > 0) & (one > 0)
     middle = 0.5 * (before + after)
-    usual = [np.median(np.abs(off[m])) if m.any() else 0.0 for off, m in zip((at - middle).T, moves.T, strict=True)]
-    moves &= np.abs(middle) > CHANCE * np.maximum(NORMAL * np.array(usual), 0.5 * one)
+    moves &= np.abs(middle) > CHANCE * np.sqrt(5.0) * own_noise(trace.position)
     repeated = moves & (at == 0)
     if trace.velocity is not None:
         repeated &= np.diff(trace.velocity, axis=0)[1:-1] == 0

@@ -113,8 +113,8 @@ def search(
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
         if following is not None and not many:
             better = _renamed(round_, kept, asked)
-            left = better is None or standing(better.fit.changes) in seen or _richer(round_, following, better)
-            following = following if better is None or left else better
+            if better is not None and standing(better.fit.changes) not in seen:
+                following = following if _richer(round_, following, better) else better
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
