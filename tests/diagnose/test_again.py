@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
@@ -9,7 +10,7 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.judge.again import told_after_all
+from realitygap.diagnose.judge.again import told_after_all, untold_after_all
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -40,3 +41,30 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
         assert told.rivals == {s: []}
         assert told.least == {s: found.limit}
         assert {c.suspect for c in told.without[s].fit.changes} == {dry.suspect}
+
+
+@pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])
+def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(wide: bool) -> None:
+    bare = demo_problem()
+    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
+    viscous = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 0.4})
+    problem = planted(dry, viscous)
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [dry, viscous])
+        best = yardstick.fit([dry, viscous])
+        assert best is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect, viscous.suspect]))
+        best = yardstick.score(best.fit)
+        cautious, s = yardstick.cautious(best.fit), viscous.suspect
+        of = np.array([best.fit.changes[i].suspect == s for i, _ in best.fit.names])
+        if wide:
+            cautious = replace(cautious, away=np.where(of, np.abs(best.fit.value / best.fit.size), 0.0))
+        gains = dict.fromkeys((dry.suspect, s), 500.0)
+        found = Found(best, best, cautious, 6.0, {s: 6.0}, yardstick.floors, yardstick, gains=gains)
+        told, untold = untold_after_all(simulations, found, [])
+        kept, none = untold_after_all(simulations, found, [s])
+    assert untold == [s] * wide
+    assert told.adjusted == (s,) * wide
+    assert told.best is best, "values are as they were"
+    assert kept.adjusted == ()
+    assert none == []

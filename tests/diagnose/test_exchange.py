@@ -1,7 +1,5 @@
 """What stands in the place of a finding, on recordings of the bundled demo (synthetic) with planted effects."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -10,56 +8,17 @@ import numpy as np
 from demo_problem import FRICTION, demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.data.changes import Change, Standing, standing
-from realitygap.diagnose.data.problem import Problem, build_problem
-from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
-from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.patience import Patience
-from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.rivals import Place, _said_otherwise
-from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.search import needed
 from realitygap.scenario.file import load_scenario
+from stood import Effects, stood
 
 PULL = 0.9
 """A constant effort at the elbow besides its friction [N·m], larger than that."""
-
-
-Effects = dict[tuple[str, str], dict[str, float]]
-"""Values of effects, by effect and target."""
-
-
-@dataclass(frozen=True)
-class Stood:
-    """A round, and what is right where it stands."""
-
-    simulations: Simulations
-    round_: Round
-    right: Standing
-
-
-def stood(missing: Effects, wrong: Effects, others: Sequence[tuple[str, str]], bare: Problem | None = None) -> Stood:
-    """A round of a search that found something wrong, of recordings (the demo's) where something is missing."""
-    bare = demo_problem() if bare is None else bare
-
-    def of(effects: Effects) -> list[Change]:
-        return [guess(bare, suspect_of(bare, name, at)).at(values) for (name, at), values in effects.items()]
-
-    with Simulations(bare, 2) as simulations:
-        floors = measure(simulations, [])
-    problem = plant_recordings(bare, floors, of(missing), "mujoco")
-    simulations = Simulations(problem, 2)
-    left = residual(simulations, [], problem.of("train"))
-    assert left is not None
-    everyone = [c.suspect for c in (*of(wrong), *of(missing))] + [suspect_of(problem, *o) for o in others]
-    at = Fit(tuple(of(wrong)), left)
-    round_ = Round(simulations, at, everyone, needed(len(everyone)), Fit((), left), print)
-    assert standing(round_.now.fit.changes) == standing(of(wrong))
-    return Stood(simulations, round_, standing(of(missing)))
 
 
 def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None:

@@ -1,17 +1,18 @@
-"""What an interval did not tell, and does once what laws are off by is adjusted beside it: a name after all.
+"""What intervals tell once what laws are off by is adjusted: a name after all, or none after all.
 
 Mass and rotor widened the interval of a viscous friction until it held zero; with another centre of mass and friction
-by load beside it, it was 1.42 ± 0.04 N·m·s/rad, of 1.48.
+by load beside it, it was 1.42 ± 0.04 N·m·s/rad, of 1.48. Where nothing but a motor was 3 % weaker than its effort says,
+a link's inertia was 2.7 times as large, and beside a mass and a friction 2.0 times, give or take all of that.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.judge.held_out import predicted, sure_of
 from realitygap.diagnose.judge.ordinary import all_done
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.rivals import Rival
@@ -50,3 +51,12 @@ def told_after_all(
                 least={**found.least, suspect: found.limit},
             )
     return found
+
+
+def untold_after_all(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, list[Suspect]]:
+    """What was found with those adjusted, and not named, whose intervals as they are told hold what the model has
+    already; and these. `keep` stays.
+    """
+    open_ = untold(simulations.problem, found.cautious, sure_of(found)).difference(keep, found.adjusted)
+    vague = [c.suspect for c in found.best.fit.changes if c.suspect in open_]
+    return replace(found, adjusted=(*found.adjusted, *vague)), vague

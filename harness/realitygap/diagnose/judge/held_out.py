@@ -161,7 +161,7 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
     nearly right laws, planted at six seeds, six had such an interval, with 9 to 112 in evidence, and none was true.
     """
     vague, gains, whole = list[Suspect](), found.gains, found.best
-    sure = {s for s, least in found.least.items() if gains.get(s, 0.0) >= DOUBTFUL * least}
+    sure = sure_of(found)
     while True:
         open_ = untold(simulations.problem, found.cautious, sure).difference(keep, vague)
         if not open_ and not vague:
@@ -173,6 +173,11 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
         vague.append(least)
         found = _without(simulations, found, least, [])
         found = replace(found, cautious=found.yardstick.cautious(found.best.fit))
+
+
+def sure_of(found: Found) -> set[Suspect]:
+    """The findings that evidence speaks for by much more than a name needs."""
+    return {s for s, least in found.least.items() if found.gains.get(s, 0.0) >= DOUBTFUL * least}
 
 
 def _wider(cautious: Scored, before: Fit) -> Scored:

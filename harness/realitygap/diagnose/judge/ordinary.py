@@ -18,18 +18,12 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import predicted
-from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.imperfections import SHARE, usual
+from realitygap.diagnose.search.imperfections import usual
 from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.yardstick import AS_LARGE, Yardstick
 from realitygap.robot.drive import Array
 
-AS_LARGE = 0.75
-"""What a finding does, in multiples of what laws of its kind are off by, to be named. Beside nearly right laws, planted
-at five seeds, 50 true findings did 0.98 times that or more, but for a limit and a ripple; three false ones did 0.23 to
-0.55, and three at seeds before 0.4 to 0.7. Of an arm of six joints that lacks twenty effects, two true gains did 0.56
-and 0.82."""
 SHOWS = 1.1
 """How many times as large the held-out gap is, of all joints or of one, without a finding that all runs together say
 less than `MUCH` times the need for. Of 238 names of planted machines, at ten seeds, these were three false ones, with
@@ -126,18 +120,8 @@ def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
             continue
         suspect, does = change.suspect, np.nan_to_num(answer - still)
         whole, beyond = (float(np.linalg.norm(metric(does))) for metric in (exact, laws.metric))
-        out[suspect] = Done(whole, beyond, _ordinary(yardstick, laws, suspect), _usual(yardstick, suspect))
+        out[suspect] = Done(whole, beyond, yardstick.typical(suspect), _usual(yardstick, suspect))
     return out
-
-
-def _ordinary(yardstick: Yardstick, laws: Scored, suspect: Suspect) -> float:
-    """What laws of a suspect's kind are off by where it sits, where laws are so imperfect; an effort without a law may
-    stand for any of them.
-    """
-    kinds = SHARE if suspect.table is not None else {suspect.kind.law}.intersection(SHARE)
-    does = {k: [yardstick.wrong.does.get((k, j), 0.0) for j in suspect.joints] for k in kinds}
-    sizes = [laws.imperfect.get(k, 1.0) * SHARE[k] * float(np.linalg.norm(at)) for k, at in does.items()]
-    return max(sizes, default=0.0)
 
 
 def _usual(yardstick: Yardstick, suspect: Suspect) -> bool:

@@ -244,6 +244,8 @@ def why(rival: Rival, of: Suspect | None = None) -> str:
     others = [str(s) for s in rival.suspects if s != of] if of is not None else []
     where = f"fitted in its place beside {others[0]}" if others else "fitted in its place"
     they = "they explain" if of is None and rival.beside is not None else "it explains"
+    if rival.behind < -ODDS:
+        return f"{where}, {they} the recordings better, by no more than laws of its kind are ordinarily off by"
     if rival.behind <= 0:
         return f"{where}, {they} the recordings as well"
     little = "too little to decide" if rival.behind <= ODDS else "no more than stretches of them scatter by"

@@ -17,7 +17,7 @@ from realitygap.diagnose.search.pairs import pairs_for
 from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.rivals import FAR, LATE, LOOKED, ODDS, Place, Rival, rivals_of, several_for
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.simpler import simpler
+from realitygap.diagnose.search.simpler import narrower, simpler
 from realitygap.diagnose.search.without import PLAIN, without
 
 TOGETHER = 4
@@ -31,6 +31,7 @@ class Exchanged:
 
     Attributes:
         better: a model that is better for it; None where there is none.
+        plainer: whether that is so by the simpler name of a finding.
         gains: evidence that is lost without each finding, by suspect.
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
@@ -38,6 +39,7 @@ class Exchanged:
     """
 
     better: Scored | None = None
+    plainer: bool = False
     gains: dict[Suspect, float] = field(default_factory=dict)
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
@@ -51,10 +53,10 @@ class Exchanged:
             del self.without[suspect], self.gains[suspect]
         return bool(stale)
 
-    def offer(self, other: Scored, round_: Round) -> None:
+    def offer(self, other: Scored, round_: Round, plainer: bool = False) -> None:
         """Take a model that is better than those before, beyond what its findings have to gain."""
         if self.better is None or round_.spare(other) > round_.spare(self.better):
-            self.better = other
+            self.better, self.plainer = other, plainer
 
 
 def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exchanged:
@@ -130,11 +132,9 @@ def _compared(
         out.rivals[suspect] = sorted((replace(r, behind=r.behind + further) for r in rivals), key=lambda r: r.behind)
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
-            more = round_.limit * (len(rival.suspects) - 1)
-            plainer = simpler(round_.simulations.problem, rival.suspect, suspect) and not more
-            equal, gains = rival.behind < EQUAL, -rival.behind > max(ODDS, more, round_.little(rival.scored))
-            if (plainer and not round_.late and (equal or gains)) or (gains and rival.ahead):
-                out.offer(rival.scored, round_)
+            plainer, gains = _plainer(round_, rival, suspect), _gains(round_, rival, suspect)
+            if (plainer and not round_.late) or (gains and rival.ahead):
+                out.offer(rival.scored, round_, plainer)
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
             if shorter is not None:
                 out.offer(shorter, round_)
@@ -142,6 +142,30 @@ def _compared(
         if several is not None:
             out.offer(several, round_)
     return out
+
+
+def _plainer(round_: Round, rival: Rival, finding: Suspect) -> bool:
+    """Whether a rival is the simpler name of a finding, and says as much; of a finding that says more of the same law,
+    as much but for what such laws are off by, or what is too little to decide.
+
+    Dry friction of 1.02 N·m, of a joint whose friction was 5 % more at creeping, was called a Stribeck friction.
+    """
+    if rival.beside is not None or not simpler(round_.simulations.problem, rival.suspect, finding):
+        return False
+    if not narrower(rival.suspect, finding):
+        return rival.behind < EQUAL or _gains(round_, rival, finding)
+    return rival.behind < ODDS or round_.yardstick.alike(round_.now.fit, rival.scored.fit, finding)
+
+
+def _gains(round_: Round, rival: Rival, finding: Suspect) -> bool:
+    """Whether a rival gains what a new name has to, and no less where it says more of the same law than laws are off
+    by.
+    """
+    more = round_.limit * (len(rival.suspects) - 1)
+    if -rival.behind <= max(ODDS, more, round_.little(rival.scored)):
+        return False
+    richer = rival.beside is None and narrower(finding, rival.suspect)
+    return not (richer and round_.yardstick.alike(round_.now.fit, rival.scored.fit, rival.suspect))
 
 
 def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | None:

@@ -19,6 +19,7 @@ from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.simpler import limits
 
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
@@ -168,8 +169,9 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         worth = p.gain > (CLOSE * place.gain if chosen or place.late else 0.0)
         if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
             chosen.setdefault(p.block.suspect, [p.change])
+    narrow = [s for s in round_.everyone if limits(round_.simulations.problem, s, place.change.suspect)]
     far = [s for s in place.lines.limits() if s not in {place.change.suspect, *chosen}]
-    for suspect in far[: 0 if place.late else BEYOND]:
+    for suspect in [*far[: 0 if place.late else BEYOND], *narrow]:
         chosen[suspect] = _sizes(guess(round_.simulations.problem, suspect))
     out = [r for r in before if r.beside is None and r.suspect in chosen and r.behind >= FAR * round_.limit]
     for suspect, begun in chosen.items():
@@ -188,7 +190,8 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
 
 
 def several_for(place: Place) -> Scored | None:
-    """The model with several findings in the place of one, where they gain what every one more needs; None elsewhere.
+    """The model with several findings in the place of one, where they gain what every one more needs, and more than
+    stretches scatter by; None elsewhere.
 
     Two laws at one joint are easily taken for one that does the most of both. In the place of an effort without a law
     they only have to explain as much.
@@ -205,10 +208,11 @@ def several_for(place: Place) -> Scored | None:
     scored = round_.yardstick.refined(quick) if quick is not None and place.close(quick) else None
     if scored is None:
         return None
-    gain, needs = scored.evidence - round_.now.evidence, round_.limit * (len(several) - 1)
+    gain = scored.evidence - round_.now.evidence
     round_.say(f"  {'; '.join(str(c.suspect) for c in scored.fit.changes[-len(several) :])} for {own}: {gain:+.1f}")
     if own.table is not None:
         return scored if gain > -EQUAL else None
+    needs = round_.asked(scored, round_.now, round_.limit * (len(several) - 1))
     return scored if gain > max(needs, round_.little(scored)) else None
 
 

@@ -96,7 +96,7 @@ def search(
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
-    at, seen, again = nothing, set[Standing](), True
+    at, seen, plain, again = nothing, set[Standing](), set[Standing](), True
     asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, patience), None, False
@@ -130,8 +130,11 @@ def search(
             last = exchanged(round_, kept, last)
             following = last.better
             fewer = following is not None and len(following.fit.changes) < len(round_.now.fit.changes)
-            if following is not None and not fewer and standing(following.fit.changes) in seen:
+            there = None if following is None else standing(following.fit.changes)
+            if there in seen and not fewer and not (last.plainer and there not in plain):
                 following = None
+            elif there is not None and last.plainer:  # a plain name that led to one which says no more is gone back to
+                plain.add(there)
             dropped = following is not None and fewer
             fuller = None if following is not None and not fewer else fuller or last.fuller
         if following is None and not _over(round_, first):
