@@ -110,7 +110,7 @@ def settle(d, s, q, w, dry, h, logged):  # type: ignore[no-untyped-def]
         s.transmitted -= d.armature * (w - s.velocity) / h
     else:
         if s.begun == 0:
-            s.rotor, s.rotor_velocity = q, w
+            s.rotor, s.rotor_velocity = q + s.rotor, w  # as far ahead as it is at rest
         elif s.side != 0:
             s.rotor, s.rotor_velocity = q + 0.5 * s.side * d.backlash, w + s.closing
         else:

@@ -28,7 +28,7 @@ from realitygap.simulate.midway import Midway
 from realitygap.simulate.motion import first_goals, play, read_animation
 from realitygap.simulate.opened import opened
 from realitygap.simulate.rollout import Rollout, Stretch, rolled, steps_of
-from realitygap.simulate.start import start_state
+from realitygap.simulate.start import resting_twist, start_state
 from realitygap.trace.sampled import Gather, sampled
 from realitygap.trace.trace import Trace
 
@@ -268,6 +268,8 @@ def _start(experiment: Experiment) -> State:
     if not np.isfinite(position).all():
         bad = plant.model.joint_names[int(np.flatnonzero(~np.isfinite(position))[0])]
         raise InputError(f"{experiment.name}: the first measured position of {bad} is missing")
+    springs = plant.drive["stiffness"] > 0.0  # whose encoders are on the rotors
+    position = position - np.where(springs, resting_twist(plant, experiment.commands, position), 0.0)
     trace = recording.trace if recording is not None and plant.model.floating else None
     thrown = experiment.thrown
     state = start_state(

@@ -11,6 +11,7 @@ from realitygap.robot.drive_law import arrive
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.simulate.profile import Told
+from realitygap.simulate.start import resting_twist
 from realitygap.simulate.steps import Held, Steps
 from realitygap.trace.first_order import first_order
 from realitygap.trace.trace import Trace
@@ -97,6 +98,9 @@ def rolled(
     simulation.read(held.q[0], held.w[0], held.base[0])
     state["velocity"] = held.w[0]
     state["integral"] = 0.0 if integral is None else integral
+    if not held.w[0].any():
+        state["rotor"] = resting_twist(plant, commands, held.q[0])
+        state["side"] = np.where(drive["stiffness"] > 0.0, 0, np.sign(state["rotor"]))
     taken = Steps(simulation, plant, state, joint_effort)
     done, at = 0, 0  # steps so far, and the row of the newest state
     lagged: Array | None = None

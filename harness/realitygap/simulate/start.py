@@ -1,4 +1,6 @@
-"""The state in which a simulation starts: measured joint angles, the base level on the ground, charged integrals."""
+"""The state in which a simulation starts: measured joint angles, the base level on the ground, charged integrals, play
+and springs under their load.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +18,7 @@ from realitygap_engines.model.robot import (
 from scipy.spatial import ConvexHull
 
 from realitygap.files.errors import InputError
-from realitygap.robot.drive import PID
+from realitygap.robot.drive import NONE, PID, POSITION
 from realitygap.robot.plant import Plant
 from realitygap.simulate.commands import Commands
 from realitygap.trace.trace import Trace
@@ -27,6 +29,8 @@ FLAT = 0.02
 """Faces whose normals differ by less than this [rad] are one."""
 SMALL = 1e-6
 """Half the difference [rad or m] of a slope."""
+RESTED = 1.0
+"""A joint that rests has done so for about this time [s], in which its load moves it to the end of its play."""
 RECENT = 0.1
 """An integral is told from the first readings of this time [s], in which it hardly changes."""
 
@@ -137,6 +141,26 @@ def holding_effort(plant: Plant, position: Array) -> Array:
     pull = d["constant"] - d["cable_stiffness"] * (position - d["cable_rest"]) - d["stop_stiffness"] * past
     effort: Array = np.array(slope) / (2 * SMALL) - pull
     return effort
+
+
+def resting_twist(plant: Plant, commands: Commands, position: Array) -> Array:
+    """By how much the rotors of a robot with a fixed base that rests at joint positions (n,) are ahead of their links
+    [rad or m]: half the play, to the side to which the load pulls, or what the load twists a spring by. Shape (n,).
+
+    0 where a rotor is rigid to its link, where the load is too small to have closed the play, where no servo holds the
+    joint, as one that is off or told torques, and with a floating base.
+    """
+    drive = plant.drive
+    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)
+    own, stiff = (drive["armature"] > 0.0) & np.isfinite(commands.value[first]), drive["stiffness"] > 0.0
+    own &= (drive["kind"] != NONE) & (drive["meaning"] == POSITION)
+    if not np.any(own & (stiff | (drive["backlash"] > 0.0))):
+        return np.zeros(len(drive))
+    load = holding_effort(plant, position)
+    closed = 0.5 * np.abs(load) / plant.inertia() * RESTED**2 > drive["backlash"]
+    play = np.where(closed, 0.5 * np.sign(load) * drive["backlash"], 0.0)
+    twist: Array = np.where(own, np.where(stiff, load / np.where(stiff, drive["stiffness"], 1.0), play), 0.0)
+    return twist
 
 
 def _potential(plant: Plant, position: Array) -> float:
