@@ -61,7 +61,8 @@ def test_a_pair_is_told_as_two_that_stand_there_together() -> None:
     rival = Rival(one, scored, -0.5, 1.0, other)
     tilt, mass = (suspect_of(bare, *s) for s in (("base_tilt", "base"), ("center_of_mass", "forearm")))
     assert "turn the robot by 180°" in experiment({mass: [(other, tilt)]})
-    assert experiment({mass: [(other,)]}).startswith(f"{mass} or {other}: a motion with another load")
+    assert experiment({mass: [(other,)]}).startswith(f"{mass} or {other}: a motion with another load, another gain")
+    assert "gain" not in experiment({mass: [(other,)]}, followed=True)
     assert rival_label(rival) == "joint offset at elbow and link inertia at forearm"
     assert why(rival) == "fitted in its place, they explain the recordings as well"
     assert why(rival, one).startswith("fitted in its place beside link_inertia at forearm, it explains")

@@ -124,7 +124,9 @@ class Units(Section):
 
 
 class Columns(Section):
-    """Column names of a table. A joint signal is one column, or a mapping from joint to column."""
+    """Column names of a table. A joint signal is one column, a name from which those of the joints are made
+    (`position_elbow`, `elbow_position`, `position.elbow` or `position/elbow`), or a mapping from joint to column.
+    """
 
     units: Units = Field(default=Units(), description="of these columns; an effort's is said by `effort`")
     time: str | list[str] = Field(

@@ -37,20 +37,23 @@ SEPARATES = {
     frozenset({"backlash", "joint_compliance"}): "hold the output and load it in steps to both sides",
 }
 """The recording that separates two effects."""
+DRIVEN = "a motion with another load, another gain and a phase with the servo off"
+FOLLOWED = "a motion with another load, slow and fast, through poses that gravity loads otherwise"
+"""What is recorded where no more is known, of a motion that servos drive and of one that is followed."""
 
 
-def experiment(listed: Mapping[Suspect, Sequence[Sequence[Suspect]]]) -> str:
+def experiment(listed: Mapping[Suspect, Sequence[Sequence[Suspect]]], followed: bool = False) -> str:
     """What to record to settle what cannot be told apart; empty where nothing is open.
 
     Args:
         listed: of each finding the rivals, each as the suspects that stand there together: of these one counts that a
             recording is known for.
+        followed: whether motions are followed: no servo has a gain or can be off.
     """
     advice = []
     for owner, others in listed.items():
         for together in others:
             known = {s: SEPARATES.get(frozenset({owner.effect, s.effect}), "") for s in together}
             rival = next((s for s, said in known.items() if said), together[0])
-            default = "a motion with another load, another gain and a phase with the servo off"
-            advice.append(f"{owner} or {rival}: {known[rival] or default}")
+            advice.append(f"{owner} or {rival}: {known[rival] or (FOLLOWED if followed else DRIVEN)}")
     return "; ".join(dict.fromkeys(advice))
