@@ -39,10 +39,12 @@ def found(request: pytest.FixtureRequest) -> tuple[float, Found]:
         assert best is not None
         yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
         found = Found(yardstick.score(Fit((), still)), best, best, 6.0, {}, yardstick.floors, yardstick)
-        done = all_done(simulations, found)
+        done = list(all_done(simulations, found))
         assert [s.effect for s in done] == ["coulomb_friction", "controller_gain"]
-        stay = tolerated(simulations, found, list(done))
+        stay = tolerated(simulations, found, done)
         assert stay.adjusted == (), "what the recordings told"
+        beaten = tolerated(simulations, replace(found, beaten={done[0]}), done[1:])
+        assert beaten.adjusted == (done[0],), "what an unnamed effort explains better"
         return request.param, tolerated(simulations, found, [])
 
 

@@ -73,10 +73,12 @@ def tolerated(simulations: Simulations, found: Found, told: Collection[Suspect])
     What the recordings `told` by themselves stays named. What is smaller than laws are off by, and no fault of theirs,
     has to leave a gap on held-out runs where it is missing: two limits that were there left 3.0 and 7.1 floors, and one
     that was made of a droop 1.2. What all runs together say little for has to show in the gap of those kept back.
+    What an unnamed effort explains better is no name either (`Round.beaten`).
     """
     done = {s: d for s, d in all_done(simulations, found).items() if s not in told}
     more = [s for s, d in done.items() if d.named(found.limit) and (d.large or _missed(simulations, found, s))]
     named = [s for s in more if _plain(simulations, found, s) or _shows(simulations, found, s)]
+    named = [s for s in named if s not in found.beaten]
     return replace(found, adjusted=tuple(s for s in done if s not in named))
 
 

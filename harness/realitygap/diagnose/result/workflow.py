@@ -204,7 +204,16 @@ def _searched(
     named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
     why_not = [_against(s, told) for s, told in against.items()]
     why_not += [_vague(s, s in found.adjusted) for s in vague if s not in named and s not in wide]
-    return found, [*why_not, *(_wide(s) for s in wide)]
+    why_not += [_wide(s) for s in wide]
+    return found, [*why_not, *(_beaten(s) for s in found.adjusted if s in found.beaten)]
+
+
+def _beaten(suspect: Suspect) -> str:
+    """Why a finding is adjusted that an unnamed effort explains better."""
+    return (
+        f"{suspect} is adjusted and not named: an unnamed effort in its place explains the recordings better, and does "
+        "no more itself than laws are ordinarily off by"
+    )
 
 
 def _wide(suspect: Suspect) -> str:

@@ -74,6 +74,7 @@ class Round:
         straight: what straight lines promise of each, best first.
         promised: what promises most where straight lines lead, best first.
         short: of what was fitted and gains too little, what it gains and what it would have to.
+        beaten: findings in whose place an unnamed effort gains what a name has to, though it is none itself.
         near: models that gain what their findings need if laws were exact, and less than laws leave.
     """
 
@@ -102,6 +103,7 @@ class Round:
         self.blocks: list[Block] = beside
         self.told: Scored | None = None
         self.short: dict[Suspect, tuple[float, float]] = {}
+        self.beaten: set[Suspect] = set()
         self.near: list[Scored] = []
         self._looks = 0.0
         there = {b.suspect for b in beside}

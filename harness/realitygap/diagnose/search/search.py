@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -50,6 +50,7 @@ class Found:
         rivals: what could stand in the place of each finding, the closest first.
         promised: what was closest and not taken, best first.
         short: what it gains where it was fitted, and what it would have to gain.
+        beaten: findings in whose place an unnamed effort gains what a name has to, though it is none itself.
         cut: whether the search was ended while it may have found more.
         blocks: the responses of what could still be added, in the last round.
         fuller: the model from which findings were left out in the end, as they gain too little; None where none was.
@@ -68,6 +69,7 @@ class Found:
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
     promised: list[Promise] = field(default_factory=list)
     short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
+    beaten: Collection[Suspect] = ()
     cut: bool = False
     blocks: Sequence[Block] = ()
     fuller: Scored | None = None
@@ -168,6 +170,7 @@ def search(
         rivals=last.rivals,
         promised=round_.promised,
         short=round_.short,
+        beaten=round_.beaten,
         cut=cut,
         blocks=round_.blocks,
         fuller=fuller,
