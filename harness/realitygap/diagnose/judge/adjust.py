@@ -30,7 +30,8 @@ from realitygap.diagnose.search.search import Found
 def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect]) -> Found:
     """What was found with the laws of its model adjusted beside it (`Found.adjusted`), all values fitted together; as
     it was where nothing is left to explain, or where held-out runs, which are asked once, do not speak for that: they
-    have to be more probable with it, and the gap that is shown smaller.
+    have to be more probable with it, and the gap smaller, in the floors of the model before and in those of the mended
+    one, in which it is shown.
 
     Each of them explains as much as a name would have to if laws were exact. Tried is what straight lines say, and what
     was found and left out in the end, as it gains too little for a name or as its interval does not tell it, alone and
@@ -51,14 +52,18 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     if fitted is None:
         return found
     after = fitted.fit.changes
-    spoken_for = not predicted(simulations, floors, after, before.changes).worse
-    if not spoken_for or held_out_gap(simulations, floors, after) >= gaps[1]:
+    if predicted(simulations, floors, after, before.changes).worse:
+        return found
+    shown = measure(simulations, after)
+    if any(
+        held_out_gap(simulations, f, after) >= held_out_gap(simulations, f, before.changes) for f in (floors, shown)
+    ):
         return found
     return replace(
         found,
         best=replace(fitted, fit=as_seen(simulations.problem, fitted.fit)),
         cautious=_as_wide(found.yardstick.cautious(fitted.fit), found.cautious),
-        floors=measure(simulations, after),
+        floors=shown,
         adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),
     )
 
