@@ -151,11 +151,12 @@ def resting_twist(plant: Plant, commands: Commands, position: Array) -> Array:
     joint, as one that is off or told torques, and with a floating base.
     """
     drive = plant.drive
-    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)
-    own, stiff = (drive["armature"] > 0.0) & np.isfinite(commands.value[first]), drive["stiffness"] > 0.0
-    own &= (drive["kind"] != NONE) & (drive["meaning"] == POSITION)
-    if not np.any(own & (stiff | (drive["backlash"] > 0.0))):
+    own, stiff = (drive["kind"] != NONE) & (drive["meaning"] == POSITION), drive["stiffness"] > 0.0
+    own &= (drive["armature"] > 0.0) & (stiff | (drive["backlash"] > 0.0))
+    if not own.any():
         return np.zeros(len(drive))
+    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)
+    own &= np.isfinite(commands.value[first])
     load = holding_effort(plant, position)
     closed = 0.5 * np.abs(load) / plant.inertia() * RESTED**2 > drive["backlash"]
     play = np.where(closed, 0.5 * np.sign(load) * drive["backlash"], 0.0)
