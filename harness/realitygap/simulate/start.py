@@ -91,7 +91,7 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
         begin: where that clock starts in the recording [s].
     """
     drive = plant.drive
-    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)  # what was sent before is over
+    first = _in_force(commands)  # what was sent before is over
     commands = Commands(commands.time[first:], commands.value[first:], commands.held)
     out, gathers = np.zeros(len(drive)), (drive["kind"] == PID) & (drive["ki"] > 0.0)
     if measured.position is None or not gathers.any():
@@ -107,6 +107,11 @@ def start_integral(plant: Plant, measured: Trace, commands: Commands, begin: flo
         held = missing & (np.abs(ahead) <= np.abs(still))
         out[held] = (still - ahead)[held]
     return out
+
+
+def _in_force(commands: Commands) -> int:
+    """The number of the command that holds when a simulation begins."""
+    return max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)
 
 
 def _beyond(plant: Plant, measured: Trace, commands: Commands, begin: float, gathers: NDArray[np.bool_]) -> Array:
@@ -155,8 +160,7 @@ def resting_twist(plant: Plant, commands: Commands, position: Array) -> Array:
     own &= (drive["armature"] > 0.0) & (stiff | (drive["backlash"] > 0.0))
     if not own.any():
         return np.zeros(len(drive))
-    first = max(int(np.searchsorted(commands.time, 0.0, side="right")) - 1, 0)
-    own &= np.isfinite(commands.value[first])
+    own &= np.isfinite(commands.value[_in_force(commands)])
     load = holding_effort(plant, position)
     closed = 0.5 * np.abs(load) / plant.inertia() * RESTED**2 > drive["backlash"]
     play = np.where(closed, 0.5 * np.sign(load) * drive["backlash"], 0.0)

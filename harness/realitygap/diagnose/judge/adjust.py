@@ -52,12 +52,11 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     if fitted is None:
         return found
     after = fitted.fit.changes
-    if predicted(simulations, floors, after, before.changes).worse:
+    spoken_for = not predicted(simulations, floors, after, before.changes).worse
+    if not spoken_for or held_out_gap(simulations, floors, after) >= gaps[1]:
         return found
     shown = measure(simulations, after)
-    if any(
-        held_out_gap(simulations, f, after) >= held_out_gap(simulations, f, before.changes) for f in (floors, shown)
-    ):
+    if held_out_gap(simulations, shown, after) >= held_out_gap(simulations, shown, before.changes):
         return found
     return replace(
         found,

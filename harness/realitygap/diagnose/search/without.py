@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from realitygap.diagnose.candidates.suspects import richer
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.fit.fit import CHEAP
 from realitygap.diagnose.search.evidence import EQUAL, Scored
+from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import CLOSE, ODDS
 from realitygap.diagnose.search.round import Round
-from realitygap.robot.plant import Plant
 
 PLAIN = 3.0
 """What is lost without a finding is worked out in full below this many times what a name needs."""
@@ -25,7 +24,8 @@ def without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     if plain is None or not round_.earned(now, plain, round_.limit):
         return plain
     rest, plant = plain.fit.changes, round_.simulations.problem.plant
-    shaped = [_shaped(plant, c) if set(c.suspect.joints) & set(suspect.joints) else c for c in rest]
+    near = [bool(c.free) and not set(c.suspect.joints).isdisjoint(suspect.joints) for c in rest]
+    shaped = [with_shape(plant, c, 1.0) if there else c for c, there in zip(rest, near, strict=True)]
     more = _values(shaped) - _values(rest)
     if not 0 < more <= _values(now.fit.changes) - _values(rest):
         return plain
@@ -39,12 +39,6 @@ def without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
 def _values(changes: Sequence[Change]) -> int:
     """How many values are fitted."""
     return sum(len(c.free) for c in changes)
-
-
-def _shaped(plant: Plant, change: Change) -> Change:
-    """A change with its shape freed too; as it is where there is none to free."""
-    more = richer(plant, change) if change.free else None
-    return change if more is None or more.free == change.free else more
 
 
 def _left_out(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
