@@ -62,20 +62,24 @@ def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequen
 
 
 def undriven(o: Observed) -> list[Mistake]:
-    """Joints without a servo, or that are never commanded, among others that are."""
+    """Joints without a servo that are told to move, or that are never commanded, among others that are.
+
+    A pole on a cart has no servo, and no command that changes.
+    """
     if o.is_followed:
         return []
     limp = o.plant.drive["kind"] == NONE
     told = np.isfinite(o.recording.command).any(axis=0)
+    recorded = o.scenario.motion is not None and o.scenario.motion.recorded is not None
+    moved = np.nan_to_num(o.recording.command[1:] - o.recording.command[:-1]).any(axis=0) if recorded else limp
     out = []
-    if limp.any() and not limp.all():
-        names = [o.joints[j] for j in np.flatnonzero(limp)]
+    if (limp & moved).any() and not limp.all():
+        names = [o.joints[j] for j in np.flatnonzero(limp & moved)]
         sentence = (
             f"no servo drives {joined(names)}: it moves freely; expected a servo whose pattern matches it, or "
             "`accept: [undriven_joint]` for a joint that is passive"
         )
         out.append(Mistake("undriven_joint", "likely", tuple(sorted(names)), sentence, "servos", (o.name,)))
-    recorded = o.scenario.motion is not None and o.scenario.motion.recorded is not None
     if recorded and told.any() and (~told & ~limp).any():
         names = [o.joints[j] for j in np.flatnonzero(~told & ~limp)]
         sentence = (

@@ -172,9 +172,10 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
         for j in sorted(set(matched) - taken):
             _fit_servo(drive, j, servo)
         taken |= set(matched)
-    limp = [name for j, name in enumerate(model.joint_names) if j not in taken]
+    limp = [j for j in range(n) if j not in taken]
     if limp and not scenario.follows:
-        notes = [*notes, f"no servo, move freely: {', '.join(limp)}"]
+        drive["effort_limit"][limp] = np.inf  # of no motor: a pole had 100 N·m, and friction of 0.01 N·m·s/rad
+        notes = [*notes, f"no servo, move freely: {', '.join(model.joint_names[j] for j in limp)}"]
     notes += [f"{j.name} mimics {j.mimic.joint}, and has no servo" for j in model.joints if j.mimic is not None]
     model = replace(model, notes=(*model.notes, *notes))
     return Plant(
