@@ -178,7 +178,7 @@ def diagnose(
         notes=[*notes, *replaced(problem, changes)],
         deviations={c.suspect: deviations(problem, c) for c in told},
     )
-    rest = changes and result.verdict != "explained"
+    rest = result.verdict in ("partly explained", "unexplained")
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
 
 
@@ -255,8 +255,10 @@ def _against_all(
             f"what was found widens the held-out gap, from {number(without)} to {number(with_)} floors, however much "
             "more probable it makes these runs: not named"
         )
-    if changes and units and float(np.mean([u.logarithm for u in units])) > 0.0:
+    further = float(np.mean([u.logarithm for u in units])) if changes and units else 0.0
+    if further > 0.0:
         said = ", ".join(f"{u.signal} from {number(u.before)} to {in_unit(u.after, u.unit)}" for u in units)
+        said += f"; in the mean by {number(100.0 * np.expm1(further), 2)} %"
         return f"what was found takes held-out runs further off on the whole ({said}): not named"
     return ""
 
