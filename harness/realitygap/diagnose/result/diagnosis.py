@@ -250,6 +250,8 @@ def why(rival: Rival, of: Suspect | None = None) -> str:
     if rival.behind <= 0:
         return f"{where}, {they} the recordings as well"
     little = "too little to decide" if rival.behind <= ODDS else "no more than stretches of them scatter by"
+    if rival.same:
+        return f"{where}, {they.replace('explain', 'make')} the same traces, and is only less likely beforehand"
     return (
         f"{where}, {they.replace('explain', 'make')} the recordings {odds(rival.behind)} times less probable, which is "
         f"{little} (in logarithms {rival.behind:.1f} ± {rival.error:.1f})"

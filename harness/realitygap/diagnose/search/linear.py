@@ -16,7 +16,7 @@ from scipy.linalg import cho_factor, cho_solve
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import Block
-from realitygap.diagnose.fit.space import SLAB
+from realitygap.diagnose.fit.space import SLAB, against
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.robot.drive import Array
 
@@ -196,7 +196,7 @@ class Linear:
         if free:
             g = self.gram[np.ix_(free, free)]
             inside = np.isin(at, free)
-            gain -= 0.5 * float(np.sum((x[inside] / SLAB) ** 2))
+            gain -= float(np.sum(against(x[inside] / SLAB)))
             gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
         return gain
 

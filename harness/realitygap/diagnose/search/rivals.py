@@ -15,11 +15,11 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.alike import alike
-from realitygap.diagnose.search.apart import ERRORS, compare
+from realitygap.diagnose.search.apart import ERRORS, compare, told_apart
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.simpler import limits
+from realitygap.diagnose.search.simpler import limits, narrower
 
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
@@ -49,7 +49,8 @@ FAR = 2.0
 @dataclass(frozen=True)
 class Rival:
     """A model with another suspect in the place of a finding, or two of them; `behind` is how much evidence it has
-    less, `error` the standard error of that.
+    less, `error` the standard error of that. `same` tells that it makes the same traces, as far as recordings tell, so
+    that no more than what was thought beforehand is behind.
     """
 
     suspect: Suspect
@@ -57,6 +58,7 @@ class Rival:
     behind: float
     error: float
     beside: Suspect | None = None
+    same: bool = False
 
     @property
     def suspects(self) -> tuple[Suspect, ...]:
@@ -66,7 +68,7 @@ class Rival:
     @property
     def open(self) -> bool:
         """Whether the recordings cannot tell it from the finding, or it is the better one."""
-        return self.behind <= max(ODDS, ERRORS * self.error)
+        return self.same or self.behind <= max(ODDS, ERRORS * self.error)
 
     @property
     def ahead(self) -> bool:
@@ -183,7 +185,8 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         close = place.close(quick)
         scored = yardstick.refined(quick) if close else quick
         if scored is not None:
-            out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored)))
+            as_one = not narrower(place.change.suspect, suspect) and told_apart(round_.now, scored) < ODDS
+            out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored), same=as_one))
             if close:
                 round_.say(f"  {suspect} for {place.change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
     return sorted(out, key=lambda r: r.behind)

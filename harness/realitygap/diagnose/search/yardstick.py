@@ -112,9 +112,14 @@ class Yardstick:
         return max((TYPICAL * SHARE[k] * float(length) for k, length in lengths.items()), default=0.0)
 
     def alike(self, fit: Fit, other: Fit, suspect: Suspect) -> bool:
-        """Whether two fits differ by no more than laws of a suspect's kind are off by in a typical machine."""
+        """Whether two fits differ by no more than ordinary laws of a suspect's kind are off by.
+
+        Not only a typical machine's: of a plant that nobody had seen, dry friction that was 2 to 4 % more to one side,
+        and 5 to 8 % uneven over the angle, was told by side at three joints, as 5 % more. Of four servos and axes whose
+        friction needs telling so, planted or recorded, it was 14 to 50 % more.
+        """
         change = float(np.linalg.norm(self.stood(np.nan_to_num(other.residual - fit.residual))))
-        return change <= AS_LARGE * self.typical(suspect)
+        return change <= self.typical(suspect) / TYPICAL
 
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
