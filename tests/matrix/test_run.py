@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -229,6 +229,24 @@ def test_what_a_terminal_shows(demo: Run) -> None:
     shown = summary(demo.made)
     assert len(shown) == 3
     assert all(ENGINE in line and "noise floor" in line for line in shown)
+
+
+def test_a_terminal_says_where_the_floors_show_no_difference(demo: Run) -> None:
+    """As the page does: from the recording, and from the engine that is closest."""
+    one = demo.made.gaps
+    other = one.assign(engine="dart", mean_abs=1.05 * one["mean_abs"])
+    for floor, first, second in (
+        (0.0, False, ""),
+        (0.1, False, f"; no difference seen to {ENGINE})"),
+        (9.0, True, "; no difference seen from the recording)"),
+    ):
+        both = pd.concat([one, other]).assign(noise_floor=0.0)
+        both["numerical_floor"] = floor * both["mean_abs"]
+        told = summary(replace(demo.made, gaps=both))
+        for line in told[::2]:  # of every signal, dart's before MuJoCo's
+            assert line.endswith(second or ")")
+            assert ("no difference seen" in line) == bool(second)
+        assert all(("no difference seen from the recording" in line) == first for line in told[1::2])
 
 
 def test_a_blow_up_is_an_outcome(tmp_path: Path) -> None:

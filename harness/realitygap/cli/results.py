@@ -18,10 +18,13 @@ from realitygap.matrix.matrix import ONCE, Settings, dry_run, results
 from realitygap.matrix.matrix_file import MatrixFile, load_matrix, matrix_of
 from realitygap.report import write_report
 from realitygap.report.folder import read_folder
-from realitygap.report.sentences import sentences
+from realitygap.report.levels import differ, levels
+from realitygap.report.sentences import SAME, sentences
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 
+CONTEXT = ("engine", "recording")
+"""What cells of one scenario differ in."""
 Said = tuple[list[str], int]
 """The lines to print and the exit status: 1 where a budget is exceeded."""
 
@@ -90,7 +93,7 @@ def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, flo
 
 
 def summary(made: Collected) -> list[str]:
-    """What failed, and the mean gap of every engine beside both floors."""
+    """What failed, and the mean gap of every engine beside both floors, and where they let no difference be seen."""
     lines = [
         f"{o.cell.engine}, {o.cell.recording or o.cell.scenario}: {outcome_told(o.outcome, o.note)}"
         for _, o in made.cells
@@ -99,13 +102,26 @@ def summary(made: Collected) -> list[str]:
     if made.gaps.empty:
         return [*lines, "nothing was measured: no gap, traces only"]
     good = means(made.gaps[made.gaps["outcome"] == "ok"])
-    for (group, signal, unit, engine), rows in good.groupby(["group", "signal", "unit", "engine"], sort=True):
-        lines.append(
-            f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
-            f"(noise floor {_known(rows['noise_floor'])}, numerical floor {_known(rows['numerical_floor'])})"
-        )
+    for (group, signal, unit), part in good.groupby(["group", "signal", "unit"], sort=True):
+        for engine, rows in part.groupby("engine", sort=True):
+            lines.append(
+                f"{signal:22} {group:9} {engine:9} {rows['mean_abs'].mean():9.4g} {unit:6}"
+                f"(noise floor {_known(rows['noise_floor'])}, numerical floor {_known(rows['numerical_floor'])}"
+                f"{_unseen(rows, part)})"
+            )
     return lines
 
 
 def _known(floors: "pd.Series[float]") -> str:
     return "unknown" if floors.isna().all() else f"{floors.mean():.2g}"
+
+
+def _unseen(rows: pd.DataFrame, part: pd.DataFrame) -> str:
+    """What an engine's gap is no different from: the recording, or the closest of all engines of a `part`."""
+    for own in levels(rows, "engine", CONTEXT):
+        if not own.seen:
+            return f"; {SAME} from the recording"
+    ran = sorted(levels(part, "engine", CONTEXT), key=lambda level: level.gap)
+    engine = rows["engine"].iloc[0]
+    alike = [level for level in ran[1:] if level.value == engine and not differ(ran[0], level)]
+    return f"; {SAME} to {ran[0].value}" if alike else ""
