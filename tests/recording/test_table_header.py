@@ -60,3 +60,36 @@ def test_a_column_that_stands_twice_is_told_where_it_is_asked_for(again: str, su
     elsewhere = scenario({"position": "velocity", "velocity": "command"})
     trace = Signals(read_recording(path, elsewhere, ["elbow"], file=FILE).trace)
     np.testing.assert_array_equal(trace.position[:, 0], np.ones(50))
+
+
+@pytest.mark.parametrize("mark", [",", ";", " "])
+@pytest.mark.parametrize(("cells", "told"), [("0.1,1,2,1,9", "has 5 cells"), ("0.1,1,2", "has 3 cells")])
+def test_a_line_with_more_or_fewer_cells_than_the_header_is_told(
+    cells: str, told: str, mark: str, tmp_path: Path
+) -> None:
+    """By its number in the file; only as the last one it is what a file that was cut off ends with."""
+    path = tmp_path / "run.csv"
+    lines = ["# by hand", *text(NAMES, VALUES).splitlines()]
+    lines[40] = cells
+    path.write_text("\n".join(lines).replace(",", mark))
+    with pytest.raises(InputError, match=rf"run\.csv: is not a table \(line 41 {told}, the header 4\); expected"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)
+    if len(cells.split(",")) < 4:
+        path.write_text("\n".join(lines[:41]).replace(",", mark))
+        assert len(read_recording(path, scenario(), ["elbow"], file=FILE).trace.time) == 38
+
+
+def test_empty_cells_are_readings_that_are_absent(tmp_path: Path) -> None:
+    """With all their separators, at the ends of lines, too."""
+    path = tmp_path / "run.csv"
+    lines = text(NAMES, VALUES).splitlines()
+    lines[40] = lines[40].rpartition(",")[0] + ","
+    lines[30] = '0.290,"1.290",0.580,'
+    path.write_text("\n".join(lines))
+    assert len(read_recording(path, scenario(), ["elbow"], file=FILE).trace.time) == 50
+
+
+def test_an_empty_file_is_told(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").touch()
+    with pytest.raises(InputError, match=r"run\.csv: is not a table \(it is empty\)"):
+        read_recording(tmp_path / "run.csv", scenario(), ["elbow"], file=FILE)

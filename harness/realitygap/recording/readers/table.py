@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from realitygap.files.errors import InputError
-from realitygap.files.text_table import once, text_table
+from realitygap.files.text_table import check_short, once, text_table
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.readers.dialect import dialect_of
@@ -108,6 +108,9 @@ def _of_text(path: Path) -> pd.DataFrame:
     frame = text_table(path, **dialect.arguments())
     frame.columns = [str(name).strip() for name in frame.columns]
     spare = [name for name in frame.columns if name.startswith("Unnamed: ") and frame[name].isna().all()]
+    width = max((i + 1 for i, name in enumerate(frame.columns) if name not in spare), default=0)
+    if width and frame.iloc[:-1, width - 1].isna().any():  # only then may a line be short, and all are looked at
+        check_short(path, width, **dialect.arguments())
     frame = frame.drop(columns=spare) if spare else frame  # every line ended with a separator
     if dialect.cut_off(path, len(frame.columns) + len(spare)):
         frame = frame[:-1]
