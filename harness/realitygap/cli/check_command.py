@@ -28,7 +28,7 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
     # a run prepares the motions, too, and refuses what cannot be simulated or judged
     prepared = [e for motion in motions_of(file, read) for e in motion.experiments]
     for name, recording in ((e.name, e.recording) for e in prepared if e.recording is not None):
-        for note in recording.absent:
-            typer.echo(f"note: {name}: {note}")
+        for lack in recording.absent:
+            typer.echo(f"note: {name}: {lack.text}")
     if not found:
         typer.echo("no mistake found")

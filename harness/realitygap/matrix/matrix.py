@@ -20,6 +20,7 @@ from realitygap.matrix.matrix_file import MatrixFile
 from realitygap.matrix.plan import Reader, plan
 from realitygap.matrix.store import Store, open_store
 from realitygap.matrix.task import Outcome, Task, read_outcome
+from realitygap.recording.lack import noticed
 
 RETRIED = ("crashed", "timeout")
 """Outcomes that stay until it is asked for them again."""
@@ -170,6 +171,8 @@ def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:
     garbled = sum(len(e.recording.outliers) for e in found if e.recording is not None)
     if garbled:
         progress.say(f"readings that jump far away and back, and are not taken: {garbled} (listed in manifest.json)")
-    lacking = [e.name for e in found if e.recording is not None and e.recording.absent]
+    lacking = {e.name: e.recording.absent for e in found if e.recording is not None and e.recording.absent}
+    for line in noticed((name, lack) for name, absent in lacking.items() for lack in absent):
+        progress.say(line)
     if lacking:
         progress.say(f"recordings in which readings are absent: {len(lacking)} (listed in manifest.json)")

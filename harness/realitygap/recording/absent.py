@@ -7,6 +7,7 @@ import numpy as np
 
 from realitygap.files.errors import InputError
 from realitygap.recording.commands import PAUSE_PERIODS, PAUSE_SECONDS, usual_period
+from realitygap.recording.lack import Lack
 from realitygap.recording.streams import Samples
 from realitygap.trace.trace import Array
 
@@ -17,8 +18,8 @@ LISTED = 3
 """Pauses that a sentence places; the others it counts."""
 
 
-def without_absent(samples: Samples, needed: Collection[str]) -> tuple[Samples, list[str]]:
-    """A stream in which nothing that is needed is absent, and sentences on what was left out.
+def without_absent(samples: Samples, needed: Collection[str]) -> tuple[Samples, list[Lack]]:
+    """A stream in which nothing that is needed is absent, and what was left out.
 
     A sample without a needed signal is left out. What else is absent of a joint is interpolated between its
     neighbours, or stays NaN where they are further apart than `BRIDGED` usual periods or where it never was measured.
@@ -45,20 +46,22 @@ def without_absent(samples: Samples, needed: Collection[str]) -> tuple[Samples, 
                 f"{samples.source}: {count} are without {where}; expected at least two with all of them: name another "
                 "column or topic, or weld a joint that was not measured by robot.hold"
             )
-        told.append(f"{count} are left out, as they are without {where}")
+        text = f"{count} are left out, as they are without {where}"
+        told.append(Lack("samples", text, float(left_out.mean())))
         samples = _rows(samples, rows)
     signals = {}
     for signal, value in samples.signals.items():
         signals[signal] = value
         if np.isnan(value).any():
-            told.append(f"{samples.source} is without {_counted(samples, signal)}: unknown, but between near readings")
+            text = f"{samples.source} is without {_counted(samples, signal)}: unknown, but between near readings"
+            told.append(Lack("readings", text, float(np.isnan(value).mean(axis=0).max())))
             columns = [_bridged(samples.time, column) for column in value.reshape(len(value), -1).T]
             signals[signal] = np.column_stack(columns).reshape(value.shape)
     return replace(samples, signals=signals), told
 
 
-def holes(time: Array) -> list[str]:
-    """A sentence on where a regular stream pauses for as long as commands do that are none (`commands.in_force`).
+def holes(time: Array) -> list[Lack]:
+    """Where a regular stream pauses for as long as commands do that are none (`commands.in_force`).
 
     Buses lose a sample: of 274 recordings of seven machines no pause is longer than 1.8 periods.
     """
@@ -70,7 +73,8 @@ def holes(time: Array) -> list[str]:
         return []
     where = ", ".join(f"from {time[i]:.3f} to {time[i + 1]:.3f} s" for i in long[:LISTED])
     more = f" and in {len(long) - LISTED} more pauses" if len(long) > LISTED else ""
-    return [f"no samples {where}{more}, which come every {1e3 * period:.3g} ms otherwise"]
+    part = float(np.diff(time)[long].sum() / (time[-1] - time[0]))
+    return [Lack("pause", f"no samples {where}{more}, which come every {1e3 * period:.3g} ms otherwise", part)]
 
 
 def _counted(samples: Samples, signal: str) -> str:

@@ -9,6 +9,7 @@ from realitygap.files.errors import InputError
 from realitygap.recording.absent import holes, without_absent
 from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
+from realitygap.recording.lack import Lack
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
@@ -44,7 +45,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
     lacking = [*streams.dropped, *pauses, *absent]
-    notes = [*streams.notes, *lacking]
+    notes = [*streams.notes, *(lack.text for lack in lacking)]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -99,7 +100,7 @@ def _from(zero: float, streams: Streams) -> Streams:
     )
 
 
-def _known(streams: Streams) -> tuple[Streams, list[str]]:
+def _known(streams: Streams) -> tuple[Streams, list[Lack]]:
     """The streams without samples of which something is absent that is needed, and what is told of it.
 
     A state needs its positions, an effort of its own nothing; all else is of use as a whole only. A command that is

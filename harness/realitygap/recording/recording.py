@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from realitygap.files.unpacked import plain_name
+from realitygap.recording.lack import Lack
 from realitygap.recording.outliers import Outlier
 from realitygap.trace.trace import Array, Trace
 
@@ -29,7 +30,7 @@ class Recording:
         outliers: readings that no motion explains, and that are not in the trace any more.
         episode: which one of a data set.
         files: what was read, where that is not all of the path.
-        absent: of the notes, those on samples and readings that are absent or were dropped.
+        absent: the samples and readings that are absent or were dropped; notes tell them, too.
     """
 
     path: Path
@@ -44,7 +45,7 @@ class Recording:
     outliers: tuple[Outlier, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
-    absent: tuple[str, ...] = field(default=())
+    absent: tuple[Lack, ...] = field(default=())
 
     @property
     def source(self) -> tuple[Path, int | None]:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
+from realitygap.recording.lack import Lack
 from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.joint_names import recorded_names
 from realitygap.scenario.schema import EffortStream, Motion, Recordings, Scenario, Stream
@@ -37,8 +38,8 @@ class Samples:
 @dataclass(frozen=True)
 class Streams:
     """The streams of one recording on one origin of time; what was not asked for or not recorded is None. `files` are
-    those that were read of a larger whole, `episode` which one of a data set, `dropped` the notes on samples that are
-    in the recording and not in the streams.
+    those that were read of a larger whole, `episode` which one of a data set, `dropped` the samples that are in the
+    recording and not in the streams.
     """
 
     state: Samples | None = None
@@ -49,7 +50,7 @@ class Streams:
     supply: Samples | None = None
     temperature: Samples | None = None
     notes: tuple[str, ...] = field(default=())
-    dropped: tuple[str, ...] = field(default=())
+    dropped: tuple[Lack, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
 

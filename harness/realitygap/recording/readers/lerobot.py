@@ -6,9 +6,10 @@ import numpy as np
 import pyarrow as pa
 
 from realitygap.files.errors import InputError
+from realitygap.recording.lack import Lack
 from realitygap.recording.readers.lerobot_folder import DataFolder, EpisodeRows, open_folder
 from realitygap.recording.readers.lerobot_units import scale_of
-from realitygap.recording.readers.rows import Rows, last_of_each, told_repeats
+from realitygap.recording.readers.rows import Rows, last_of_each, repeats
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT
 from realitygap.trace.trace import Array
@@ -82,9 +83,9 @@ def _feature(folder: DataFolder, request: Request, signal: str) -> str | None:
     raise InputError(f"{request.file}: {key}: {folder.path} has no feature {name}; it has {', '.join(folder.features)}")
 
 
-def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Rows, list[str], list[str]]:
+def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[Array, Rows, list[str], list[Lack]]:
     """The times [s] of the rows, the rows in their order, what they were taken from, and what was dropped."""
-    notes, dropped = [], []
+    notes, dropped = list[str](), list[Lack]()
     if "timestamp" in table.column_names:
         time = _numbers(table, "timestamp", episode)[:, 0]
     elif "frame_index" in table.column_names:
@@ -97,7 +98,7 @@ def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[A
     order = np.argsort(time, kind="stable")
     keep = order[last_of_each(time[order])]
     if len(keep) < len(time):
-        dropped.append(told_repeats(len(keep), len(time)))
+        dropped.append(repeats(len(keep), len(time)))
     return time[keep], keep, notes, dropped
 
 

@@ -17,6 +17,7 @@ from rosbags.typesys import Stores, get_typestore
 from realitygap.files.errors import InputError
 from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import unpacked
+from realitygap.recording.lack import Lack
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.bag_limits import Allowance, limited
 from realitygap.recording.readers.clock import choose_clock
@@ -80,18 +81,21 @@ def read(path: Path, request: Request) -> Streams:
         raise InputError(f"{path}: {empty[0].name}: {collector.nothing}{expected}")
     clock = choose_clock({t.name: (np.array(t.taking.stamps), np.array(t.taking.received)) for t in topics})
     roles: dict[str, Any] = {}
-    notes, dropped = [clock.note], list[str]()
+    notes, dropped = [clock.note], list[Lack]()
     for topic in topics:
         time, received, keep, note = clock.times(topic.name)
-        if note:
-            (dropped if len(keep) < len(clock.chosen[topic.name]) else notes).append(f"{topic.name}: {note}")
+        sent = len(clock.chosen[topic.name])
+        if len(keep) < sent:
+            dropped.append(Lack("repeats", f"{topic.name}: {note}", 1 - len(keep) / sent))
+        elif note:
+            notes.append(f"{topic.name}: {note}")
         if isinstance(topic.collector, Trajectories):
             source = f"{path}: {topic.name}"
             roles[topic.role] = _followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
             continue
         signals, present = topic.collector.arrays()
         joints = request.joints if isinstance(topic.collector, JointMessages) else ()
-        if len(keep) < len(clock.chosen[topic.name]) or (np.diff(keep) < 0).any():
+        if len(keep) < sent or (np.diff(keep) < 0).any():
             signals = {name: value[keep] for name, value in signals.items()}
             present = None if present is None else present[keep]
         roles[topic.role] = Samples(f"{path}: {topic.name}", time, signals, joints, present, received)

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap.recording.lack import Lack
 from realitygap.trace.trace import Array
 
 Rows = NDArray[np.intp]
@@ -34,9 +35,11 @@ def rows_with(mask: Mask) -> Mask:
     return np.asarray(mask.reshape(len(mask), -1).any(axis=1))
 
 
-def told_repeats(kept: int, rows: int) -> str:
-    """What is said of rows that were not kept, as they repeat the time of another."""
-    return f"{rows - kept} rows repeat the time of another and were dropped, of {rows}"
+def repeats(kept: int, rows: int) -> Lack:
+    """The rows that were not kept, as they repeat the time of another."""
+    return Lack(
+        "repeats", f"{rows - kept} rows repeat the time of another and were dropped, of {rows}", 1 - kept / rows
+    )
 
 
 def last_of_each(time: Array) -> Rows:

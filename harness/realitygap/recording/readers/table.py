@@ -13,10 +13,11 @@ from realitygap.files.errors import InputError
 from realitygap.files.text_table import check_short, once, text_table
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
+from realitygap.recording.lack import Lack
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
-from realitygap.recording.readers.rows import APART, Mask, last_of_each, rows_apart, rows_with, told_repeats
+from realitygap.recording.readers.rows import APART, Mask, last_of_each, repeats, rows_apart, rows_with
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT, Columns
@@ -24,7 +25,7 @@ from realitygap.trace.trace import Array
 
 Frame = pd.DataFrame | ParquetColumns
 """A table by its columns."""
-CUT_OFF = "the last line is cut off and was left out"
+CUT_OFF = Lack("cut", "the last line is cut off and was left out")
 
 
 def read(path: Path, request: Request) -> Streams:
@@ -52,7 +53,7 @@ def read(path: Path, request: Request) -> Streams:
             return None
         keep = own[last_of_each(time[own])]
         if len(keep) < len(own):
-            dropped.append(told_repeats(len(keep), len(own)))
+            dropped.append(repeats(len(keep), len(own)))
         kept = signals if len(keep) == len(time) else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
@@ -128,7 +129,7 @@ class Table:
         self.request = request
         self.columns: Columns = request.recordings.columns
         self.names = dict(zip(request.joints, request.names, strict=True))
-        self.dropped: tuple[str, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
+        self.dropped: tuple[Lack, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
 
     def times(self) -> Array:
         """The times [s] from the first row, which never go back."""
