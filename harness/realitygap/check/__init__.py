@@ -2,5 +2,6 @@
 
 from realitygap.check.check import accepted, blamed_joints, certain, check
 from realitygap.check.mistake import KINDS, Mistake
+from realitygap.check.spikes import advice
 
-__all__ = ["KINDS", "Mistake", "accepted", "blamed_joints", "certain", "check"]
+__all__ = ["KINDS", "Mistake", "accepted", "advice", "blamed_joints", "certain", "check"]

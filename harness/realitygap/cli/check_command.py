@@ -12,7 +12,7 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
     In the scenario, its robot and its recordings, before any physics is blamed. Exits with 2 where one is certain, or
     where `run` refuses the scenario; likely ones are listed. `accept` in the scenario says what is none.
     """
-    from realitygap.check import accepted
+    from realitygap.check import accepted, advice
     from realitygap.check import check as look
     from realitygap.compare.comparison import motions_of
     from realitygap.matrix.plan import Reader
@@ -30,5 +30,7 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
     for name, recording in ((e.name, e.recording) for e in prepared if e.recording is not None):
         for lack in recording.absent:
             typer.echo(f"note: {name}: {lack.text}")
+    for note in advice(file, read):
+        typer.echo(f"note: {note}")
     if not found:
         typer.echo("no mistake found")
