@@ -56,6 +56,28 @@ def test_columns_as_people_name_them(time: str, position: str, command: str, eff
     assert draft.told[0] == "not used: temperature_0, temperature_1"
 
 
+def test_columns_of_all_joints_that_are_not_understood_are_told_with_their_key(tmp_path: Path) -> None:
+    """As a scenario writes it: what is told is read so."""
+    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
+    frame = pd.DataFrame({"time": clock, "weather": 1.0})
+    for joint in joints:
+        frame[f"{joint}_pos"], frame[f"{joint}_spd"], frame[f"{joint}_tq"] = goal(clock), np.cos(clock), np.sin(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    (told,) = [line for line in draft.told if line.startswith("not used")]
+    assert told == (
+        "not used: weather, shoulder_spd, shoulder_tq, elbow_spd, elbow_tq (recordings.columns takes them for all "
+        "joints, as `velocity: spd`, and an effort beside it `effort: motor`)"
+    )
+    text = draft.path.read_text().replace(
+        "  columns:\n", "  effort: motor\n  columns:\n    velocity: spd\n    effort: tq\n"
+    )
+    draft.path.write_text(text)
+    trace = Signals(read_all(draft.path, joints)[1][0].trace)
+    np.testing.assert_allclose(trace.velocity, np.tile(np.cos(clock)[:, None], 2))
+    np.testing.assert_allclose(trace.effort, np.tile(np.sin(clock)[:, None], 2))
+
+
 @pytest.mark.parametrize(
     ("time", "position", "velocity", "factors"),
     [

@@ -182,7 +182,18 @@ def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence
     spare = [
         label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
     ]
-    return [f"not used: {', '.join(spare)}"] if spare else []
+    return [f"not used: {', '.join(spare)}{_way_to_use(spare, columns, joints)}"] if spare else []
+
+
+def _way_to_use(spare: Sequence[str], columns: Mapping[str, Column], joints: Sequence[str]) -> str:
+    """How a scenario names the columns that every joint has and whose names say nothing that is known."""
+    found = (_written(labels, spare, joints) for labels in by_stem(spare, joints).values()) if len(joints) > 1 else ()
+    stems = [name for name in found if isinstance(name, str)]
+    free = [key for key in ("velocity", "effort") if key not in columns]
+    if not stems or not free:
+        return ""
+    effort = ", and an effort beside it `effort: motor`" if "effort" in free else ""
+    return f" (recordings.columns takes them for all joints, as `{free[0]}: {stems[0]}`{effort})"
 
 
 def _words(column: Column) -> set[str]:
