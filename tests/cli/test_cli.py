@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import realitygap_engines as engines
 from realitygap.cli.main import main
-from realitygap.cli.options import named_after
+from realitygap.cli.options import folder_for, named_after
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = (
@@ -42,6 +42,15 @@ def test_results_of_two_scenarios_of_a_folder_stay_apart() -> None:
     names = {file: named_after(ROOT / "scenarios" / "ur10e" / file) for file in ("scenario.yaml", "loaded.yaml")}
     assert names == {"scenario.yaml": "ur10e", "loaded.yaml": "ur10e_loaded"}
     assert named_after(ROOT / "arm_diagnosis" / "diagnosis.json") == "arm_diagnosis"
+
+
+@pytest.mark.parametrize(
+    ("command", "kind"),
+    [("run", ""), ("matrix", ""), ("diagnose", "_diagnosis"), ("rehearse", "_rehearsal"), ("propose", "_proposal")],
+)
+def test_help_says_where_results_go(command: str, kind: str, capfd: pytest.CaptureFixture[str]) -> None:
+    text = " ".join(said(command, "--help", capfd=capfd).split())
+    assert f"result folder (default: {folder_for(None, f'NAME{kind}')}, after the file's folder)" in text
 
 
 def test_without_a_command_there_is_help(capfd: pytest.CaptureFixture[str]) -> None:

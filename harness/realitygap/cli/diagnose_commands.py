@@ -5,14 +5,14 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Jobs, Out, folder_for, named_after, say
+from realitygap.cli.options import RUNS, Engines, Jobs, folder_for, named_after, out_option, say
 from realitygap.diagnose.patience import EACH, MINUTES
 
 
 def diagnose(
     scenario: Annotated[Path, typer.Argument(help="the scenario file")],
     engine: Engines = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option(f"{RUNS}/NAME_diagnosis, after the file's folder")] = None,
     jobs: Jobs = None,
     mjcf: Annotated[bool, typer.Option("--mjcf", help="write the mended model as a MJCF file, too")] = False,
     minutes: Annotated[
@@ -56,7 +56,7 @@ def diagnose(
 def rehearse(
     scenario: Annotated[Path, typer.Argument(help="the scenario file")],
     engine: Engines = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option(f"{RUNS}/NAME_rehearsal, after the file's folder")] = None,
     budget: Annotated[float, typer.Option("--budget", help="seconds that it may take, about")] = 300.0,
     jobs: Jobs = None,
 ) -> None:
@@ -78,7 +78,7 @@ def rehearse(
 def propose(
     path: Annotated[Path, typer.Argument(help="the scenario file, or what a diagnosis of it wrote")],
     engine: Engines = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option(f"{RUNS}/NAME_proposal, after the file's folder")] = None,
     seconds: Annotated[float, typer.Option("--seconds", help="that a motion may take")] = 20.0,
     motions: Annotated[int, typer.Option("--motions", min=1, help="how many at most")] = 3,
     jobs: Jobs = None,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -16,7 +16,15 @@ def named_folder(name: str) -> Path:
     return Path(name)
 
 
-Out = Annotated[Path | None, typer.Option("--out", "-o", help="result folder", parser=named_folder, metavar="<path>")]
+def out_option(default: str) -> Any:
+    """The option `--out`; its default is said, as what is done without it is no value that typer could show."""
+    said = f"result folder (default: {default})"
+    return typer.Option("--out", "-o", help=said, parser=named_folder, metavar="<path>")
+
+
+RUNS = "results/runs"
+"""Where results go without `--out`, below the folder that one is in."""
+Out = Annotated[Path | None, out_option(f"{RUNS}/NAME, after the file's folder")]
 MaxGap = Annotated[
     list[str] | None,
     typer.Option(
@@ -38,7 +46,7 @@ def folder_for(out: Path | None, name: str = "", command: str | None = None) -> 
     from realitygap.files.unfinished import sweep
     from realitygap.files.whole import check_writable
 
-    folder = out or Path("results/runs") / name
+    folder = out or Path(RUNS) / name
     check_writable(folder)
     if command is not None:
         check_free(folder, command)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Out, folder_for, say
+from realitygap.cli.options import Engines, folder_for, out_option, say
 
 
 def engines() -> None:
@@ -36,7 +36,7 @@ def init(
 def audit(
     path: Annotated[Path | None, typer.Argument(help="a URDF or a scenario (default: test machines only)")] = None,
     engine: Engines = None,
-    out: Out = None,
+    out: Annotated[Path | None, out_option("none, and nothing is written")] = None,
 ) -> None:
     """Certify that all engines run the same machine.
 
