@@ -78,8 +78,9 @@ def test_repeated_readings(count: int) -> None:
     found = there(repeated_readings(replace(sound, trace=replace(sound.trace, position=position, velocity=velocity))))
     assert found.joints == ("swing",)
     assert found.numbers["count"] == count
-    assert found.sentence.startswith("one reading (" if count == 1 else f"{count} readings (")
-    assert (") repeats the one before it, in swing: " in found.sentence) == (count == 1)
+    moving = round(count / found.numbers["share"])
+    repeat = "repeats the one before it" if count == 1 else "repeat the one before them"
+    assert found.sentence == f"{count} of {moving} readings in motion {repeat}, in swing: the bus, not the robot"
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.5, 1.0, 2.0])

@@ -145,14 +145,14 @@ def repeated_readings(recording: Recording) -> Fault | None:
         repeated &= np.diff(trace.velocity, axis=0)[1:-1] == 0
     if not repeated.any():
         return None
-    count, share = int(repeated.sum()), float(repeated.sum() / moves.sum())
+    count, moving = int(repeated.sum()), int(moves.sum())
     joints = tuple(name for name, seen in zip(trace.joints, repeated.any(axis=0), strict=True) if seen)
     sentence = (
-        f"{f'{count} readings' if count > 1 else 'one reading'} ({share:.2%} of those in motion) "
+        f"{count} of {moving} reading{'s' * (moving > 1)} in motion "
         f"{'repeat the one before them' if count > 1 else 'repeats the one before it'}, in {', '.join(joints)}: "
         "the bus, not the robot"
     )
-    return Fault("repeated", joints, sentence, {"count": count, "share": share})
+    return Fault("repeated", joints, sentence, {"count": count, "share": count / moving})
 
 
 def command_glitches(recording: Recording) -> list[Fault]:
