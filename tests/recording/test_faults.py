@@ -51,6 +51,16 @@ def test_a_sound_recording_has_no_faults() -> None:
     assert faults(recording()) == []
 
 
+@pytest.mark.parametrize("count", [34, 60])
+def test_the_noise_of_a_joint_at_rest_is_no_velocity_of_a_sensor(count: int) -> None:
+    rng = np.random.default_rng(count)
+    trace, time = recording().trace, np.arange(count) / 200
+    for _ in range(30):
+        position, velocity = (np.round(rng.normal(0.0, s, (count, 2)), 6) for s in (3e-4, 5e-3))
+        still = replace(trace, time=time, position=position, velocity=velocity, command=None)
+        assert velocity_faults(replace(recording(), trace=still)) == []
+
+
 @pytest.mark.parametrize(
     ("scale", "time"), [(0.89, 0.0), (1.1, 0.0), (1.0, 0.02), (0.91, 0.014), (1.0, 0.05), (0.95, 0.03)]
 )

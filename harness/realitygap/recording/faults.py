@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.recording.delay import delay, moving_commands
-from realitygap.recording.noise import own_noise
+from realitygap.recording.noise import beyond_noise, own_noise
 from realitygap.recording.outliers import told
 from realitygap.recording.quantum import quantum
 from realitygap.recording.recording import Recording
@@ -76,7 +76,7 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     """Scale and low-pass time constant [s] that make a reported velocity of a position, and the correlation of travel.
 
     All Shape (t,), the velocity NaN where it is unknown. None where the joint moves too little to tell: less than 20
-    quanta within 0.15 s.
+    quanta within 0.15 s, or than its own noise.
     """
     known = np.isfinite(velocity)
     if known.sum() < 2:
@@ -89,9 +89,11 @@ def velocity_of_position(time: Array, position: Array, velocity: Array) -> tuple
     v = np.interp(even, time, velocity)
     span = max(1, round(STRETCH / float(even[1] - even[0])))
     travel: Array = float(even[1] - even[0]) * np.append(0.0, np.cumsum(0.5 * (v[1:] + v[:-1])))
-    by_velocity = travel[span:] - travel[:-span]
+    by_velocity, by_position = travel[span:] - travel[:-span], q[span:] - q[:-span]
     step = float(quantum(position[:, None])[0])
-    if np.abs(q[span:] - q[:-span]).max(initial=0.0) <= 20.0 * step or not by_velocity.any():
+    if np.abs(by_position).max(initial=0.0) <= 20.0 * step or not by_velocity.any():
+        return None
+    if not beyond_noise(by_position[:, None], position[:, None])[0]:
         return None
     period = float(even[1] - even[0])
 
