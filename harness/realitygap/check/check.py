@@ -21,6 +21,7 @@ from realitygap.check.motion import motion_mistakes, moving
 from realitygap.check.observed import Mask, Observed, Read, observe
 from realitygap.check.reading import stuck_readings
 from realitygap.check.repetitions import repetition_mistakes
+from realitygap.check.speed_limit import speed_limit_mistakes
 from realitygap.check.start import constant_command, start_mistakes
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
 from realitygap.check.window import window_mistakes
@@ -126,7 +127,9 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
     found, told = [*found, *asked_for], told | _joints(asked_for)
     heavy = load_mistakes([o for o in rest if o.follows.any()])
     efforts = [(o, not heavy and not link_mistakes(o.plant)) for o in rest]
-    return found + _plainest([m for o, known in efforts for m in effort_mistakes(o, _without(o, told), weighed=known)])
+    found += _plainest([m for o, known in efforts for m in effort_mistakes(o, _without(o, told), weighed=known)])
+    told = _joints(found)
+    return found + [m for o in rest for m in speed_limit_mistakes(o, _without(o, told))]
 
 
 def _plainest(mistakes: Sequence[Mistake]) -> list[Mistake]:

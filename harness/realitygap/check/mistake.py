@@ -24,6 +24,7 @@ KINDS: dict[str, str] = {
     "effort_direction": "an effort that does not push towards the command",
     "stuck_position": "a position that never changes while the joint is moved, or not for a while in which it was lost",
     "far_zero": "a position that is far from its command all along",
+    "velocity_limit": "a joint was driven faster than the velocity limit that its servo keeps in the simulation",
     "undriven_joint": "nothing drives a joint: it has no servo, or no command",
     "constant_command": "a command that never changes while the joint is moved",
     "far_start": "the motion begins far from its first command, or the simulation far from the motion",
