@@ -12,6 +12,7 @@ from realitygap.compare.row import outcome_told
 from realitygap.compare.table import means
 from realitygap.files.errors import spared
 from realitygap.files.progress import Progress
+from realitygap.files.result_kind import held_scenario
 from realitygap.matrix.collect import Collected
 from realitygap.matrix.junit import write_junit
 from realitygap.matrix.matrix import ONCE, Settings, dry_run, results
@@ -48,24 +49,26 @@ def run(
     file = load_scenario(path)
     limits = stated_budget(file.scenario.budget) | dict(budget)
     lacking: list[str] = []
+    before = held_scenario(out)
     with results(matrix_of(file, chosen, whole=whole), out, ONCE, progress) as (made, folder, _):
         if missing:
             with spared("the missing effort", made.failures):
                 lacking = add_missing(folder, file, chosen, progress)
         made.failures.extend(write_report(folder))
-    return _said(made, [*summary(made), *lacking], out, limits, junit)
+    return _said(made, [*summary(made), *lacking, *_replaced(before, made.name, out)], out, limits, junit)
 
 
 def matrix(
     path: Path, out: Path, settings: Settings, budget: Mapping[str, float], junit: Path | None, progress: Progress
 ) -> Said:
     """Run all cells of a matrix."""
+    before = held_scenario(out)
     made = make(load_matrix(path), out, settings, progress)
     counts = Counter(o.outcome for _, o in made.cells)
     lines = [f"{len(made.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
     with spared("the summary", made.failures):
         lines += [s.text for s in sentences(read_folder(out))]
-    return _said(made, lines, out, budget, junit)
+    return _said(made, [*lines, *_replaced(before, made.name, out)], out, budget, junit)
 
 
 def listed(path: Path, out: Path, settings: Settings) -> Said:
@@ -82,6 +85,13 @@ def make(matrix: MatrixFile, out: Path, settings: Settings, progress: Progress) 
     with results(matrix, out, settings, progress) as (made, folder, here):
         made.failures.extend(write_report(folder, here.each))
     return made
+
+
+def _replaced(before: str | None, name: str, out: Path) -> list[str]:
+    """That results of another scenario are no longer there, as two folders of one name come to."""
+    if before in (None, name):
+        return []
+    return [f"the results of {before}, which were in {out}, are replaced; --out takes another folder"]
 
 
 def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, float], junit: Path | None) -> Said:

@@ -20,6 +20,12 @@ def held_results(folder: Path) -> list[str]:
     return [command for command, (name, key) in WRITTEN.items() if key in content(folder / name)]
 
 
+def held_scenario(folder: Path) -> str | None:
+    """The name of the scenario or matrix whose results a folder holds; None where it holds none."""
+    name = content(folder / MANIFEST).get("scenario")
+    return name if isinstance(name, str) else None
+
+
 def check_free(folder: Path, command: str, option: str = "--out") -> None:
     """Make sure that a folder holds no other command's result: each writes its own `report.html`.
 
