@@ -169,7 +169,8 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     most = len(chosen) + (LATE if place.late else EXCHANGED)
     for p in place.lines.promises():
         worth = p.gain > (CLOSE * place.gain if chosen or place.late else 0.0)
-        if worth and p.block.suspect != place.change.suspect and len(chosen) < most:
+        asked = len(chosen) < most or narrower(p.block.suspect, place.change.suspect)
+        if worth and asked and p.block.suspect != place.change.suspect:
             chosen.setdefault(p.block.suspect, [p.change])
     narrow = [s for s in round_.everyone if limits(round_.simulations.problem, s, place.change.suspect)]
     far = [s for s in place.lines.limits() if s not in {place.change.suspect, *chosen}]
