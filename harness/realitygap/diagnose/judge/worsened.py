@@ -98,5 +98,6 @@ def in_units(problem: Problem, judge: Sequence[int], before: Simulations, after:
                     float(np.mean([_gap(problem, cases, signal, j, sim) for j in joints])) * scale
                     for sim in (before, after)
                 )
-                out.append(InUnits(signal, unit, was, now))
+                if was or now:  # of a joint that nobody drives both efforts are none
+                    out.append(InUnits(signal, unit, was, now))
     return out

@@ -133,8 +133,7 @@ def _compared(
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
             plainer, gains = _plainer(round_, rival, suspect), _gains(round_, rival, suspect)
-            soon = not round_.late or narrower(rival.suspect, suspect)  # which leads to nothing that is looked for
-            if (plainer and soon) or (gains and rival.ahead):
+            if (plainer and not round_.late) or (gains and rival.ahead):
                 out.offer(rival.scored, round_, plainer)
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
             if shorter is not None:
