@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,6 @@ import pandas as pd
 import pytest
 import yaml
 from numpy.testing import assert_allclose
-from realitygap.check.mistake import KINDS
 from realitygap.cli.main import main
 from realitygap.cli.results import make, summary
 from realitygap.compare.row import COLUMNS
@@ -28,7 +27,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.matrix.collect import Collected
 from realitygap.matrix.junit import write_junit
-from realitygap.matrix.matrix import ONCE, results
+from realitygap.matrix.matrix import ONCE
 from realitygap.matrix.matrix_file import matrix_of
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
@@ -230,49 +229,6 @@ def test_what_a_terminal_shows(demo: Run) -> None:
     shown = summary(demo.made)
     assert len(shown) == 3
     assert all(ENGINE in line and "noise floor" in line for line in shown)
-
-
-def test_a_terminal_says_where_the_floors_show_no_difference(demo: Run) -> None:
-    """As the page does: from the recording, and from the engine that is closest."""
-    one = demo.made.gaps
-    other = one.assign(engine="dart", mean_abs=1.05 * one["mean_abs"])
-    for floor, first, second in (
-        (0.0, False, ""),
-        (0.1, False, f"; no difference seen to {ENGINE})"),
-        (9.0, True, "; no difference seen from the recording)"),
-    ):
-        both = pd.concat([one, other]).assign(noise_floor=0.0)
-        both["numerical_floor"] = floor * both["mean_abs"]
-        told = summary(replace(demo.made, gaps=both))
-        for line in told[::2]:  # of every signal, dart's before MuJoCo's
-            assert line.endswith(second or ")")
-            assert ("no difference seen" in line) == bool(second)
-        assert all(("no difference seen from the recording" in line) == first for line in told[1::2])
-
-
-def test_readings_that_are_lost_are_told_where_they_are_a_part(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Before the long work begins, in one line of each kind; of single ones only in how many recordings they are."""
-    time = np.arange(100) * 0.01
-    frame = pd.DataFrame({"time": time, "command": 0.1 * time, "position": 0.1 * time, "velocity": 0.1})
-    frame = frame.rename(columns={c: f"{c}_elbow" for c in frame if c != "time"})
-    frame = frame.assign(command_shoulder=0.0, position_shoulder=0.0, velocity_shoulder=0.0)
-    lossy, single = frame.copy(), frame.copy()
-    lossy.loc[20:39, "position_elbow"] = np.nan
-    single.loc[50, "position_elbow"] = np.nan
-    for name, table in (("a", lossy[:-1]), ("b", lossy.drop(range(60, 80))), ("c", single)):
-        table.to_csv(tmp_path / f"{name}.csv", index=False)
-    runs = [{"path": f"{name}.csv"} for name in "abc"]
-    path = variant(tmp_path, motion={"recorded": "command"}, recordings={"runs": runs}, accept=[*KINDS])
-    with results(matrix_of(load_scenario(path), [ENGINE]), tmp_path / "out", ONCE, Progress()):
-        pass
-    told = [line for line in capsys.readouterr().err.splitlines() if "simulating" not in line]
-    assert told == [
-        "b: 20 of 80 samples are left out, as they are without the position of elbow (20) (and in 1 other recording)",
-        "b: no samples from 0.590 to 0.800 s, which come every 10 ms otherwise",
-        "recordings in which readings are absent: 3 (listed in manifest.json)",
-    ]
 
 
 def test_a_blow_up_is_an_outcome(tmp_path: Path) -> None:
