@@ -9,6 +9,7 @@ from realitygap.check.effort import THOUSAND
 from realitygap.check.follow import Following, following
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Mask, Observed
+from realitygap.check.words import effort_unit
 from realitygap.robot.drive import TORQUE
 
 FITS = 0.9
@@ -35,7 +36,7 @@ def commanded_efforts(o: Observed, judged: Mask) -> list[Mistake]:
 
 def _mistake(o: Observed, j: int, fit: Following) -> Mistake | None:
     """What the slope of measured by commanded effort says; the gain of the servo is what it should be."""
-    joint, unit, share = o.joints[j], "N" if o.prismatic(j) else "N·m", fit.share[0, 0]
+    joint, unit, share = o.joints[j], effort_unit(o, j), fit.share[0, 0]
     times = float(fit.slope[0, 0] / o.plant.drive["gain"][j])
     larger = max(abs(times), 1.0 / abs(times))
     who = "measured" if abs(times) > 1.0 else "commanded"

@@ -71,7 +71,7 @@ def undriven(o: Observed) -> list[Mistake]:
     limp = o.plant.drive["kind"] == NONE
     told = np.isfinite(o.recording.command).any(axis=0)
     recorded = o.scenario.motion is not None and o.scenario.motion.recorded is not None
-    moved = np.nan_to_num(o.recording.command[1:] - o.recording.command[:-1]).any(axis=0) if recorded else limp
+    moved = np.nan_to_num(np.diff(o.recording.command, axis=0)).any(axis=0) if recorded else limp
     out = []
     if (limp & moved).any() and not limp.all():
         names = [o.joints[j] for j in np.flatnonzero(limp & moved)]

@@ -17,7 +17,7 @@ from realitygap.check.follow import WEAK
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Mask, Observed
 from realitygap.check.servo import limit, stiffness, working_error
-from realitygap.check.words import FAR_BETTER, joined
+from realitygap.check.words import FAR_BETTER, effort_unit, joined
 from realitygap.trace.trace import Array
 
 DELAYS = (0.0, 0.05, 0.1, 0.15, 0.2)
@@ -208,7 +208,7 @@ def _size(o: Observed, j: int, fits: list[EffortFit], load: EffortFit, beside: E
     if not best.clear and not o.follows[j]:
         best, cause = beside, "what moving its links takes"
     shown = best.clear and (o.follows[j] or best.part > CLEAR)
-    unit = "N" if o.prismatic(j) else "N·m"
+    unit = effort_unit(o, j)
     told = f"{abs(best.ratio):.3g} times {cause} (explains {best.share:.0%})"
     for factor, word in ((THOUSAND, "larger"), (1.0 / THOUSAND, "smaller")):
         by_slope = shown and 1 / WEAK < abs(best.ratio) / factor < WEAK

@@ -7,6 +7,7 @@ import numpy as np
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import limit, stiffness
+from realitygap.check.words import effort_unit
 from realitygap.trace.trace import Array
 
 HEAVY = 30.0
@@ -46,7 +47,7 @@ def load_mistakes(observed: Sequence[Observed]) -> list[Mistake]:
 
 
 def _mistake(o: Observed, j: int, needed: float, given: float, certainty: Certainty, how: str) -> Mistake:
-    unit = "N" if o.prismatic(j) else "N·m"
+    unit = effort_unit(o, j)
     sentence = (
         f"moving {o.joints[j]} as measured takes {needed:.3g} {unit} (rms), and its servo gave about {given:.2g} "
         f"{unit}: masses or inertias a thousand times too {how}, as it seems; expected kg and kg·m²"

@@ -4,7 +4,7 @@ import numpy as np
 
 from realitygap.check.observed import Observed, Read, observe
 from realitygap.check.servo import limit
-from realitygap.check.words import joined
+from realitygap.check.words import effort_unit, joined
 from realitygap.recording import read_recording
 from realitygap.recording.commands import usual_period
 from realitygap.robot.drive import PID
@@ -46,8 +46,8 @@ def _spikes(o: Observed) -> tuple[float, str] | None:
     worse = np.flatnonzero(o.follows & takes_rate & (given > measured) & (measured > 0.0))
     if not len(worse):
         return None
-    j = worse[np.argmax(given[worse] / measured[worse])]
-    unit, names = "N" if o.prismatic(j) else "N·m", joined([o.joints[i] for i in worse])
+    j = int(worse[np.argmax(given[worse] / measured[worse])])
+    unit, names = effort_unit(o, j), joined([o.joints[i] for i in worse])
     return float(given[j] / measured[j]), (
         f"{o.name}: of commands that are held for {1e3 * period:.3g} ms, kd makes spikes of effort at {names}: "
         f"{given[j]:.3g} {unit} at {o.joints[j]} (rms), where {measured[j]:.3g} {unit} were measured, and more at a "

@@ -27,6 +27,11 @@ def unit(o: Observed, joint: int) -> str:
     return "m" if o.prismatic(joint) else "rad"
 
 
+def effort_unit(o: Observed, joint: int) -> str:
+    """The unit of a joint's effort."""
+    return "N" if o.prismatic(joint) else "N·m"
+
+
 def factor_of(o: Observed, joint: int, slope: float, weakest: float = WEAKEST) -> tuple[str, float] | None:
     """The kind of mistake and the factor that a slope shows, and 1 over it where the other side has it; None: neither.
 
