@@ -51,6 +51,7 @@ TABLE = (
     "servo_rate",
     "derivative_gain",
     "derivative_lag",
+    "motor_saturation",
     "effort_map",
 )
 """The effects in the order of DESIGN.md's table: among exact twins the first is named."""

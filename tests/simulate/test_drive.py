@@ -57,6 +57,7 @@ SERVOS = {
     "pid without rotor": {"kind": PID, "kp": 30.0, "kd": 0.8, "armature": 0.0},
     "cascade": {"kind": CASCADE, "gain": 0.05, "kv": 20.0, "kp": 30.0, "armature": 0.0},
     "heating": {"heating": 0.05},
+    "saturation": {"saturation": 0.05},
     "ripple": {"ripple": 0.2, "ripple_periods": 9.0},
     "compliance": {"stiffness": 150.0},
     "stiff compliance": {"stiffness": 1e4},

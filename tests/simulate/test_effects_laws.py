@@ -265,7 +265,9 @@ def test_an_effect_says_why_it_cannot_act_somewhere() -> None:
         "link_inertia": arm(),
         "payload": arm(),
     }
-    for name in ("dead_band", "command_profile", "gain_law", "servo_rate", "effort_limit", "current_lag"):
+    for name in ("dead_band", "command_profile", "gain_law", "servo_rate"):
+        expected[name] = bare
+    for name in ("effort_limit", "current_lag", "motor_saturation"):
         expected[name] = bare
     expected["motor_braking"] = pid
     for name, plant in expected.items():

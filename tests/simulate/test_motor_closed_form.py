@@ -79,6 +79,15 @@ def test_heating_lowers_torque_and_induced_voltage_over_time() -> None:
         assert_allclose(motor, kt / RESISTANCE * (SUPPLY - kt * 2.0), atol=1e-12)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_saturation_takes_more_of_a_large_torque(sign: float) -> None:
+    """What is left is 1/(1 + saturation·torque): a half where that product is one, and all of a small torque."""
+    plant = added(effort_servo(wheel()), "motor_saturation", saturation=0.5)
+    for asked in (1e-6, 1.0, 2.0):
+        motor, _ = one_step(plant, np.array([sign * asked]), np.zeros(1))
+        assert_allclose(motor, sign * asked / (1.0 + 0.5 * asked), rtol=1e-12)
+
+
 @everywhere
 def test_a_ripple_holds_the_joint_in_its_valleys(engine: str) -> None:
     """Its torque is −amplitude·sin(periods·q + phase): small swings about a valley have √(amplitude·periods/I)."""

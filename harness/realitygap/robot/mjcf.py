@@ -42,6 +42,7 @@ WORDS = {
     "stall_torque": "torque_speed_limit",
     "sag_resistance": "voltage_sag",
     "heating": "motor_heating",
+    "saturation": "motor_saturation",
     "gain_exponent": "gain_law",
     "protection": "effort_limit beyond a position error",
     "profile_speed": "command_profile",

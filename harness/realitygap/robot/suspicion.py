@@ -18,7 +18,7 @@ SERVO: dict[str, tuple[str, ...]] = {
     "kd": ("derivative_gain",),
     "duty_limit": ("effort_limit",),
     "supply": ("supply_voltage", "voltage_sag"),
-    "torque_constant": ("torque_constant", "motor_heating"),
+    "torque_constant": ("torque_constant", "motor_heating", "motor_saturation"),
     "armature": ("rotor_inertia",),
     "friction": (*DRY, "viscous_friction"),
     "friction.coulomb": DRY,

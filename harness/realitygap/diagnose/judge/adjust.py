@@ -18,7 +18,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import SILENT, as_seen
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
-from realitygap.diagnose.judge.held_out import moved, predicted
+from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE
@@ -61,7 +61,7 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     return replace(
         found,
         best=replace(fitted, fit=as_seen(simulations.problem, fitted.fit)),
-        cautious=_as_wide(found.yardstick.cautious(fitted.fit), found.cautious),
+        cautious=as_wide(found.yardstick.cautious(fitted.fit), found.cautious),
         floors=shown,
         adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),
     )
@@ -111,19 +111,6 @@ def _worth(found: Found, fitted: Scored) -> dict[Suspect, float]:
             away = np.array([(fit.value[i] - none[fit.names[i][1]]) / fit.size[i] for i in own])
             out[change.suspect] = 0.5 * float(away @ np.linalg.solve(exact.covariance[np.ix_(own, own)], away))
     return out
-
-
-def _as_wide(adjusted: Scored, named: Scored) -> Scored:
-    """A model for intervals that are as wide as those of the model before, and as its values moved from there: another
-    law may be what is off, so that no value is known better than where nothing is adjusted. Beside a gain that is no
-    constant, which friction that is uneven had been taken for, four of four of a Stribeck friction missed the truth.
-    """
-    fit, before = adjusted.fit, named.fit
-    known = {(before.changes[i].suspect, n): off for (i, n), off in zip(before.names, named.deviation, strict=True)}
-    was = np.array([known.get((fit.changes[i].suspect, n), 0.0) for i, n in fit.names])
-    lacking = (was / fit.size) ** 2 - np.diag(adjusted.covariance)
-    away = np.zeros(len(was)) if adjusted.away is None else adjusted.away
-    return replace(adjusted, away=np.sqrt(np.maximum(away**2, lacking) + moved(fit, before) ** 2))
 
 
 def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Sequence[Change]:

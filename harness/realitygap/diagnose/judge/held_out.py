@@ -195,6 +195,19 @@ def moved(fit: Fit, before: Fit) -> Array:
     return np.asarray((fit.value - np.array(was)) / fit.size)
 
 
+def as_wide(adjusted: Scored, named: Scored) -> Scored:
+    """A model for intervals that are as wide as those of the model before, and as its values moved from there: another
+    law may be what is off, so that no value is known better than where nothing is adjusted. Beside a gain that is no
+    constant, which friction that is uneven had been taken for, four of four of a Stribeck friction missed the truth.
+    """
+    fit, before = adjusted.fit, named.fit
+    known = {(before.changes[i].suspect, n): off for (i, n), off in zip(before.names, named.deviation, strict=True)}
+    was = np.array([known.get((fit.changes[i].suspect, n), 0.0) for i, n in fit.names])
+    lacking = (was / fit.size) ** 2 - np.diag(adjusted.covariance)
+    away = np.zeros(len(was)) if adjusted.away is None else adjusted.away
+    return replace(adjusted, away=np.sqrt(np.maximum(away**2, lacking) + moved(fit, before) ** 2))
+
+
 def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Collection[Suspect]) -> Found:
     """The best model without one finding, and without each of the others besides that are `asked`."""
     known = found.without.get(suspect)

@@ -130,7 +130,8 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:
             ways.append(([*accepted, *each], limit * len(each)))
-    several = linear_at(round_.look, [p.block for p in round_.promised]).several(limit)
+    sensible = [p.block for p in round_.promised if not p.block.start.first.absurd(plant)]
+    several = linear_at(round_.look, sensible).several(limit)
     for number in sorted({min(len(several), AT_ONCE), len(several)} - {0, 1}):
         ways.append(([*accepted, *(p.block.start.first for p in several[:number])], limit * number))
     ways += [([*accepted, *plain], limit) for plain in _plain_fits(round_)]

@@ -16,6 +16,7 @@ from realitygap.robot.effects.ground import GROUND_FRICTION, SOFT_GROUND
 from realitygap.robot.effects.motor import (
     CONSTANT_EFFORT,
     MOTOR_HEATING,
+    MOTOR_SATURATION,
     SUPPLY_VOLTAGE,
     TORQUE_CONSTANT,
     TORQUE_RIPPLE,
@@ -71,6 +72,7 @@ EFFECTS: dict[str, Effect] = {
         SERVO_RATE,
         DERIVATIVE_GAIN,
         DERIVATIVE_LAG,
+        MOTOR_SATURATION,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""

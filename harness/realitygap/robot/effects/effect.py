@@ -72,6 +72,7 @@ class Effect:
         largest: (plant, index) -> the largest values that can be there, where that is less than a parameter's bound.
         excludes: effects that say the same thing another way and cannot stand on the same target.
         dissipative: it can only take energy out.
+        everywhere: every machine has a little of it, so that it is no name until it is clearly more than usual.
         unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
         absurd: (plant, index, values) -> a reason in words why these values are not this effect there, or None.
         contradiction: (values) -> what in them cannot be, and what was expected, or None.
@@ -95,6 +96,7 @@ class Effect:
     largest: Callable[[Plant, int], dict[str, float]] | None = None
     excludes: tuple[str, ...] = ()
     dissipative: bool = False
+    everywhere: bool = False
     absurd: Callable[[Plant, int, Values], str | None] | None = None
     unseen_when_followed: str = ""
     contradiction: Callable[[Values], str | None] | None = None

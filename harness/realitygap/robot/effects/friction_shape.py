@@ -89,4 +89,5 @@ FRICTION_RIPPLE = Effect(
         "position); Popović, Goldenberg, IEEE Trans. Robotics and Automation 14(1), 1998.",
     ),
     dissipative=True,
+    everywhere=True,
 )

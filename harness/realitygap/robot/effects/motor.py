@@ -184,6 +184,38 @@ MOTOR_HEATING = Effect(
 )
 
 
+def _visible_saturation(plant: Plant, index: int) -> dict[str, float]:
+    return {"saturation": 0.15 / effort_scale(plant, index)}
+
+
+MOTOR_SATURATION = Effect(
+    name="motor_saturation",
+    changes="torque",
+    sits_at="joint",
+    law="drive",
+    parameters=(Parameter("saturation", "1/(N·m)", 0.0, 1000.0, 0.1, absent=0.0),),
+    signals=("effort", "position", "velocity"),
+    own=reads(saturation="saturation"),
+    apply=writes(saturation="saturation"),
+    possible=has_servo,
+    scaled=_visible_saturation,
+    everywhere=True,
+    page=Page(
+        physics="A motor gives less torque per ampere the more current it has: its iron saturates, and what the gears "
+        "lose grows with the load that drives them. Of a torque constant that is 4 % smaller at 2 N·m the saturation "
+        "is 0.02 1/(N·m).",
+        equation="τ = asked/(1 + saturation·|asked|), of what the current gives where nothing saturates",
+        signature="Large loads sag more than in proportion and fast starts lag, while small and slow moves are as "
+        "before.",
+        confused_with="voltage_sag (falls with power, not with torque), torque_constant (at every load alike), "
+        "torque_speed_limit and effort_limit (a ceiling), link_mass (against gravity).",
+        source="Fröhlich 1881: magnetisation = current/(a + b·current), in Fitzgerald, Kingsley, Umans: Electric "
+        "Machinery, chapter 1; Hollerbach, Hunter, Ballantyne: A comparative analysis of actuator technologies, 1992.",
+    ),
+    unseen_when_followed="the effort is what the motion takes, not what a servo gives",
+)
+
+
 def _visible_ripple(plant: Plant, index: int) -> dict[str, float]:
     return {"amplitude": 0.02 * effort_scale(plant, index)}
 

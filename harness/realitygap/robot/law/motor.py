@@ -24,6 +24,8 @@ def motor_torque(d, s, command, upcoming, rate, speed, t, h):  # type: ignore[no
         torque, back = loops(d, s, command, upcoming, rate, h)
     s.started = 1
     s.goal = command
+    if d.saturation > 0.0:
+        torque, back = saturated(d, torque, back, speed)
     if d.stall_torque < np.inf:
         torque, back = below_line(d, torque, back, speed)
     if abs(torque - back * speed) > d.real_limit:
@@ -59,6 +61,15 @@ def below_line(d, torque, back, speed):  # type: ignore[no-untyped-def]
     if abs(now) > bound:  # on the line the torque is bound(ω): its slope is damping, as back-EMF is
         return sign * d.stall_torque, d.stall_torque / d.no_load_speed
     return torque, back
+
+
+@compiled
+def saturated(d, torque, back, speed):  # type: ignore[no-untyped-def]
+    """torque - back·speed, less what saturation takes of it; its slope over the speed is damping, too."""
+    now = torque - back * speed
+    left = 1.0 / (1.0 + d.saturation * abs(now))
+    back *= left * left
+    return left * now + back * speed, back
 
 
 @compiled

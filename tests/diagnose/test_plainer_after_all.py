@@ -1,0 +1,41 @@
+"""What a search had no time to ask: whether a plainer name says as much, on the bundled demo (synthetic)."""
+
+import pytest
+from demo_problem import demo_problem, planted, suspect_of
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge.plainer import plainer
+from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.yardstick import Yardstick
+
+
+@pytest.mark.parametrize(("forward", "backward"), [(0.60, 0.61), (0.35, 0.85)])
+def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, backward: float) -> None:
+    bare = demo_problem()
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    missing = guess(bare, sides).at({"forward": forward, "backward": backward})
+    problem = planted(missing)
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [missing])
+        best = yardstick.fit([missing])
+        alone = yardstick.fit([])
+        assert best is not None
+        assert alone is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
+        best, alone = yardstick.score(best.fit), yardstick.score(alone.fit)
+        gains, without = {sides: best.evidence - alone.evidence}, {sides: alone}
+        found = Found(alone, best, best, 6.0, {sides: 7.0}, yardstick.floors, yardstick, gains, without)
+        kept = plainer(simulations, found, suspects(problem), [sides])
+        told = plainer(simulations, found, suspects(problem), [])
+    assert kept is found, "what the recordings tell by themselves"
+    if backward - forward > 0.1:
+        assert told is found
+        return
+    (change,) = told.best.fit.changes
+    assert change.suspect == dry
+    assert change.parameters["torque"] == pytest.approx(0.5 * (forward + backward), rel=0.03)
+    assert told.without == {dry: alone}
+    assert told.gains[dry] == pytest.approx(told.best.evidence - alone.evidence)
+    assert told.least == {sides: 7.0, dry: 7.0}
+    assert [r.suspect for r in told.rivals[dry]] == [sides]
