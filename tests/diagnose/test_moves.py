@@ -88,7 +88,7 @@ def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
 @pytest.mark.parametrize(("end", "most"), [("joint", 3.0), ("contact", 3.0), ("beyond", 12.0), ("nothing", 3.0)])
 def test_a_link_has_no_more_inertia_than_with_its_mass_at_its_ends(end: str, most: float) -> None:
     """Of a rod m·L²/4 instead of m·L²/12, where a joint, a contact or nothing tells how long it is; (3·L)²/4 where a
-    contact is a whole length beyond its end. Fits and straight lines keep to that.
+    contact is a whole length beyond its end. Fits and straight lines keep to a quarter more, as laws are off.
     """
     problem, length = demo_problem(), 0.4
     (world, arm, *rest), (first, second) = problem.plant.model.links, problem.plant.model.joints
@@ -102,7 +102,7 @@ def test_a_link_has_no_more_inertia_than_with_its_mass_at_its_ends(end: str, mos
     there = replace(problem, plant=replace(problem.plant, model=model))
     suspect = suspect_of(there, "link_inertia", "upper_arm")
     low, high = bounds(there.plant, suspect)["scale"]
-    assert high == pytest.approx(most)
+    assert high == pytest.approx(1.25 * most)
     assert 0.0 < low < 1.0
     assert Space(there, [guess(there, suspect)]).at(np.array([1e6]))[0].parameters["scale"] == high
     assert (found := starts(there, suspect)[0].at([1e6])).parameters["scale"] == high
@@ -110,8 +110,9 @@ def test_a_link_has_no_more_inertia_than_with_its_mass_at_its_ends(end: str, mos
     assert not found.at({"scale": 0.99 * high}).absurd(there.plant)
 
 
-@pytest.mark.parametrize(("place", "load"), [(0.3, True), (1.0, False), (-1.0, False)])
+@pytest.mark.parametrize(("place", "load"), [(0.3, True), (0.5, True), (0.6, False), (1.0, False), (-1.0, False)])
 def test_a_load_that_ran_away_from_its_link_is_none(place: float, load: bool) -> None:
+    """The arm reaches 0.27 m, and a load is no further from its link than twice that."""
     problem = demo_problem()
     change = guess(problem, suspect_of(problem, "payload", "forearm"))
     assert change.at({"mass": 1.0, "x": 0.0, "y": place, "z": 0.1}).absurd(problem.plant) == (not load)

@@ -40,7 +40,7 @@ NEARLY = "nearly_"
 """Kinds of this prefix plant the same as without it, on machines whose laws are only nearly right."""
 FIRMWARE = {"single": 24, "half": 12, "nearly_single": 12, "nearly_half": 12}
 """So many of a kind, behind the others, have effects of firmware and fittings."""
-LATER = {"single": 3, "half": 2, "nearly_single": 3, "nearly_half": 2}
+LATER = {"single": 6, "half": 4, "nearly_single": 6, "nearly_half": 4}
 """So many of a kind, behind those, have `firmware.LATER`."""
 COUNTS = ORDINARY | {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
 COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12, "nearly_several": 15}

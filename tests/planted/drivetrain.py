@@ -26,6 +26,7 @@ _NUMBERS = {
     "stall_torque": np.inf,
     "no_load_speed": np.inf,
     "heating": 0.0,
+    "saturating": 0.0,  # share of a torque that is lost, per N·m of it, where it is small
     # firmware and power stage
     "dead_band": 0.0,  # full width
     "gain_exponent": 1.0,

@@ -117,6 +117,14 @@ def derivative_lag(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Value
     return {"time": time}
 
 
+def motor_saturation(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
+    """A quarter and more of the largest torque is lost, of small ones little."""
+    lost = size * rng.uniform(0.25, 0.40)
+    saturation = _rounded(lost / (1.0 - lost) / r.peak[j])
+    p.drive["saturating"][j] = saturation
+    return {"saturation": saturation}
+
+
 EFFECTS: dict[str, Plant] = {
     "payload": payload,
     "dead_band": dead_band,
@@ -131,5 +139,5 @@ EFFECTS: dict[str, Plant] = {
     "gain_law": gain_law,
     "servo_rate": servo_rate,
 }
-LATER: dict[str, Plant] = {"derivative_lag": derivative_lag}
+LATER: dict[str, Plant] = {"derivative_lag": derivative_lag, "motor_saturation": motor_saturation}
 """Behind the others in the suite, whose cases stay as they are."""

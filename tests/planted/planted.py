@@ -271,6 +271,7 @@ UNSEEN_BEHIND_A_VELOCITY_LOOP = (
     "effort_limit",
     "current_lag",
     "gain_law",
+    "motor_saturation",
 )
 """On a horizontal linear drive: it has no gravity and no duty, and its loop hides the rest."""
 

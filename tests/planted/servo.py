@@ -147,6 +147,7 @@ def motor_effort(d, s, w, bus, t, h):  # type: ignore[no-untyped-def]
         torque = min(max(torque, -d.effort_limit), d.effort_limit)
     if d.kind != DC and (d.fading != 0.0 or d.saturation != 0.0):  # a drive whose torque loop trusts its constant
         torque *= _fading(d, t) * _saturation(d, torque)
+    torque /= 1.0 + d.saturating * abs(torque)
     if d.stall_torque < np.inf:
         sign = 1.0 if torque > 0.0 else -1.0
         bound = max(0.0, d.stall_torque * (1.0 - w * sign / d.no_load_speed))

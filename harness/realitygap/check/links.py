@@ -5,6 +5,7 @@ from realitygap_engines.model.robot import Model
 
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.robot.plant import Plant
+from realitygap.robot.reach import gyration, reach
 
 WIDE, ABSURD = 5.0, 30.0
 """A body whose mass lies further from its centre than this many times the robot's reach is none; the second certain."""
@@ -47,21 +48,21 @@ def _long_links(model: Model) -> list[Mistake]:
 
 def _heavy_links(model: Model) -> list[Mistake]:
     """Inertias that are far too large for the size of a robot, and a link that is far heavier than all others."""
-    reach = _reach(model)
+    size = reach(model)
     out = []
     first = 0 if model.floating else 1
     for i in range(first, len(model.links)):
         link = model.links[i]
-        if reach <= 0 or not _turns(model, i):
+        if size <= 0 or not _turns(model, i):
             continue
-        gyration = float(np.sqrt(np.linalg.eigvalsh(link.inertia)[-1] / link.mass))
-        if gyration > WIDE * reach:
+        wide = gyration(link)
+        if wide > WIDE * size:
             sentence = (
-                f"the inertia of link {link.name} puts its {link.mass:.3g} kg {gyration:.3g} m from its centre, "
-                f"and the whole robot reaches {reach:.3g} m: an inertia in another unit than kg·m², or a mass in "
+                f"the inertia of link {link.name} puts its {link.mass:.3g} kg {wide:.3g} m from its centre, "
+                f"and the whole robot reaches {size:.3g} m: an inertia in another unit than kg·m², or a mass in "
                 "another than kg; expected both to fit the link's size"
             )
-            certainty: Certainty = "certain" if gyration > ABSURD * reach else "likely"
+            certainty: Certainty = "certain" if wide > ABSURD * size else "likely"
             out.append(Mistake("impossible_link", certainty, _joint_of(model, i), sentence, "robot.urdf"))
     masses = np.array([link.mass for link in model.links[first:]])
     if len(masses) > 2:
@@ -91,15 +92,3 @@ def _turns(model: Model, link: int) -> bool:
             return True
         link = joint.parent
     return False
-
-
-def _reach(model: Model) -> float:
-    """How far the robot reaches from its base, stretched out [m]: offsets of joints, centres of mass and contact."""
-    far = np.zeros(len(model.links))
-    for i, joint in enumerate(model.joints):
-        far[i + 1] = far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
-    own = [
-        max([float(np.linalg.norm(x.com)), *(float(np.linalg.norm(s.center)) + s.radius for s in x.spheres)])
-        for x in model.links
-    ]
-    return float(np.max(far + np.array(own)))

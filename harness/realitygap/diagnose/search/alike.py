@@ -30,16 +30,19 @@ FEW, FEW_OF_THE_LAW = 2, 4
 """So many of either, those that do most."""
 
 
-def alike(round_: Round, finding: Change) -> dict[Suspect, Change]:
-    """Suspects that stand beside a finding and do most of what it does, and how much of each does: the best few.
+def alike(round_: Round, *findings: Change) -> dict[Suspect, Change]:
+    """Suspects that stand beside a finding, or several, and do most of what these do, and how much of each does: the
+    best few.
 
     Args:
-        round_: of the search, at the model with the finding.
-        finding: one of its changes.
+        round_: of the search, at the model with the findings.
+        findings: changes of it, which are all of one law at the same joints.
     """
-    fit, zero = round_.now.fit, neutral(round_.simulations.problem.plant, finding.suspect)
-    own = np.array([fit.changes[i].suspect == finding.suspect for i, _ in fit.names], dtype=bool)
-    away = np.array([finding.parameters[n] - zero[n] for (i, n), o in zip(fit.names, own, strict=True) if o])
+    fit, plant = round_.now.fit, round_.simulations.problem.plant
+    known = {c.suspect: c for c in findings}
+    own = np.array([fit.changes[i].suspect in known for i, _ in fit.names], dtype=bool)
+    of = [(known[fit.changes[i].suspect], n) for (i, n), o in zip(fit.names, own, strict=True) if o]
+    away = np.array([c.parameters[n] - neutral(plant, c.suspect)[n] for c, n in of])
     blocks = [b for b in round_.blocks if b.start.kind != "whole"]
     if not np.isfinite(away).all() or not away.any() or not blocks:
         return {}  # a limit or a stiffness, which is not undone by a straight line
@@ -53,7 +56,7 @@ def alike(round_: Round, finding: Change) -> dict[Suspect, Change]:
         suspect = blocks[i].suspect
         if done[i] > MOST * whole:
             most.setdefault(suspect, lines.promise(i).change)
-        elif done[i] > OF_THE_LAW * whole and _of_the_law(suspect, finding.suspect):
+        elif done[i] > OF_THE_LAW * whole and _of_the_law(suspect, findings[0].suspect):
             of_the_law.setdefault(suspect, lines.promise(i).change)
     return dict([*islice(most.items(), FEW), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
 

@@ -21,6 +21,7 @@ from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.merged import merged
+from realitygap.diagnose.search.one_for_two import one_for_two
 from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
@@ -120,7 +121,7 @@ def search(
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
             following = grown(round_, kept, failed, again) if fresh else None
-        for ways in (parted, shared, merged):
+        for ways in (parted, shared, merged, one_for_two):
             if following is None and fresh and not _over(round_, first):
                 following = grown(round_, kept, failed, again, ways(round_))
         seen.add(here)

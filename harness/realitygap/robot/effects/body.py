@@ -121,6 +121,10 @@ def _has_inertia(plant: Plant, index: int) -> str | None:
 ROD = 3.0
 """Mass at both ends of a rod, m·L²/4, has so many times the inertia of one that is even, m·L²/12."""
 
+SPARE = 1.25
+"""How many times as much is fitted at most: while laws beside it are a little off, 3.69 was for 3.24 times, where 3.56
+would be at the end of the link."""
+
 
 def _within(plant: Plant, index: int) -> dict[str, float]:
     """As if all mass sat at the end of the link, as far as joints and contacts tell how long it is: where a rotor was
@@ -129,7 +133,7 @@ def _within(plant: Plant, index: int) -> dict[str, float]:
     link, joints = plant.model.links[index], plant.model.joints
     ends = [np.zeros(3), *(j.origin[:3, 3] for j in joints if j.parent == index), *(s.center for s in link.spheres)]
     reach = max(float(np.linalg.norm(end - link.com)) for end in ends)
-    return {"scale": max(link.mass * reach**2 / float(np.linalg.norm(link.inertia, 2)), ROD)}
+    return {"scale": SPARE * max(link.mass * reach**2 / float(np.linalg.norm(link.inertia, 2)), ROD)}
 
 
 def _beyond(plant: Plant, index: int, values: Values) -> str | None:
