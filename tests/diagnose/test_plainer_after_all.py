@@ -1,11 +1,13 @@
 """What a search had no time to ask: whether a plainer name says as much, on the bundled demo (synthetic)."""
 
+from dataclasses import replace
+
 import pytest
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.plainer import plainer
+from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -22,7 +24,9 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
         alone = yardstick.fit([])
         assert best is not None
         assert alone is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
+        yardstick.stand_at(
+            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
+        )
         best, alone = yardstick.score(best.fit), yardstick.score(alone.fit)
         gains, without = {sides: best.evidence - alone.evidence}, {sides: alone}
         found = Found(alone, best, best, 6.0, {sides: 7.0}, yardstick.floors, yardstick, gains, without)
@@ -39,3 +43,31 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert told.gains[dry] == pytest.approx(told.best.evidence - alone.evidence)
     assert told.least == {sides: 7.0, dry: 7.0}
     assert [r.suspect for r in told.rivals[dry]] == [sides]
+
+
+@pytest.mark.parametrize("adjusted", [False, True], ids=["both named", "the spring adjusted"])
+def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted: bool) -> None:
+    bare = demo_problem()
+    spring, effort = (guess(bare, suspect_of(bare, e, "elbow")) for e in ("cable_spring", "constant_effort"))
+    problem = planted(spring.at({"stiffness": 1.0, "rest": 0.6}))
+    with Simulations(problem, 2) as simulations:
+        two = [spring.at({"stiffness": 1.0}), effort.at({"effort": 0.6})]
+        yardstick = Yardstick(simulations, two)
+        best = yardstick.fit(two)
+        assert best is not None
+        yardstick.stand_at(
+            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
+        )
+        best = yardstick.score(best.fit)
+        found = Found(best, best, best, 6.0, {effort.suspect: 9.0}, yardstick.floors, yardstick)
+        found = replace(found, adjusted=(spring.suspect,) if adjusted else ())
+        kept = joined(simulations, found, [effort.suspect])
+        told = joined(simulations, found, [])
+    assert kept is found, "what the recordings tell by themselves"
+    (change,) = told.best.fit.changes
+    assert change.suspect == spring.suspect
+    assert change.parameters == pytest.approx({"stiffness": 1.0, "rest": 0.6}, rel=0.05)
+    assert told.adjusted == (), "what takes the place of a name is one"
+    assert told.gains[spring.suspect] > 100.0
+    assert told.least[spring.suspect] == 9.0
+    assert [c.suspect for c in told.without[spring.suspect].fit.changes] == []

@@ -1,7 +1,8 @@
-"""Plainer names after all, where a richer one says no more of the same law than laws are off by.
+"""Plainer names after all, where a richer one says no more of the same law than laws are off by, and one name for two.
 
 The search asks that too, as long as it has time: a round that is late tells which names cannot be told apart, and looks
-for no others. Dry friction of 0.11 N·m was left told by side, as 0.096 and 0.126 N·m, and the plain one was likelier.
+for no others. Dry friction of 0.11 N·m was left told by side, as 0.096 and 0.126 N·m, and the plain one was likelier;
+and a spring at zero beside a constant effort for one that rests elsewhere.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.simpler import narrower
@@ -29,8 +31,43 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
     for change in found.best.fit.changes:
         if change.suspect not in {*keep, *found.adjusted}:
             plain = _plain(simulations, found, change, everyone)
-            found = found if plain is None else _renamed(simulations, found, change.suspect, plain)
+            found = found if plain is None else _said_plainly(simulations, found, change.suspect, plain)
     return found
+
+
+def joined(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> Found:
+    """What was found with the shape of a finding freed in the place of another one at its joints, where that loses no
+    more than that one has to gain and held-out runs do not speak for both. `keep` stays.
+    """
+    for change in found.best.fit.changes:
+        shaped = with_shape(simulations.problem.plant, change, 1.0)
+        for other in found.best.fit.changes if change.free and shaped is not change else ():
+            there = set(other.suspect.joints) <= set(change.suspect.joints) and other is not change
+            if other.free and there and other.suspect not in keep:
+                one = _in_place_of_both(simulations, found, shaped, other.suspect)
+                if one is not None:
+                    return joined(simulations, one, keep)
+    return found
+
+
+def _in_place_of_both(simulations: Simulations, found: Found, shaped: Change, other: Suspect) -> Found | None:
+    """What was found with a change of a shape in the place of a plainer one and of another one; None where that says
+    less.
+    """
+    yardstick, best, name = found.yardstick, found.best, shaped.suspect
+    rest = [c for c in best.fit.changes if c.suspect not in (other, name)]
+    quick = yardstick.fit([*rest, shaped], best.fit, "quick")
+    if quick is None or best.evidence - quick.evidence > FAR * found.limit:
+        return None
+    full = yardstick.refined(quick)
+    if full is None or best.evidence - full.evidence >= found.limit:
+        return None
+    if not predicted(simulations, found.floors, best.fit.changes, full.fit.changes).worse:
+        return None
+    both = {other, name} if other not in found.adjusted else {other}  # what takes the place of a name is one
+    gone = replace(found, adjusted=tuple(s for s in found.adjusted if s not in both))
+    alone = yardstick.fit(rest, best.fit, "quick")
+    return _renamed(simulations, gone, (other, name), full, alone, [])
 
 
 def _plain(simulations: Simulations, found: Found, change: Change, everyone: Sequence[Suspect]) -> Scored | None:
@@ -59,24 +96,39 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     return likely and predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).worse
 
 
-def _renamed(simulations: Simulations, found: Found, before: Suspect, plain: Scored) -> Found:
-    """What was found with another name in the place of a finding; it is the last change of its model."""
-    name = plain.fit.changes[-1].suspect
-    without, gains, rivals = dict(found.without), dict(found.gains), dict(found.rivals)
-    alone, others = without.pop(before, None), rivals.pop(before, [])
-    gains.pop(before, None)
-    if alone is not None:
-        without[name], gains[name] = alone, plain.evidence - alone.evidence
+def _said_plainly(simulations: Simulations, found: Found, before: Suspect, plain: Scored) -> Found:
+    """What was found with a plainer name in the place of a finding, from which the richer one may not be told."""
+    name, known = plain.fit.changes[-1].suspect, found.rivals.get(before, [])
     richer = Rival(before, found.best, *compare(found.yardstick.channels, plain, found.best))
-    rivals[name] = [richer, *(r for r in others if name not in r.suspects)]
-    least = {**found.least, name: found.least.get(before, found.limit)}
+    others = [r for r in known if name not in r.suspects]
+    return _renamed(simulations, found, [before], plain, found.without.get(before), [richer, *others])
+
+
+def _renamed(
+    simulations: Simulations,
+    found: Found,
+    before: Collection[Suspect],
+    plain: Scored,
+    alone: Scored | None,
+    rivals: Sequence[Rival],
+) -> Found:
+    """What was found with another name in the place of findings, which is the last change of its model; `alone` is the
+    model without it.
+    """
+    name = plain.fit.changes[-1].suspect
+    left = {s: v for s, v in found.without.items() if s not in before}
+    gains = {s: v for s, v in found.gains.items() if s not in before}
+    if alone is not None:
+        left[name], gains[name] = alone, plain.evidence - alone.evidence
+    others = {s: of for s, of in found.rivals.items() if s not in before}
+    least = max((found.least.get(s, found.limit) for s in before), default=found.limit)
     return replace(
         found,
         best=plain,
         cautious=as_wide(found.yardstick.cautious(plain.fit), found.cautious),
         floors=measure(simulations, plain.fit.changes),
         gains=gains,
-        without=without,
-        rivals=rivals,
-        least=least,
+        without=left,
+        rivals={**others, name: list(rivals)},
+        least={**found.least, name: least},
     )
