@@ -116,7 +116,7 @@ def everyday(problem: Problem, suspect: Suspect) -> bool:
         return suspect.target == "*"
     if suspect.effect not in EVERYDAY[bool(problem.file.scenario.servos)]:
         return False
-    by_type = suspect.effect not in OWN and _many_joints(problem)
+    by_type = suspect.effect not in OWN and many_joints(problem)
     return len(suspect.indices) > 1 if by_type else len(suspect.indices) == 1
 
 
@@ -124,10 +124,11 @@ def plain_first(problem: Problem, everyone: Sequence[Suspect]) -> list[Suspect]:
     """What a search looks at first: with many joints only what a plain fit has free. All else is seen beside that, and
     seen falsely without it: what one joint lacks moves all of a humanoid.
     """
-    return [s for s in everyone if everyday(problem, s)] if _many_joints(problem) else list(everyone)
+    return [s for s in everyone if everyday(problem, s)] if many_joints(problem) else list(everyone)
 
 
-def _many_joints(problem: Problem) -> bool:
+def many_joints(problem: Problem) -> bool:
+    """Whether a robot has so many joints that a plain fit has one value for every type of servo."""
     return int(problem.judged.sum()) > FEW
 
 

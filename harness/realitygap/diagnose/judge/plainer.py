@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import many_joints
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.held_out import as_wide, predicted
@@ -27,7 +28,11 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
     """What was found with the plainest name of the same law for each finding that says as much, all values fitted anew:
     likelier than the richer one, or as likely, or apart from it by no more than such laws are off by. `keep` stays, and
     what held-out runs speak for. The richer name is told as one that cannot be told from it.
+
+    With many joints, of which each fit costs many simulations, only the search asks.
     """
+    if many_joints(simulations.problem):
+        return found
     for change in found.best.fit.changes:
         if change.suspect not in {*keep, *found.adjusted}:
             plain = _plain(simulations, found, change, everyone)
@@ -37,8 +42,10 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
 
 def joined(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> Found:
     """What was found with the shape of a finding freed in the place of another one at its joints, where that loses no
-    more than that one has to gain and held-out runs do not speak for both. `keep` stays.
+    more than that one has to gain and held-out runs do not speak for both. `keep` stays; with many joints all does.
     """
+    if many_joints(simulations.problem):
+        return found
     for change in found.best.fit.changes:
         shaped = with_shape(simulations.problem.plant, change, 1.0)
         for other in found.best.fit.changes if change.free and shaped is not change else ():
