@@ -35,10 +35,7 @@ DRIVE = np.dtype(
         ("sag_resistance", np.float64),
         ("sag_group", np.int64),  # servos of one group, with the same supply, share it
         ("heating", np.float64),
-        (
-            "saturation",
-            np.float64,
-        ),  # share of a torque that is lost, per N·m of it, where it is small
+        ("saturation", np.float64),  # share of a small torque that is lost, per N·m of it
         ("offset", np.float64),
         ("dead_band", np.float64),  # of the position error: half width
         ("servo_rate", np.float64),  # at which the position error is sampled and held [Hz]; infinite: continuously

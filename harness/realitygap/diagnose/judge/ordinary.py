@@ -30,9 +30,10 @@ less than `MUCH` times the need for. Of 238 names of planted machines, at ten se
 1.02, 1.13 and 1.13 times; of a plant nobody had seen it was friction that is uneven by a tenth, with 1.04. Of arms that
 are followed they were eight true ones, with 1.12 to 1.97."""
 USUAL = 2.0
-"""The same in multiples of `AS_LARGE`'s measure for what every machine has a little of, as friction that is uneven by 4
-to 10 % over the angle and motors that droop by 2 to 5 %: a typical machine's geometric mean is exceeded 1.6 times at
-the end of either range. Such droops of a plant that nobody had seen did 0.6 to 1.5, and a ripple of 8 % 1.2."""
+"""How many times what laws are off by in a typical machine a finding does, to be named, where every machine has a
+little of it (`AS_LARGE` for all else): friction is uneven by 4 to 10 % over the angle, and motors droop by 2 to 5 %, of
+which the ends are 1.6 times the geometric means. Such droops of a plant that nobody had seen did 0.6 to 1.5, and a
+ripple of 8 % 1.2."""
 APART = 0.6
 """What laws have to leave of it, as a share of its length, where they are off by nothing of its kind: of the limit and
 the ripple they left 0.67 and 0.80, of two false limits 0.54 and 0.55."""

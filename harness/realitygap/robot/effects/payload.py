@@ -38,10 +38,8 @@ def _none(plant: Plant, index: int, values: Values) -> str | None:
         return "nothing would be loaded"
     if max(abs(values[axis]) for axis in "xyz") >= WHERE:
         return f"a load {WHERE:g} m or more beside its link is none: a lever and no weight would be added"
-    far, size = (
-        math.hypot(*(values[axis] for axis in "xyz")),
-        max(reach(plant.model), gyration(plant.model.links[index])),
-    )
+    far = math.hypot(*(values[axis] for axis in "xyz"))
+    size = max(reach(plant.model), gyration(plant.model.links[index]))
     if far > FURTHER * size > 0.0:
         return f"a load {far:.3g} m beside its link is none of a robot that reaches {size:.3g} m"
     return None
