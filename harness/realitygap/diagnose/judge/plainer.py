@@ -24,15 +24,22 @@ from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.simpler import narrower
 
 
+def told_plainly(
+    simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]
+) -> Found:
+    """What was found in as few and as plain names as say as much: `joined`, then `plainer`. With many joints, of which
+    each fit costs many simulations, only the search asks.
+    """
+    if many_joints(simulations.problem):
+        return found
+    return plainer(simulations, joined(simulations, found, keep), everyone, keep)
+
+
 def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Found:
     """What was found with the plainest name of the same law for each finding that says as much, all values fitted anew:
     likelier than the richer one, or as likely, or apart from it by no more than such laws are off by. `keep` stays, and
     what held-out runs speak for. The richer name is told as one that cannot be told from it.
-
-    With many joints, of which each fit costs many simulations, only the search asks.
     """
-    if many_joints(simulations.problem):
-        return found
     for change in found.best.fit.changes:
         if change.suspect not in {*keep, *found.adjusted}:
             plain = _plain(simulations, found, change, everyone)
@@ -42,10 +49,8 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
 
 def joined(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> Found:
     """What was found with the shape of a finding freed in the place of another one at its joints, where that loses no
-    more than that one has to gain and held-out runs do not speak for both. `keep` stays; with many joints all does.
+    more than that one has to gain and held-out runs do not speak for both. `keep` stays.
     """
-    if many_joints(simulations.problem):
-        return found
     for change in found.best.fit.changes:
         shaped = with_shape(simulations.problem.plant, change, 1.0)
         for other in found.best.fit.changes if change.free and shaped is not change else ():
