@@ -1,8 +1,11 @@
-"""What intervals tell once what laws are off by is adjusted: a name after all, or none after all.
+"""Names after all, or none after all, once what laws are off by is adjusted.
 
-Mass and rotor widened the interval of a viscous friction until it held zero; with another centre of mass and friction
-by load beside it, it was 1.42 ± 0.04 N·m·s/rad, of 1.48. Where nothing but a motor was 3 % weaker than its effort says,
-a link's inertia was 2.7 times as large, and beside a mass and a friction 2.0 times, give or take all of that.
+What else is off hides what is missing. Mass and rotor widened the interval of a viscous friction until it held zero;
+with another centre of mass and friction by load beside it, it was 1.42 ± 0.04 N·m·s/rad, of 1.48. Beside a rotor's
+inertia that was not found, dry friction of two joints, half as large again as in the model, seemed to be what laws are
+off by; with the inertia adjusted, all three did 4 to 9 times that. Where nothing but a motor was 3 % weaker than its
+effort says, a link's inertia was 2.7 times as large, and beside a mass and a friction 2.0 times, give or take all of
+that.
 """
 
 from __future__ import annotations
@@ -13,43 +16,41 @@ from dataclasses import replace
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.held_out import predicted, sure_of
-from realitygap.diagnose.judge.ordinary import all_done
+from realitygap.diagnose.judge.ordinary import all_done, more_than_usual
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
 
 
-def told_after_all(
-    simulations: Simulations, found: Found, vague: Sequence[Suspect], rivals: Mapping[Suspect, Sequence[Rival]]
-) -> Found:
-    """What was found with those of `vague`, which the search had found, named that are adjusted, as far as their
-    intervals tell them there, they gain what a name has to, on held-out runs too, and do more than laws are off by.
+def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspect, Sequence[Rival]]) -> Found:
+    """What was found with those of the adjusted named that are names where they are: as far as their intervals tell
+    them, they gain what a name has to, on held-out runs too, and do more than laws are off by.
 
     Args:
         simulations: of the problem.
         found: with what laws are off by adjusted.
-        vague: what was not named for its interval.
         rivals: what could stand in the place of each finding of the search.
     """
-    asked = [s for s in vague if s in found.adjusted]
-    asked = [s for s in asked if s not in untold(simulations.problem, found.cautious)]
+    untold_there = untold(simulations.problem, found.cautious)
+    asked = [s for s in found.adjusted if s not in untold_there]
     done = all_done(simulations, found) if asked else {}
-    for suspect in (s for s, d in done.items() if s in asked and d.named(found.limit)):
+    for suspect in (s for s in asked if s in done and done[s].named(found.limit)):
         rest = [c for c in found.best.fit.changes if c.suspect != suspect]
         without = found.yardstick.fit(rest, found.best.fit, "compared")
         if without is None:
             continue
         gain = found.best.evidence - without.evidence
         spoken_for = not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse
-        if gain >= found.limit and spoken_for:
-            found = replace(
-                found,
-                adjusted=tuple(s for s in found.adjusted if s != suspect),
-                gains=found.gains | {suspect: gain},
-                without=found.without | {suspect: without},
-                rivals=found.rivals | {suspect: list(rivals.get(suspect, ()))},
-                least={**found.least, suspect: found.limit},
-            )
+        named = replace(
+            found,
+            adjusted=tuple(s for s in found.adjusted if s != suspect),
+            gains=found.gains | {suspect: gain},
+            without=found.without | {suspect: without},
+            rivals=found.rivals | {suspect: list(rivals.get(suspect, ()))},
+            least={**found.least, suspect: found.limit},
+        )
+        if gain >= found.limit and spoken_for and more_than_usual(simulations, named, suspect, done[suspect]):
+            found = named
     return found
 
 

@@ -83,10 +83,16 @@ def tolerated(simulations: Simulations, found: Found, told: Collection[Suspect])
     What an unnamed effort explains better is no name either (`Round.beaten`).
     """
     done = {s: d for s, d in all_done(simulations, found).items() if s not in told}
-    more = [s for s, d in done.items() if d.named(found.limit) and (d.large or _missed(simulations, found, s))]
-    named = [s for s in more if _plain(simulations, found, s) or _shows(simulations, found, s)]
-    named = [s for s in named if s not in found.beaten]
-    return replace(found, adjusted=tuple(s for s in done if s not in named))
+    return replace(found, adjusted=tuple(s for s, d in done.items() if not more_than_usual(simulations, found, s, d)))
+
+
+def more_than_usual(simulations: Simulations, found: Found, suspect: Suspect, done: Done) -> bool:
+    """Whether a finding is a name, beside the model without it (`Found.without`), as `tolerated` says."""
+    if suspect in found.beaten or not done.named(found.limit):
+        return False
+    if not done.large and not _missed(simulations, found, suspect):
+        return False
+    return _plain(simulations, found, suspect) or _shows(simulations, found, suspect)
 
 
 def _plain(simulations: Simulations, found: Found, suspect: Suspect) -> bool:

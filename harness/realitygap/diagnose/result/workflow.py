@@ -202,7 +202,7 @@ def _searched(
     found, vague = certain_of(simulations, found, keep)
     found = adjusted(simulations, tolerated(simulations, found, keep), set(against))
     found = told_plainly(simulations, found, everyone, keep)
-    found = told_after_all(simulations, found, vague, rivals)
+    found = told_after_all(simulations, found, rivals)
     found, wide = untold_after_all(simulations, found, keep)
     named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
     why_not = [_against(s, told) for s, told in against.items()]
