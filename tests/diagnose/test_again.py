@@ -11,6 +11,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.again import told_after_all, untold_after_all
+from realitygap.diagnose.judge.ordinary import all_done
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -42,6 +43,30 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
         assert told.rivals == {s: []}
         assert told.least == {s: found.limit}
         assert {c.suspect for c in told.without[s].fit.changes} == {dry.suspect}
+
+
+@pytest.mark.parametrize(("whole", "named"), [(2.2, True), (1.8, False)])
+def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_by(
+    monkeypatch: pytest.MonkeyPatch, whole: float, named: bool
+) -> None:
+    """A mass that is 6 % off is ordinary, and one that is a third off is not, however well both are told."""
+    bare = demo_problem()
+    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
+    problem = planted(dry)
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [dry])
+        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry])
+        assert still is not None
+        assert best is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect]))
+        base, best = yardstick.score(Fit((), still)), yardstick.score(best.fit)
+        cautious = yardstick.cautious(best.fit)
+        found = Found(base, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(dry.suspect,))
+        does = all_done(simulations, found)[dry.suspect]
+        monkeypatch.setattr(Yardstick, "typical", lambda *_: does.whole / whole)
+        told = told_after_all(simulations, found, {})
+    assert does.whole > 10.0, "it is plain to see"
+    assert told.adjusted == (() if named else (dry.suspect,))
 
 
 @pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])

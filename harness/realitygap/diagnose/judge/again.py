@@ -24,7 +24,7 @@ from realitygap.diagnose.search.search import Found
 
 def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspect, Sequence[Rival]]) -> Found:
     """What was found with those of the adjusted named that are names where they are: as far as their intervals tell
-    them, they gain what a name has to, on held-out runs too, and do more than laws are off by.
+    them, they gain what a name has to, on held-out runs too, and do clearly more than laws are off by.
 
     Args:
         simulations: of the problem.
@@ -34,7 +34,7 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
     untold_there = untold(simulations.problem, found.cautious)
     asked = [s for s in found.adjusted if s not in untold_there]
     done = all_done(simulations, found) if asked else {}
-    for suspect in (s for s in asked if s in done and done[s].named(found.limit)):
+    for suspect in (s for s in asked if s in done and done[s].unusual and done[s].named(found.limit)):
         rest = [c for c in found.best.fit.changes if c.suspect != suspect]
         without = found.yardstick.fit(rest, found.best.fit, "compared")
         if without is None:
