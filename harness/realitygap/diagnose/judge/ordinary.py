@@ -34,7 +34,7 @@ USUAL = 2.0
 little of it (`AS_LARGE` for all else): friction is uneven by 4 to 10 % over the angle, and motors droop by 2 to 5 %, of
 which the ends are 1.6 times the geometric means. Such droops of a plant that nobody had seen did 0.6 to 1.5, and a
 ripple of 8 % 1.2. The same is asked of what was adjusted, to be named after all (`judge.again`): of a plant that nobody
-had seen what was missing did 3.4 to 9.0 times that, and a mass and a rotor's inertia that were 6 % off less."""
+had seen what was missing did 3.4 to 9.0 times that, and a rotor's inertia that was 6 % off less."""
 APART = 0.6
 """What laws have to leave of it, as a share of its length, where they are off by nothing of its kind: of the limit and
 the ripple they left 0.67 and 0.80, of two false limits 0.54 and 0.55."""
