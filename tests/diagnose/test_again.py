@@ -49,7 +49,7 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
 def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_by(
     monkeypatch: pytest.MonkeyPatch, whole: float, named: bool
 ) -> None:
-    """A mass that is 6 % off is ordinary, and one that is a third off is not, however well both are told."""
+    """Twice as much, however well it is told: of a law that is off by what laws are off by nothing is missing."""
     bare = demo_problem()
     dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
     problem = planted(dry)

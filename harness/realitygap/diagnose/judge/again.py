@@ -42,7 +42,6 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
         if without is None:
             continue
         gain = found.best.evidence - without.evidence
-        spoken_for = not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse
         named = replace(
             found,
             adjusted=tuple(s for s in found.adjusted if s != suspect),
@@ -51,7 +50,9 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
             rivals=found.rivals | {suspect: list(rivals.get(suspect, ()))},
             least={**found.least, suspect: found.limit},
         )
-        if suspect in sure_of(named) and spoken_for and more_than_usual(simulations, named, suspect, done[suspect]):
+        if suspect not in sure_of(named) or not more_than_usual(simulations, named, suspect, done[suspect]):
+            continue
+        if not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse:
             found = named
     return found
 
