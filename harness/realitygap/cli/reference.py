@@ -2,6 +2,7 @@
 the JSON Schemas for editors.
 """
 
+import inspect
 from types import NoneType
 from typing import Annotated, Any, Literal, get_args, get_origin
 
@@ -36,7 +37,7 @@ def reference() -> str:
     """The tables of all sections as Markdown: key, type, default and meaning, in the order of first use."""
     parts = [BEGIN, ""]
     for section in dict.fromkeys(section for file in FILES for section in _sections(file)):
-        parts += [f"### {_title(section)}", "", (section.__doc__ or "").split("\n\n")[0], ""]
+        parts += [f"### {_title(section)}", "", inspect.cleandoc(section.__doc__ or ""), ""]
         parts += ["| key | type | default | meaning |", "|---|---|---|---|"]
         for name, field in section.model_fields.items():
             kind = _type(field.annotation, field.metadata)

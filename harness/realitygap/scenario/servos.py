@@ -50,7 +50,11 @@ class DcServo(Servo):
 
 
 class PidServo(Servo):
-    """torque = kp·e + ki·∫e + kd·de/dt, within the URDF's effort and velocity limits."""
+    """torque = kp·e + ki·∫e + kd·de/dt, within the URDF's effort and velocity limits.
+
+    At the effort limit the integral stands still; over the last 5 % of the velocity limit, torque that drives on falls
+    to zero. A held command that jumps gives an impulse of kd times the jump, spread over two steps.
+    """
 
     kind: Literal["pid"] = Field(description="this kind of servo")
     kp: NotNegative = Field(description="torque per error [N·m/rad]")

@@ -140,10 +140,11 @@ LOAD_DEPENDENT_FRICTION = Effect(
     possible=anywhere,
     page=Page(
         physics="Gear teeth are pressed together by the torque that they transmit, and rub the more the larger it is. "
-        "The transmitted torque is half of the difference between what drives the joint and what loads it: both are "
-        "equal and opposite where the joint rests or moves steadily. It adds to the bound of the other dry friction, "
-        "stuck or moving. Coefficients that are published for |τ_m − τ_l| (Rhoban's M2 to M6) count twice here.",
-        equation="bound += (coefficient + static_coefficient·exp(−|ω/velocity|^exponent))·½·|τ_m − τ_l|",
+        "What they transmit is the mean of what the motor gives, τ_m (after its back-EMF), and what reaches the link, "
+        "τ_out (after the rotor's inertia and all friction): what holds and accelerates the links and their load. It "
+        "adds to the bound of the other dry friction, stuck or moving. Coefficients that are published for "
+        "|τ_m − τ_l|, with the load's torque τ_l = −τ_out (Rhoban's M2 to M6), count twice here.",
+        equation="bound += (coefficient + static_coefficient·exp(−|ω/velocity|^exponent))·½·|τ_m + τ_out|",
         signature="A hysteresis between effort and position that widens with the load; a loaded joint holds where an "
         "unloaded one creeps to its goal.",
         confused_with="coulomb_friction or stribeck_friction (where the load is always the same: a second load parts "

@@ -80,7 +80,8 @@ FRICTION_RIPPLE = Effect(
         "are worn: the whole bound of dry friction, also of what grows with the load, is multiplied. It is the "
         "rotor's angle as seen at the joint, where backlash or a spring lies behind it. Where there is no dry "
         "friction it does nothing.",
-        equation="the bound of dry friction is multiplied by 1 + share·sin(periods·q + phase)",
+        equation="the bound of dry friction is multiplied by 1 + share·sin(periods·q + phase), "
+        "q in rad, of a slide in m",
         signature="A hysteresis between effort and position whose width changes with the angle, the same in both "
         "directions; the joint sticks at some angles and not at others.",
         confused_with="torque_ripple (pushes one way at an angle, whatever the direction), load_dependent_friction "

@@ -240,7 +240,8 @@ TORQUE_RIPPLE = Effect(
         physics="Magnets that prefer some angles (cogging) and gear teeth give a torque that depends on the angle and "
         "repeats over a turn. It is a potential: it holds the joint near its valleys. It acts on the rotor: where "
         "backlash or a spring lies behind it, the angle is the rotor's.",
-        equation="τ += −amplitude·sin(periods·q + phase), on the rotor and with its angle as seen at the joint",
+        equation="τ += −amplitude·sin(periods·q + phase), on the rotor and with its angle as seen at the joint "
+        "[rad, of a slide m]",
         signature="Jerks at fixed angles, in both directions of motion; a frequency in the velocity that is "
         "proportional to speed.",
         confused_with="stribeck_friction (jerks at any angle), joint_compliance (one frequency whatever the speed).",

@@ -21,8 +21,8 @@ BACKLASH = Effect(
     page=Page(
         physics="Play between gear teeth: the rotor, with its inertia and the friction of the gears, moves freely "
         "over the dead zone before it pushes the output again, and lands there with an impact without rebound. The "
-        "encoder is on the output, so the servo does not see its own rotor cross the gap. Grease in the gap drags "
-        "the output along with the rotor (`damping`).",
+        "encoder is on the output, so the servo does not see its own rotor cross the gap; the back-EMF is that "
+        "of the rotor. Grease in the gap drags the output along with the rotor (`damping`).",
         equation="τ on the output only where |q_rotor − q| = angle/2, between damping·(ω_rotor − ω); "
         "armature·dω_rotor/dt = τ_m − friction − τ",
         signature="A flat spot of the position after every reversal of the load, without an offset of the effort, "
