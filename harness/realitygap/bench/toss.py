@@ -52,7 +52,7 @@ def toss_errors(engine: str, ground: Ground, tosses: Sequence[Experiment], step_
         for toss in tosses:
             assert toss.recording is not None
             measured = toss.recording.trace
-            start, length = toss.start(), toss.duration + physics.timestep
+            start, length = toss.start(physics.timestep), toss.duration + physics.timestep
             try:
                 with as_its_outcome(engine):
                     trace = rollout(simulation, toss.plant, toss.commands, start, length).trace

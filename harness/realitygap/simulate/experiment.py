@@ -87,9 +87,14 @@ class Experiment:
             return None
         return launch(self.plant.loaded(), self.recording.trace)
 
-    def start(self) -> State:
-        """The state at which the simulation starts; found once."""
-        return replace(self._begun)
+    def start(self, timestep: float | None = None) -> State:
+        """The state at which a simulation with this step [s], by default the scenario's, starts; found once."""
+        state = replace(self._begun)
+        if self.scenario.robot.base == "free":
+            # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far
+            early = 0.5 * (timestep or self.scenario.timestep)
+            state.base_linear = state.base_linear + np.array([0.0, 0.0, GRAVITY * early])
+        return state
 
     @cached_property
     def _begun(self) -> State:
@@ -272,7 +277,7 @@ def _start(experiment: Experiment) -> State:
     position = position - np.where(springs, resting_twist(plant, experiment.commands, position), 0.0)
     trace = recording.trace if recording is not None and plant.model.floating else None
     thrown = experiment.thrown
-    state = start_state(
+    return start_state(
         plant,
         position,
         stand_on=scenario.robot.stand_on,
@@ -281,10 +286,6 @@ def _start(experiment: Experiment) -> State:
         base_linear=thrown.linear if thrown else _first(trace, "base_linear"),
         base_angular=thrown.angular if thrown else _first(trace, "base_angular"),
     )
-    if scenario.robot.base == "free":
-        # engines keep velocities half a step before positions: without this a flight falls g·h·t/2 too far
-        state.base_linear = state.base_linear + np.array([0.0, 0.0, GRAVITY]) * scenario.timestep / 2
-    return state
 
 
 def _first(trace: Trace | None, signal: str) -> Array | None:
@@ -322,8 +323,9 @@ def simulate(
     physics = Physics(1.0 / (step_rate or scenario.physics.step_rate), scenario.physics.solver_iterations, plant.ground)
     supply = supply_of(recording, experiment.begin)
     integral = integral_of(scenario, plant, recording, experiment.commands, experiment.begin)
-    start = experiment.start() if experiment.midway is None else experiment.midway.state(plant, physics.timestep)
-    steps = steps_of(experiment.duration + physics.timestep, physics.timestep)
+    midway, h = experiment.midway, physics.timestep
+    start = experiment.start(h) if midway is None else midway.state(plant, h)
+    steps = steps_of(experiment.duration + h, h)
     with as_its_outcome(engine), opened(engine, plant.machine(), physics) as simulation:
         parts = rolled(
             simulation,
