@@ -14,9 +14,9 @@ from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
 from realitygap.files.result_kind import held_results
 from realitygap.page.style import AXES, SIGNALS
+from realitygap.report.groups import SECTIONS, by_kind
 from realitygap.report.manifest import read_manifest
 
-GROUPS = ("moving", "unmoving", "base")
 FLOOR_COLUMNS = ["noise_floor", "numerical_floor"]
 
 
@@ -26,7 +26,7 @@ class Results:
 
     Attributes:
         folder: where it lies.
-        gaps: `gaps.csv`, with one more column per overridden key.
+        gaps: `gaps.csv`, with one more column per overridden key, and the group as `groups.by_kind` tells it.
         means: means over joints (see `realitygap.compare.table.means`), with the same columns.
         cells: one row per cell: the key columns, outcome, note, and where known `real_time_factor` and
             `wall_seconds`.
@@ -73,6 +73,7 @@ def read_folder(folder: Path) -> Results:
         raise InputError(f"{folder}: found no gaps.csv; {expected}")
     raw = read_gaps(path)
     _check(path, raw)
+    raw = by_kind(raw)
     manifest = read_manifest(folder)
     paths = sorted((folder / FOLDER).glob("*.parquet"))
     listed = manifest.get("traces")
@@ -94,7 +95,7 @@ def read_folder(folder: Path) -> Results:
 
 def _check(path: Path, raw: pd.DataFrame) -> None:
     """Make sure that a table's words are those that a run writes, which its types do not tell."""
-    for column, known in (("signal", SIGNALS), ("group", GROUPS)):
+    for column, known in (("signal", SIGNALS), ("group", SECTIONS)):
         strange = sorted(set(raw[column]) - set(known))
         if strange:
             raise InputError(f"{path}: {column}: found {strange[0]!r}; expected one of {', '.join(known)}")

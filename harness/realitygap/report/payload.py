@@ -8,7 +8,8 @@ import pandas as pd
 
 from realitygap.compare.row import EXCLUDED
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engine_dashes, engine_label
-from realitygap.report.folder import GROUPS, Results, cell_key
+from realitygap.report.folder import Results, cell_key
+from realitygap.report.groups import groups
 
 DIGITS = 4
 """Significant digits of numbers in the page: one more than it prints."""
@@ -28,6 +29,7 @@ def payload(results: Results) -> dict[str, Any]:
     joints = sorted(gaps["joint"].unique())
     units = sorted(gaps["unit"].unique())
     signals = list(SIGNALS)
+    found = groups(gaps)
     number_of = {cell_key(r): i for i, r in enumerate(results.cells.to_dict("records"))}
     return {
         "axes": [_axis(a, values) for a, values in results.axes.items()],
@@ -42,13 +44,13 @@ def payload(results: Results) -> dict[str, Any]:
         "signals": [{"key": s, "label": SIGNALS[s]} for s in signals],
         "joints": joints,
         "units": units,
-        "groups": list(GROUPS),
+        "groups": found,
         "cells": _cells(results),
         "rows": {
             "cell": [number_of[cell_key(r)] for r in gaps.to_dict("records")],
             "joint": _indices(gaps["joint"], joints),
             "signal": _indices(gaps["signal"], signals),
-            "group": _indices(gaps["group"], list(GROUPS)),
+            "group": _indices(gaps["group"], found),
             "unit": _indices(gaps["unit"], units),
             "excluded": [int(n == EXCLUDED) for n in gaps["note"]],
             **{name: [_short(v) for v in gaps[column]] for name, column in NUMBERS.items()},

@@ -11,11 +11,11 @@ import pandas as pd
 
 from realitygap.compare.row import outcome_told
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_label, number, quantity
-from realitygap.report.folder import GROUPS, Results
+from realitygap.report.folder import Results
+from realitygap.report.groups import groups, joints_of, kinds
 from realitygap.report.levels import Level, differ, joined, levels
 
 SAME = "no difference seen"
-OF = {"moving": "moving joints", "unmoving": "unmoving joints", "base": "the base"}
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,15 @@ def sentences(results: Results) -> list[Sentence]:
     rest: list[Sentence] = []
     changing = [a for a in results.varying if a not in ("engine", "recording", "scenario", "step_rate")]
     changing = [a for a in changing if a != "solver_iterations"]
-    for group in GROUPS:
+    for group in groups(results.means):
         part = results.means[results.means["group"] == group]
         found = [s for s in (closest(p, results) for p in _by_signal(part)) if s]
         found += [s for axis in changing for s in changes(part, axis, results)]
-        if group != "unmoving":
+        still = group.startswith("unmoving")
+        if not still:
             found += [s for axis in ("step_rate", "solver_iterations") for s in enough(part, axis, results)]
             found += [] if any(s.about == "speed" for s in out) else speed(part, results)
-        (rest if group == "unmoving" else out).extend(found)
+        (rest if still else out).extend(found)
     return [*out, *worst_joint(results), *rest]
 
 
@@ -104,7 +105,7 @@ def changes(part: pd.DataFrame, axis: str, results: Results) -> list[Sentence]:
     if len(first) < 2:
         return []
     best = min(first, key=lambda level: level.gap)
-    group = OF[str(part["group"].iloc[0])]
+    group = joints_of(str(part["group"].iloc[0]))
     out = []
     for other in first:
         if other.value == best.value:
@@ -213,12 +214,13 @@ def speed(part: pd.DataFrame, results: Results) -> list[Sentence]:
 
 def worst_joint(results: Results) -> list[Sentence]:
     """By every signal, the joint with the largest gap that is above its floors, and whether the engines agree on it."""
-    rows = results.gaps[(results.gaps["outcome"] == "ok") & (results.gaps["group"] != "base")]
-    found = (_worst(part, results) for part in _by_signal(rows) if part["joint"].nunique() > 1)
+    ran = results.gaps[results.gaps["outcome"] == "ok"]
+    parts = [(kind, part) for kind, rows in kinds(ran) for part in _by_signal(rows)]
+    found = (_worst(part, kind, results) for kind, part in parts if part["joint"].nunique() > 1)
     return [s for s in found if s]
 
 
-def _worst(rows: pd.DataFrame, results: Results) -> Sentence | None:
+def _worst(rows: pd.DataFrame, kind: str, results: Results) -> Sentence | None:
     mean = rows.groupby("joint")[["mean_abs", "noise_floor", "numerical_floor"]].mean()
     seen = mean["mean_abs"][mean["mean_abs"] > mean[["noise_floor", "numerical_floor"]].max(axis=1).fillna(0.0)]
     if seen.empty:
@@ -231,7 +233,7 @@ def _worst(rows: pd.DataFrame, results: Results) -> Sentence | None:
         return None
     low, high = found[0], found[-1]
     above = "" if joint == mean["mean_abs"].idxmax() else " above its floors"
-    text = f"{joint} has the largest gap in {signal}{above}"
+    text = f"{joint} has the largest gap in {signal}{kind}{above}"
     if len(found) == 1:
         text += f": {quantity(low.gap, unit)} in {engine_label(low.value)} ({floors(low, unit)})."
     elif differ(low, high) and high.gap - low.gap > low.gap:
@@ -255,12 +257,8 @@ def _floor(value: float, unit: str) -> str:
 
 
 def _by_signal(part: pd.DataFrame) -> list[pd.DataFrame]:
-    """The rows of every signal and unit, in the order people read them; means of different units are not mixed."""
-    out = []
-    for signal in SIGNALS:
-        rows = part[part["signal"] == signal]
-        out += [rows[rows["unit"] == unit] for unit in sorted(rows["unit"].unique())]
-    return out
+    """The rows of every signal, in the order people read them."""
+    return [rows for signal in SIGNALS if not (rows := part[part["signal"] == signal]).empty]
 
 
 def _signal(part: pd.DataFrame) -> str:
@@ -270,7 +268,7 @@ def _signal(part: pd.DataFrame) -> str:
 def _what(part: pd.DataFrame) -> str:
     """The signal and whose it is: velocity of moving joints, base orientation."""
     group = str(part["group"].iloc[0])
-    return _signal(part) if group == "base" else f"{_signal(part)} of {OF[group]}"
+    return _signal(part) if group == "base" else f"{_signal(part)} of {joints_of(group)}"
 
 
 def _further(a: float, b: float, unit: str) -> str:

@@ -3,6 +3,12 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const engineAxis = data.axes.findIndex((a) => a.key === "engine");
 const rowsOfCell = data.cells.map(() => new Map()); // cell -> "signal|joint" -> row number
 data.rows.cell.forEach((cell, i) => rowsOfCell[cell].set(`${data.rows.signal[i]}|${data.rows.joint[i]}`, i));
+// A group's joints are of one kind, so a signal has one unit in it: "signal|group" -> unit.
+const unitOf = new Map(data.rows.unit.map((unit, i) => [`${data.rows.signal[i]}|${data.groups[data.rows.group[i]]}`, data.units[unit]]));
+
+// The part of the page that a group stands in: moving, unmoving or base, whatever the kind of its joints.
+function sectionOf(group) { return group.split(" ")[0]; }
+function firstGroup(exists) { return ["moving", "base", "unmoving"].flatMap((s) => data.groups.filter((g) => sectionOf(g) === s)).find(exists) || "moving"; }
 
 function rowStat(i) {
   const r = data.rows;
@@ -23,10 +29,8 @@ function cellStat(cell, signal, target) {
     if (stat.group === target.group) stats.push(stat);
   }
   if (!stats.length) return null;
-  const unit = stats[0].unit;
-  const alike = stats.filter((s) => s.unit === unit); // degrees and millimetres have no mean
-  return { mean: alike.reduce((a, s) => a + s.mean, 0) / alike.length, noise: mean(alike.map((s) => s.noise)),
-    numerical: mean(alike.map((s) => s.numerical)), unit, group: target.group, joints: alike.length };
+  return { mean: stats.reduce((a, s) => a + s.mean, 0) / stats.length, noise: mean(stats.map((s) => s.noise)),
+    numerical: mean(stats.map((s) => s.numerical)), unit: stats[0].unit, group: target.group, joints: stats.length };
 }
 
 // The same over several recordings: the mean of the cells that ran, and how many did not.

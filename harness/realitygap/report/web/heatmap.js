@@ -9,31 +9,33 @@ function drawHeatmap() {
     return;
   }
   const stats = new Map(targets.map((t) => [t, engines.map((e) => stat(shownCells(e), state.signal, t))]));
-  const finite = [...stats.values()].flat().filter((s) => s && Number.isFinite(s.mean)).map((s) => s.mean);
-  const top = Math.max(...finite, 0);
+  const tops = new Map(); // unit -> its largest gap: every unit has a scale of its own
+  for (const s of [...stats.values()].flat().filter((s) => s))
+    tops.set(s.unit, Math.max(tops.get(s.unit) ?? 0, Number.isFinite(s.mean) ? s.mean : 0));
   const body = [];
   let group = null;
   targets.forEach((target, r) => {
     if (target.section && target.section !== group) {
       group = target.section;
       body.push(element("tr", { class: "section" }, element("th", { colspan: engines.length + 1, scope: "colgroup" },
-        { moving: "moving joints", unmoving: "unmoving joints", base: "base" }[group])));
+        group === "base" ? group : `${group} joints`)));
     }
-    const cells = stats.get(target).map((s, c) => heatCell(s, engines[c], target, r, c, top));
+    const cells = stats.get(target).map((s, c) => heatCell(s, engines[c], target, r, c, tops));
     const excluded = stats.get(target).some((s) => s && s.excluded);
-    const name = [...breakable(targetText(target)), excluded ? element("small", null, " not in the means") : null];
+    const unit = tops.size > 1 ? element("small", null, ` [${unitLabel(stats.get(target).find((s) => s).unit)}]`) : null;
+    const name = [...breakable(targetText(target)), unit, excluded ? element("small", null, " not in the means") : null];
     body.push(element("tr", { class: target.group ? "mean" : null }, element("th", { scope: "row" }, name), cells));
   });
   const head = element("tr", null, element("td", { style: "all:unset" }),
     engines.map((e) => element("th", { scope: "col" }, data.axes[engineAxis].values[e].text)));
   const columns = element("colgroup", null, element("col", { class: "joint" }), engines.map(() => element("col")));
-  const unit = unitLabel((([...stats.values()].flat().find((s) => s)) || { unit: "" }).unit);
-  const label = `${data.signals[state.signal].label}, mean absolute difference in ${unit}`;
+  const units = [...tops.keys()].map(unitLabel);
+  const label = `${data.signals[state.signal].label}, mean absolute difference in ${units.join(" and ")}`;
   const table = element("table", { class: engines.length > 4 ? "heat many" : "heat", style: `--columns:${engines.length}`,
     role: "grid", "aria-label": label, onkeydown: walk }, columns,
     element("thead", null, head), element("tbody", null, body));
-  place.replaceChildren(element("p", { class: "hint" }, element("b", null, `${data.signals[state.signal].label} [${unit}]`),
-    contextText() ? ` · ${contextText()}` : ""), table, heatLegend(top, unit));
+  place.replaceChildren(element("p", { class: "hint" }, element("b", null, `${data.signals[state.signal].label} [${units.join(", ")}]`),
+    contextText() ? ` · ${contextText()}` : ""), table, heatLegend(tops));
   const chosen = table.querySelector("[aria-selected=true]") || table.querySelector("td[data-r]");
   if (chosen) { chosen.tabIndex = 0; if (hadFocus) chosen.focus(); }
 }
@@ -43,19 +45,19 @@ function mapTargets(engines) {
   const sections = new Map();
   for (const e of engines) for (const cell of shownCells(e)) for (const i of rowsOfCell[cell].values()) {
     if (data.rows.signal[i] !== state.signal) continue;
-    const joint = data.rows.joint[i], group = data.groups[data.rows.group[i]];
-    if (sections.get(joint) !== "moving") sections.set(joint, group);
+    const joint = data.rows.joint[i], section = sectionOf(data.groups[data.rows.group[i]]);
+    if (sections.get(joint) !== "moving") sections.set(joint, section);
   }
   const joints = [...sections.keys()].sort((a, b) => a - b);
   const out = [];
-  for (const group of ["moving", "unmoving"])
-    if (engines.some((e) => stat(shownCells(e), state.signal, { group }))) out.push({ group });
-  for (const group of ["moving", "unmoving", "base"])
-    for (const joint of joints) if (sections.get(joint) === group) out.push({ joint, section: group });
+  for (const group of data.groups)
+    if (group !== "base" && engines.some((e) => stat(shownCells(e), state.signal, { group }))) out.push({ group });
+  for (const section of ["moving", "unmoving", "base"])
+    for (const joint of joints) if (sections.get(joint) === section) out.push({ joint, section });
   return out;
 }
 
-function heatCell(s, engine, target, r, c, top) {
+function heatCell(s, engine, target, r, c, tops) {
   const name = `${targetText(target)}, ${data.axes[engineAxis].values[engine].text}`;
   const chosen = engine === state.engine && target.joint === state.target.joint && target.group === state.target.group;
   const common = { role: "gridcell", tabindex: -1, "data-r": r, "data-c": c, "aria-selected": String(chosen),
@@ -68,7 +70,7 @@ function heatCell(s, engine, target, r, c, top) {
       onmousemove: (e) => tooltip(`${name}\n${outcome}: ${note}`, e) }, outcome);
   }
   const same = s.mean <= floorOf(s);
-  const heat = top > 0 ? s.mean / top : 0;
+  const heat = s.mean / tops.get(s.unit) || 0;
   const words = `${quantity(s.mean, s.unit)}${same ? `, ${SAME}` : ""}; ${floorWords(s)}${failed ? `; ${failed}` : ""}`;
   const kind = same ? "same" : heat > 0.72 ? "hot" : null;
   return element("td", { ...common, class: kind, style: same ? null : heatStyle(heat),
@@ -82,9 +84,9 @@ function heatStyle(heat) {
   return `--lower:${percent(heat * 2)};--upper:${percent(heat * 2 - 1)}`;
 }
 
-function heatLegend(top, unit) {
+function heatLegend(tops) {
   return element("p", { class: "legend" },
-    element("span", null, "0 ", element("span", { class: "ramp" }), ` ${quantity(top, unit)}`),
+    [...tops].filter(([, top]) => top > 0).map(([unit, top]) => element("span", null, "0 ", element("span", { class: "ramp" }), ` ${quantity(top, unit)}`)),
     element("span", null, element("span", { class: "swatch" }), ` ${SAME}: not above its floors`));
 }
 

@@ -2,10 +2,10 @@
 realitygap.start = () => {
   startState();
   [drawSwitches, drawHeatmap, drawDetail, drawTables, drawTradeoffs].forEach(onChange);
-  let group = null;
-  onChange(() => { // the list of all cells depends on the group alone
-    const next = state.target.group || group || "moving";
-    if (next !== group) { group = next; drawCellTable(); }
+  let section = null;
+  onChange(() => { // the list of all cells depends on the section alone
+    const next = state.target.group ? sectionOf(state.target.group) : section || "moving";
+    if (next !== section) { section = next; drawCellTable(section); }
   });
   changed();
   let width = window.innerWidth, waiting = null;

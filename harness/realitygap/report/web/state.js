@@ -20,8 +20,7 @@ function follows(axis) {
 const switchable = data.axes.map((_, i) => i).filter((i) => i !== engineAxis && data.axes[i].values.length > 1 && !follows(i));
 
 function startState() {
-  const groups = new Set(data.rows.group.map((g) => data.groups[g]));
-  state.target = { group: ["moving", "base", "unmoving"].find((g) => groups.has(g)) || "moving" };
+  state.target = { group: firstGroup(() => true) };
   const signals = new Set(data.rows.signal);
   state.signal = signals.size ? Math.min(...signals) : 0;
   const seen = new Set();
@@ -65,10 +64,8 @@ function settle(axis) {
   const cells = cellsWhere(state.choice);
   const signals = new Set(cells.flatMap((c) => [...rowsOfCell[c].values()].map((i) => data.rows.signal[i])));
   if (signals.size && !signals.has(state.signal)) state.signal = Math.min(...signals);
-  if (!cells.some((c) => cellStat(c, state.signal, state.target))) {
-    const group = ["moving", "base", "unmoving"].find((g) => cells.some((c) => cellStat(c, state.signal, { group: g })));
-    state.target = { group: group || "moving" };
-  }
+  const has = (target) => cells.some((c) => cellStat(c, state.signal, target));
+  if (!has(state.target)) state.target = { group: firstGroup((group) => has({ group })) };
 }
 
 function choose(axis, value) { state.choice[axis] = value; settle(axis); changed(); }
@@ -85,7 +82,7 @@ function showCell(cell) {
 
 function targetText(target) {
   if (target.joint !== undefined) return data.joints[target.joint];
-  return { moving: "mean of moving joints", unmoving: "mean of unmoving joints", base: "base" }[target.group];
+  return target.group === "base" ? "base" : `mean of ${target.group} joints`;
 }
 
 function contextText(...without) {

@@ -66,14 +66,13 @@ function drawTables() {
 function drawMeans(axes) {
   const axis = tableChoice.axis, { label, values } = data.axes[axis];
   const signals = [...presentSignals].sort((a, b) => a - b), rows = [];
-  const units = new Map();
+  const units = signals.map((s) => [...new Set(data.groups.map((group) => unitOf.get(`${s}|${group}`)).filter(Boolean))]);
   for (const group of data.groups) values.forEach((value, v) => {
     const stats = signalStats(axis, v, group);
     if (!stats.some((s) => s)) return;
-    stats.forEach((s, k) => s && units.set(k, s.unit));
-    rows.push([{ text: value.text, sort: v }, { text: group }, ...signals.map((s) => meanCell(stats[s]))]);
+    rows.push([{ text: value.text, sort: v }, { text: group }, ...signals.map((s, k) => meanCell(stats[s], units[k].length > 1))]);
   });
-  const columns = [{ label }, { label: "joints" }, ...signals.map((s) => ({ label: `${data.signals[s].label}${units.has(s) ? ` [${unitLabel(units.get(s))}]` : ""}`, num: true }))];
+  const columns = [{ label }, { label: "joints" }, ...signals.map((s, k) => ({ label: units[k].length > 1 ? data.signals[s].label : withUnit(s, units[k][0]), num: true }))];
   const context = [axis === engineAxis ? "" : data.axes[engineAxis].values[state.engine].text, contextText(axis)].filter(Boolean).join(" · ");
   const chooser = element("div", { class: "choose" }, axes.length > 1 ? selectList("rows", axes.map((a) => ({ text: data.axes[a].label, value: a })), axis,
     (a) => { tableChoice.axis = a; tableChoice.old = tableChoice.new = null; drawTables(); }) : null);
@@ -81,11 +80,14 @@ function drawMeans(axes) {
     rows.length ? sortable({ columns, rows, caption: `Mean gap by ${label}` }) : element("p", null, "Nothing was measured here."));
 }
 
-function meanCell(s) {
+function withUnit(signal, unit) { return `${data.signals[signal].label} [${unitLabel(unit)}]`; }
+
+// A mean and its floors; with its unit where the column's head has none, because its rows have several.
+function meanCell(s, ownUnit = false) {
   if (!s) return { text: "–", sort: Infinity };
   if (!Number.isFinite(s.mean)) return { text: data.cells[s.failed[0]].outcome, sort: Infinity, class: "worse" };
   const same = s.mean <= floorOf(s);
-  return { text: number(s.mean), sort: s.mean, class: same ? "same" : null,
+  return { text: ownUnit ? quantity(s.mean, s.unit) : number(s.mean), sort: s.mean, class: same ? "same" : null,
     small: `${same ? `${SAME}; ` : ""}noise ${number(s.noise, 2)} · num. ${number(s.numerical, 2)}${s.failed.length ? ` · ${s.failed.length} failed` : ""}` };
 }
 
@@ -124,17 +126,18 @@ function improvementCell(a, b) {
   return { text: `${gain > 0 ? "▲ +" : "▼ "}${quantity(gain, unit)}`, sort: gain, class: gain > 0 ? "better" : "worse", small };
 }
 
-function drawCellTable() {
+// One row per cell, one column per signal and group: of the joints of a section, or of the base.
+function drawCellTable(section) {
   const axes = data.axes.map((_, a) => a).filter((a) => a === engineAxis || data.axes[a].values.length > 1);
-  const signals = [...presentSignals].sort((a, b) => a - b);
+  const means = [...presentSignals].sort((a, b) => a - b).flatMap((signal) => data.groups.filter((group) => unitOf.has(`${signal}|${group}`) &&
+    sectionOf(group) === (data.signals[signal].key.startsWith("base_") ? "base" : section)).map((group) => ({ signal, group, unit: unitOf.get(`${signal}|${group}`) })));
   const timed = data.cells.some((c) => c.speed !== null);
   const columns = [...axes.map((a) => ({ label: data.axes[a].label, num: typeof data.axes[a].values[0].value === "number" })), { label: "outcome" },
-    ...signals.map((s) => ({ label: data.signals[s].label, num: true })), ...(timed ? [{ label: "× real time", num: true }] : []), { label: "" }];
-  const group = state.target.group || "moving";
+    ...means.map((m) => ({ label: withUnit(m.signal, m.unit), num: true })), ...(timed ? [{ label: "× real time", num: true }] : []), { label: "" }];
   const build = (text) => data.cells.map((cell, c) => ({ cell, c })).filter(({ cell, c }) =>
     text.split(/\s+/).every((word) => `${axes.map((a) => valueText(a, c)).join(" ")} ${cell.outcome} ${cell.note}`.toLowerCase().includes(word))).map(({ cell, c }) => [
     ...axes.map((a) => ({ text: valueText(a, c), sort: cell.at[a] })), { text: cell.outcome, small: cell.note, class: cell.outcome === "ok" ? null : "worse" },
-    ...signals.map((s) => { const value = cellStat(c, s, { group: data.signals[s].key.startsWith("base_") ? "base" : group }); return value ? meanCell({ ...value, failed: data.cells[c].outcome === "ok" ? [] : [c] }) : { text: "–", sort: Infinity }; }),
+    ...means.map(({ signal, group }) => { const value = cellStat(c, signal, { group }); return value ? meanCell({ ...value, failed: data.cells[c].outcome === "ok" ? [] : [c] }) : { text: "–", sort: Infinity }; }),
     ...(timed ? [{ text: cell.speed === null ? "–" : number(cell.speed), sort: cell.speed ?? -1 }] : []),
     { node: element("span", null, element("button", { class: "open", type: "button", onclick: () => showCell(c) }, "show"),
       cell.trace ? [" ", element("a", { href: cell.trace }, "trace")] : null), text: "" }]);
@@ -142,7 +145,7 @@ function drawCellTable() {
   const fill = (text) => list.replaceChildren(sortable({ columns, rows: build(text), caption: "All cells" }));
   const search = element("input", { type: "search", id: "filter", oninput: (e) => fill(e.target.value.trim().toLowerCase()) });
   const filter = element("div", { class: "choose" }, element("label", { for: "filter" }, "filter"), search);
-  place.replaceChildren(element("p", { class: "hint" }, group === "base" ? "Gaps of the base." : `Means of ${group} joints.`),
+  place.replaceChildren(element("p", { class: "hint" }, section === "base" ? "Gaps of the base." : `Means of ${section} joints.`),
     ...(data.cells.length > 10 ? [filter] : []), list);
   fill("");
 }
