@@ -30,6 +30,7 @@ WORDS = {
 """What pydantic says, in the words of a YAML file."""
 COUNTED = re.compile(r"\w+ should have at (least|most) (\d+ \w+) after validation, not \d+")
 UNPARSED = re.compile(r", unable to (parse string as an? \w+|interpret input)$")
+QUOTED = re.compile(r"'([^']+)'")
 INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
 
@@ -56,14 +57,19 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
     if kind == "missing":
         return f"{key}: is missing; expected {_meaning(model, loc) or 'a value'}"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
-        tag = found.get("kind") if isinstance(found, dict) else found
-        expected = [_tag(section) for section in _sections_at(model, loc)]
-        return f"{key}.kind: found {shown(tag)}; expected one of {', '.join(t for t in expected if t)}"
+        chosen = found.get("kind") if isinstance(found, dict) else found
+        expected = [tag for section in _sections_at(model, loc) if (tag := _tag(section))]
+        return (
+            f"{key}.kind: found {shown(chosen)}; expected one of {', '.join(expected)}{did_you_mean(chosen, expected)}"
+        )
     if kind == "invalid_key":
         return f"{key or 'its top'}: found the key {shown(found)}, expected text"
-    meaning = None if kind in ("literal_error", "value_error") else _meaning(model, loc)
     at = f"{key}: " if key else ""  # all of what is read
-    return f"{at}found {shown(found)}; {expectation(error)}" + (f" ({meaning})" if meaning else "")
+    said = f"{at}found {shown(found)}; {expectation(error)}"
+    if kind == "literal_error":
+        return said + did_you_mean(found, QUOTED.findall(error["ctx"]["expected"]))
+    meaning = None if kind == "value_error" else _meaning(model, loc)
+    return said + (f" ({meaning})" if meaning else "")
 
 
 def expectation(error: ErrorDetails) -> str:

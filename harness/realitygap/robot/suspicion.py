@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 
 from realitygap_engines.model.robot import Model
 
-from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.errors import InputError, meant_first
 from realitygap.robot.effects import EFFECTS
 from realitygap.robot.plant import match_joints
 from realitygap.scenario.file import ScenarioFile
@@ -143,10 +143,7 @@ def _servo_part(quantity: str) -> tuple[str | None, str]:
 
 def _known(file: ScenarioFile, key: str, found: str, known: Iterable[str], what: str) -> None:
     if found not in known:
-        listed = list(known)
-        raise InputError(
-            f"{file.path}: {key}: found {found}; expected {what}: {', '.join(listed)}{did_you_mean(found, listed)}"
-        )
+        raise InputError(f"{file.path}: {key}: found {found}{meant_first(found, known, f'expected {what}')}")
 
 
 def _somewhere(file: ScenarioFile, key: str, entry: str, where: str, names: Iterable[str]) -> None:

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from realitygap.files.errors import did_you_mean
+from realitygap.files.errors import meant_first
 from realitygap.robot.effects import WRITABLE, Effect, Parameter
 from realitygap.robot.effects.place import values
 from realitygap.scenario.plain import plain
@@ -23,8 +23,7 @@ class Effects:
 
     def __getattr__(self, name: str) -> Make:
         if name not in WRITABLE:
-            listed = ", ".join(WRITABLE)
-            raise AttributeError(f"there is no effect {name}; known: {listed}{did_you_mean(name, WRITABLE)}")
+            raise AttributeError(f"there is no effect {name}{meant_first(name, WRITABLE, 'known')}")
         return _function(WRITABLE[name])
 
     def __dir__(self) -> list[str]:

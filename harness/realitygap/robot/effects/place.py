@@ -4,7 +4,7 @@ import fnmatch
 import math
 from collections.abc import Sequence
 
-from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.errors import InputError, meant_first
 from realitygap.files.found import shown
 from realitygap.robot.effects import WRITABLE, Effect
 from realitygap.robot.plant import Plant
@@ -72,8 +72,7 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
 def known(name: str, key: str = "effects") -> Effect:
     """The effect of that name, which stands at a key. Raises InputError with those there are."""
     if name not in WRITABLE:
-        hint = did_you_mean(name, WRITABLE)
-        raise InputError(f"{key}: unknown effect {name}; known: {', '.join(WRITABLE)}{hint}")
+        raise InputError(f"{key}: unknown effect {name}{meant_first(name, WRITABLE, 'known')}")
     return WRITABLE[name]
 
 
