@@ -190,31 +190,37 @@ CASES: dict[str, tuple[Edit, str]] = {
     "unknown effect": (changed(effects=[{"effect": "friction"}]), "unknown effect friction; known: coulomb_friction"),
     "unknown target": (
         changed(effects=[{"effect": "coulomb_friction", "target": "knee", "torque": 0.1}]),
-        "scenario.yaml: effect coulomb_friction: no joint knee; the robot has shoulder, elbow",
+        "scenario.yaml: effects[0].target: no joint knee; the robot has shoulder, elbow",
     ),
     "unknown parameter": (
         changed(effects=[{"effect": "coulomb_friction", "force": 0.1}]),
-        "unknown parameter force; it has torque [N·m]",
+        "effects[0].force: unknown parameter; coulomb_friction needs torque [N·m] and may have onset [rad/s]\n",
     ),
-    "parameter missing": (changed(effects=[{"effect": "coulomb_friction"}]), "torque is missing"),
+    "parameter missing": (
+        changed(effects=[{"effect": "command_delay", "time": 0.01}, {"effect": "coulomb_friction"}]),
+        "scenario.yaml: effects[1].torque: is missing; coulomb_friction needs torque [N·m] and may have onset",
+    ),
     "parameter with a unit": (
         changed(effects=[{"effect": "coulomb_friction", "torque": "0.1 Nm"}]),
-        "torque is '0.1 Nm'; expected a number in N·m",
+        "effects[0].torque: found '0.1 Nm'; expected a number in N·m",
     ),
     "parameter out of bounds": (
         changed(effects=[{"effect": "coulomb_friction", "torque": -0.1}]),
-        "torque is -0.1 N·m; expected 0 to",
+        "effects[0].torque: found -0.1 N·m; expected 0 to",
     ),
-    "parameter without a unit out of bounds": (lean(2), "direction_friction: asymmetry is 2; expected -1 to 1"),
-    "parameter without a unit that is text": (lean("a"), "direction_friction: asymmetry is 'a'; expected a number\n"),
+    "parameter without a unit out of bounds": (lean(2), "effects[0].asymmetry: found 2; expected -1 to 1"),
+    "parameter without a unit that is text": (lean("a"), "effects[0].asymmetry: found 'a'; expected a number\n"),
     "unknown parameter beside one without a unit": (
         lean(0, torque=1),
-        "unknown parameter torque; it has forward [N·m], backward [N·m], asymmetry\n",
+        "torque: unknown parameter; direction_friction needs forward [N·m], backward [N·m] and may have asymmetry\n",
     ),
-    "parameter nan": (changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]), "torque is nan"),
+    "parameter nan": (
+        changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]),
+        "effects[0].torque: found nan",
+    ),
     "effect twice": (
         changed(effects=[{"effect": "coulomb_friction", "target": t, "torque": 0.1} for t in ("elbow", "*")]),
-        "effect coulomb_friction stands twice on *",
+        "effects[1]: coulomb_friction stands twice on *",
     ),
     "effects that exclude each other": (
         changed(
@@ -225,7 +231,10 @@ CASES: dict[str, tuple[Edit, str]] = {
         ),
         "exclude each other on *",
     ),
-    "effect without ground": (changed(effects=[{"effect": "ground_friction", "coefficient": 0.5}]), "ground"),
+    "effect without ground": (
+        changed(effects=[{"effect": "ground_friction", "coefficient": 0.5}]),
+        "scenario.yaml: effects[0]: ground_friction on *: ",
+    ),
 }
 
 

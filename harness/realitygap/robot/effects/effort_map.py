@@ -26,38 +26,36 @@ def read_map(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     wrong = [k for k in given if k not in KEYS] or [k for k in KEYS if k not in given]
     if wrong:
-        what = "unknown parameter" if wrong[0] in given else "missing parameter"
-        raise InputError(f"effect effort_map: {what} {wrong[0]}; it has {', '.join(KEYS)}")
+        what = "unknown parameter" if wrong[0] in given else "is missing"
+        raise InputError(f"{wrong[0]}: {what}; effort_map needs {', '.join(KEYS)}")
     names = given["variables"]
     if not isinstance(names, list | tuple) or len(names) not in (1, 2) or len(set(map(str, names))) < len(names):
-        raise InputError(f"effect effort_map: variables is {shown(names)}; expected a list of one or two of {_known()}")
+        raise InputError(f"variables: found {shown(names)}; expected a list of one or two of {_known()}")
     for name in names:
         if name == "temperature":
-            raise InputError(f"effect effort_map: variable temperature: no simulation knows it; expected {_known()}")
+            raise InputError(f"variables: found temperature, which no simulation knows; expected {_known()}")
         if name not in VARIABLES:
             hint = did_you_mean(str(name), VARIABLES)
-            raise InputError(f"effect effort_map: unknown variable {name!r}; known: {_known()}{hint}")
+            raise InputError(f"variables: found {shown(name)}; expected one of {_known()}{hint}")
     knots = given["knots"]
     if not isinstance(knots, list | tuple) or len(knots) != len(names):
-        raise InputError(
-            f"effect effort_map: knots is {shown(knots)}; expected a list of numbers for each of {len(names)}"
-        )
-    grid = tuple(_numbers(k, f"knots of {n}") for k, n in zip(knots, names, strict=True))
+        raise InputError(f"knots: found {shown(knots)}; expected a list of numbers for each of {len(names)}")
+    grid = tuple(_numbers(row, f"knots[{k}]") for k, row in enumerate(knots))
     for name, row in zip(names, grid, strict=True):
         if any(b <= a for a, b in pairwise(row)):
-            raise InputError(f"effect effort_map: knots of {name} do not increase; expected increasing numbers")
+            raise InputError(f"knots: those of {name} do not increase; expected increasing numbers")
     values = given["values"]
     if len(names) == 1:
         rows: tuple[tuple[float, ...], ...] = (_numbers(values, "values"),)
         expected = [1, len(grid[0])]
     else:
         if not isinstance(values, list | tuple):
-            raise InputError(f"effect effort_map: values is {shown(values)}; expected a list of rows")
-        rows = tuple(_numbers(row, "a row of values") for row in values)
+            raise InputError(f"values: found {shown(values)}; expected a list of rows")
+        rows = tuple(_numbers(row, f"values[{k}]") for k, row in enumerate(values))
         expected = [len(grid[0]), len(grid[1])]
     if len(rows) != expected[0] or any(len(row) != expected[1] for row in rows):
         shape = " x ".join(str(len(k)) for k in grid)
-        raise InputError(f"effect effort_map: values do not fit the knots; expected {shape} numbers")
+        raise InputError(f"values: do not fit the knots; expected {shape} numbers")
     return {"variables": tuple(names), "knots": grid, "values": rows if len(names) > 1 else rows[0]}
 
 
@@ -66,7 +64,7 @@ def _numbers(given: Any, what: str) -> tuple[float, ...]:
     for x in given if numbers else ():
         numbers = numbers and isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
     if not numbers:
-        raise InputError(f"effect effort_map: {what}: found {shown(given)}; expected a list of numbers")
+        raise InputError(f"{what}: found {shown(given)}; expected a list of numbers")
     return tuple(float(x) for x in given)
 
 

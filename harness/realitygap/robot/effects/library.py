@@ -7,7 +7,7 @@ from typing import Any
 
 from realitygap.files.errors import meant_first
 from realitygap.robot.effects import WRITABLE, Effect, Parameter
-from realitygap.robot.effects.place import values
+from realitygap.robot.effects.place import standing, values
 from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
 
@@ -37,7 +37,8 @@ def _function(effect: Effect) -> Make:
     def make(target: str | Sequence[str] = "*", **parameters: Any) -> EffectSpec:
         kept = target if isinstance(target, str) else list(target)
         spec = EffectSpec(effect=effect.name, target=kept, **plain(parameters))
-        values(effect, spec)
+        with standing(f"effect {effect.name}: "):
+            values(effect, spec)
         return spec
 
     make.__name__ = make.__qualname__ = effect.name

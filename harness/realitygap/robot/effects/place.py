@@ -2,13 +2,23 @@
 
 import fnmatch
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
-from realitygap.files.errors import InputError, meant_first
+from realitygap.files.errors import InputError, did_you_mean, meant_first
 from realitygap.files.found import shown
 from realitygap.robot.effects import WRITABLE, Effect
 from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
+
+
+@contextmanager
+def standing(key: str) -> Iterator[None]:
+    """Say of what is wrong with an effect where that stands, as in effects[1].torque."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{key}{error}") from None
 
 
 def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[int]:
@@ -19,10 +29,11 @@ def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[i
     """
     wanted = [target] if isinstance(target, str) else list(target)
     if not wanted:
-        raise InputError(f"effect {effect.name}: target is empty; expected a {effect.sits_at}")
+        raise InputError(f"target: is empty; expected a {effect.sits_at}")
     if effect.sits_at in ("ground", "base"):
         if wanted not in ([effect.sits_at], ["*"]):
-            raise InputError(f"effect {effect.name}: target {', '.join(wanted)}; it sits at the {effect.sits_at}")
+            there = f"expected {effect.sits_at}, where {effect.name} sits"
+            raise InputError(f"target: found {', '.join(wanted)}; {there}")
         return [0]
     if effect.sits_at == "joint":
         names = plant.model.joint_names
@@ -32,12 +43,12 @@ def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[i
         wanted = [merged.get(w, w) for w in wanted]
     for pattern in wanted:
         if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
-            raise InputError(f"effect {effect.name}: no {effect.sits_at} {pattern}; the robot has {', '.join(names)}")
+            raise InputError(f"target: no {effect.sits_at} {pattern}; the robot has {', '.join(names)}")
     return [i for i, name in enumerate(names) if any(fnmatch.fnmatchcase(name, p) for p in wanted)]
 
 
 def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
-    """The checked parameter values of one effect of a scenario.
+    """The checked parameter values of one effect of a scenario; what is wrong begins with the parameter's name.
 
     Raises:
         InputError: for an unknown or missing parameter, or a value that is no number or out of bounds.
@@ -45,28 +56,34 @@ def values(effect: Effect, spec: EffectSpec) -> dict[str, float]:
     if effect.read:
         return effect.read(spec.parameters)
     known = {p.name: p for p in effect.parameters}
-    listed = ", ".join(p.with_unit for p in effect.parameters)
     out: dict[str, float] = {}
     for name, value in spec.parameters.items():
         if name not in known:
-            raise InputError(f"effect {effect.name}: unknown parameter {name}; it has {listed}")
+            raise InputError(f"{name}: unknown parameter; {_listed(effect)}{did_you_mean(name, known)}")
         if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
             in_unit = f" in {known[name].unit}" if known[name].unit else ""
-            raise InputError(f"effect {effect.name}: {name} is {shown(value)}; expected a number{in_unit}")
+            raise InputError(f"{name}: found {shown(value)}; expected a number{in_unit}")
         low, high = known[name].low, known[name].high
         neutral = known[name].absent
         if not low <= value <= high and value != neutral:
             found = f"{value:g} {known[name].unit}".rstrip()
-            raise InputError(f"effect {effect.name}: {name} is {found}; expected {low:g} to {high:g}")
+            raise InputError(f"{name}: found {found}; expected {low:g} to {high:g}")
         out[name] = float(value)
     for parameter in effect.parameters:
         if parameter.name not in out:
             if parameter.default is None:
-                raise InputError(f"effect {effect.name}: {parameter.name} is missing; it has {listed}")
+                raise InputError(f"{parameter.name}: is missing; {_listed(effect)}")
             out[parameter.name] = parameter.default
     if effect.contradiction and (reason := effect.contradiction(out)):
-        raise InputError(f"effect {effect.name}: {reason}")
+        raise InputError(reason)
     return out
+
+
+def _listed(effect: Effect) -> str:
+    """What an effect needs and what it may have, each with its unit."""
+    needed = ", ".join(p.with_unit for p in effect.parameters if p.default is None)
+    further = ", ".join(p.with_unit for p in effect.parameters if p.default is not None)
+    return f"{effect.name} needs {needed}" + (f" and may have {further}" if further else "")
 
 
 def known(name: str, key: str = "effects") -> Effect:
@@ -85,23 +102,25 @@ def place(plant: Plant, specs: Sequence[EffectSpec]) -> Plant:
     """
     plant = plant.copy()
     seen: set[tuple[str, int]] = set()
-    waiting: list[tuple[Effect, EffectSpec, list[int], dict[str, float]]] = []
+    waiting: list[tuple[str, Effect, list[int], dict[str, float]]] = []
     for number, spec in enumerate(specs):
         effect = known(spec.effect, f"effects[{number}]")
-        indices = targets(plant, effect, spec.target)
+        with standing(f"effects[{number}]."):
+            indices, checked = targets(plant, effect, spec.target), values(effect, spec)
         for i in indices:
             for other in (effect.name, *effect.excludes):
                 if (other, i) in seen and not effect.repeatable:
                     what = "stands twice on" if other == effect.name else f"and {other} exclude each other on"
-                    raise InputError(f"effect {effect.name} {what} {_written(spec.target)}; expected one of them")
+                    said = f"{effect.name} {what} {_written(spec.target)}; expected one of them"
+                    raise InputError(f"effects[{number}]: {said}")
             seen.add((effect.name, i))
-        waiting.append((effect, spec, indices, values(effect, spec)))
+        waiting.append((f"effects[{number}]: {effect.name} on {_written(spec.target)}", effect, indices, checked))
     while waiting:  # an effect may need another: a compliance needs a rotor inertia
-        possible = [w for w in waiting if not _reason(plant, w[0], w[2])]
+        possible = [w for w in waiting if not _reason(plant, w[1], w[2])]
         if not possible:
-            effect, spec, indices, _ = waiting[0]
-            raise InputError(f"effect {effect.name} on {_written(spec.target)}: {_reason(plant, effect, indices)}")
-        for effect, _, indices, checked in possible:
+            where, effect, indices, _ = waiting[0]
+            raise InputError(f"{where}: {_reason(plant, effect, indices)}")
+        for _, effect, indices, checked in possible:
             effect.apply(plant, indices, checked)
         waiting = [w for w in waiting if w not in possible]
     return plant

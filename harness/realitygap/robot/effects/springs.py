@@ -14,7 +14,7 @@ def _firm_stop(plant: Plant, index: int) -> dict[str, float]:
 def _crossed(values: Values) -> str | None:
     if values["lower"] < values["upper"]:
         return None
-    return f"lower is {values['lower']:g} and upper is {values['upper']:g}; expected lower below upper"
+    return f"lower: found {values['lower']:g}, with an upper of {values['upper']:g}; expected lower below upper"
 
 
 JOINT_STOP = Effect(
