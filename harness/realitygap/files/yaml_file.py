@@ -9,6 +9,7 @@ import yaml
 from realitygap.files.errors import InputError
 from realitygap.files.found import kind_of
 from realitygap.files.plain_file import read_written
+from realitygap.files.yaml_mistake import yaml_mistake
 
 LARGEST = 100_000
 """Values that a file may hold, also once its aliases are written out; a few lines of them can stand for billions."""
@@ -71,9 +72,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise InputError(f"{path}: is nested too deeply; expected a mapping of keys") from None
     except yaml.MarkedYAMLError as error:
-        where = f" at line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        tab = "; expected spaces in place of a tab" if "\\t" in str(error.problem) else ""
-        raise InputError(f"{path}: is not valid YAML{where}: {error.problem}{tab}") from None
+        raise InputError(f"{path}: is not valid YAML{yaml_mistake(read_written(path), error)}") from None
     except (ValueError, yaml.YAMLError) as error:  # not UTF-8, a control character, a date that does not exist
         raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
     if not isinstance(data, dict):
