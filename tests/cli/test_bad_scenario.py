@@ -66,6 +66,16 @@ CASES: dict[str, tuple[Edit, str]] = {
     "unknown key": (changed(robot__bse="fixed"), "robot.bse: unknown key; known here: base, "),
     "unknown key at the top": (changed(grund="flat"), "grund: unknown key"),
     "unknown key of a servo": (changed(servos__0__gian=1), "servos[0].gian: unknown key"),
+    "keys of another kind of servo": (
+        changed(servos=[{"joints": "*", "kind": "dc", "kp": 1.0, "kd": 0.1}]),
+        "servos[0].kd: unknown key of kind dc, which belongs to kind pid; unknown too: kp; missing: gain, supply, "
+        "torque_constant, resistance; known here: armature, duty_limit, friction, gain, joints, kind, name, "
+        "resistance, supply, torque_constant\n",
+    ),
+    "unknown key in place of a missing one": (
+        changed(robot={"urfd": "arm.urdf"}),
+        "robot.urfd: unknown key; missing: urdf; known here: ",
+    ),
     "missing key": (changed(robot={"base": "fixed"}), "robot.urdf: is missing; expected the robot's file"),
     "unknown servo": (changed(servos__0__kind="ac"), "servos[0].kind: found 'ac'; expected one of dc, pid, cascade"),
     "unknown unit": (changed(servos__0__supply="15 V"), "servos[0].supply: found '15 V'"),
@@ -119,7 +129,14 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(**{RUN + "window": [1.0, 1.0001]}),
         "window: found [1.0, 1.0001], which holds 0",
     ),
-    "window backwards": (changed(**{RUN + "window": [5, 2]}), "window [5.0, 2.0] ends before it starts"),
+    "window backwards": (
+        changed(**{RUN + "window": [5, 2]}),
+        "scenario.yaml: recordings.runs[0].window: found [5, 2]; expected a start before its end, [start, end] in s, ",
+    ),
+    "part without length": (
+        changed(**{RUN + "part": [2, 2]}),
+        "scenario.yaml: recordings.runs[0].part: found [2, 2]; expected a start before its end, [start, end] in s\n",
+    ),
     "window with one end": (changed(**{RUN + "window": [1]}), "recordings.runs[0].window[1]: is missing"),
     "override of nothing": (
         changed(**{RUN + "with": {"servos.leg.gain": 2}}),

@@ -44,16 +44,24 @@ def validate(path: Path | str, model: type[Checked], raw: Any) -> Checked:
         return model.model_validate(raw)
     except ValidationError as error:
         # of several tries at a union, the one that got deepest is what was meant
-        worst = max(error.errors(include_url=False), key=_depth)
-        raise InputError(f"{path}: {_sentence(model, raw, worst)}") from None
+        errors = error.errors(include_url=False)
+        worst = max(errors, key=_depth)
+        beside = [e for e in errors if e["loc"][:-1] == worst["loc"][:-1] and e is not worst]
+        raise InputError(f"{path}: {_sentence(model, raw, worst, beside)}") from None
 
 
-def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) -> str:
+def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails, beside: Sequence[ErrorDetails]) -> str:
     loc, kind, found = error["loc"], error["type"], error["input"]
     key = in_a_line(_key(raw, loc), LONGEST)
     if kind == "extra_forbidden":
         known = sorted(_fields(_sections_at(model, loc[:-1])))
-        return f"{key}: unknown key; known here: {', '.join(known)}{did_you_mean(str(loc[-1]), known)}"
+        elsewhere = _elsewhere(model, loc)
+        told = f"{key}: unknown key{elsewhere}"
+        for type_, words in (("extra_forbidden", "unknown too"), ("missing", "missing")):
+            if names := [str(e["loc"][-1]) for e in beside if e["type"] == type_]:
+                told += f"; {words}: {', '.join(names)}"
+        hint = "" if elsewhere else did_you_mean(str(loc[-1]), known)
+        return f"{told}; known here: {', '.join(known)}{hint}"
     if kind == "missing":
         return f"{key}: is missing; expected {_meaning(model, loc) or 'a value'}"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
@@ -70,6 +78,14 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails) 
         return said + did_you_mean(found, QUOTED.findall(error["ctx"]["expected"]))
     meaning = None if kind == "value_error" else _meaning(model, loc)
     return said + (f" ({meaning})" if meaning else "")
+
+
+def _elsewhere(model: type[BaseModel], loc: Sequence[Key]) -> str:
+    """Of a key that another kind of section has: of which kind this one is, and of which kinds the key is."""
+    own = [tag for section in _sections_at(model, loc[:-1]) if (tag := _tag(section))]
+    others = [_tag(s) for s in _sections_at(model, loc[:-2]) if loc[-1] in _fields([s])]
+    theirs = [tag for tag in others if tag and tag not in own]
+    return f" of kind {own[0]}, which belongs to kind {' or '.join(theirs)}" if own and theirs else ""
 
 
 def expectation(error: ErrorDetails) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from realitygap.scenario.propose import ProposeSpec
 from realitygap.scenario.section import Finite, Positive, Section
@@ -156,7 +156,17 @@ class Columns(Section):
 
 Unit = Literal["degrees", "radians", "normalized", "percent"]
 Episode = Annotated[int, Field(strict=True, ge=0)] | str
-Span = tuple[Finite, Finite]
+
+
+def _ordered(span: tuple[float, float]) -> tuple[float, float]:
+    start, end = span
+    if not start < end:
+        swapped = f", as [{end:g}, {start:g}]" if end < start else ""
+        raise ValueError(f"expected a start before its end, [start, end] in s{swapped}")
+    return span
+
+
+Span = Annotated[tuple[Finite, Finite], AfterValidator(_ordered)]
 
 
 class DataSet(Section):
@@ -189,24 +199,13 @@ class Run(Section):
         default=None, description="only this much is read and simulated [s from the first message]"
     )
     use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or kept back to judge on")
-    window: tuple[Finite, Finite] | None = Field(default=None, description="what is judged [s from the first message]")
+    window: Span | None = Field(default=None, description="what is judged [s from the first message]")
     overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
 
     @property
     def judged(self) -> tuple[float, float]:
         """What is judged [s from the first message]: the window, else the part, else all."""
         return self.window or self.part or (-math.inf, math.inf)
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Run:
-        _check_ordered("window", self.window)
-        _check_ordered("part", self.part)
-        return self
-
-
-def _check_ordered(name: str, span: Span | None) -> None:
-    if span is not None and not span[0] < span[1]:
-        raise ValueError(f"{name} {list(span)} ends before it starts")
 
 
 class Recordings(Section):
@@ -233,11 +232,6 @@ class Recordings(Section):
     ground: str | None = Field(default=None, description="what the real robot stood on, if known")
     virtual: bool = Field(default=False, description="the recordings come from a simulation, not from a robot")
     runs: list[Run] = Field(default=[], description="the recordings")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Recordings:
-        _check_ordered("part", self.part)
-        return self
 
 
 class Budget(Section):
