@@ -97,6 +97,10 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(servos__0__joints="knee_*"),
         "scenario.yaml: servos[0].joints: knee_* matches no joint; the robot has shoulder, elbow",
     ),
+    "servos of a joint that is held": (
+        changed(robot__hold={"elbow": 0.5}, servos=[{"joints": ["elbow"], "kind": "pid", "kp": 1.0}]),
+        "servos[0].joints: elbow matches no joint that moves, as robot.hold holds elbow; the robot has shoulder\n",
+    ),
     "two motions": (
         changed(motion={"recorded": "/a", "keyframes": "b"}),
         "expected one of recorded, keyframes and followed",
@@ -176,6 +180,7 @@ CASES: dict[str, tuple[Edit, str]] = {
     # the robot
     "no URDF": (changed(robot__urdf="none.urdf"), "scenario.yaml: robot.urdf: "),
     "URDF is a folder": (folder_instead("arm.urdf"), "arm.urdf: cannot be read (Is a directory)"),
+    "a table for a URDF": (file("arm.urdf", "time,elbow\n"), "scenario.yaml: robot.urdf: "),
     "URDF empty": (file("arm.urdf", ""), "arm.urdf: is not well-formed XML"),
     "URDF cut off": (cut("arm.urdf", 0.5), "arm.urdf: is not well-formed XML"),
     "URDF with entities": (file("arm.urdf", ENTITIES), "arm.urdf: found XML entities"),

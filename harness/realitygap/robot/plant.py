@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 from realitygap_engines import Ground
+from realitygap_engines.errors import ModelError
 from realitygap_engines.model.hold import hold
 from realitygap_engines.model.inertia import together
 from realitygap_engines.model.read import read_model
@@ -125,21 +126,31 @@ def _contact_links(scenario: Scenario) -> list[str] | None:
     return [] if asked is None and nowhere else asked
 
 
+def _model(file: ScenarioFile, scenario: Scenario) -> Model:
+    """The robot of a scenario, before any joint is held."""
+    robot = scenario.robot
+    path = file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file")
+    try:
+        return read_model(
+            path,
+            floating=robot.base != "fixed",
+            packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
+            contact_links=_contact_links(scenario),
+        )
+    except ModelError as error:
+        raise InputError(f"{file.path}: robot.urdf: {error}") from None
+
+
 def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """The plant that a scenario states, without its effects.
 
     Raises:
-        InputError: for a servo pattern that matches nothing, or a URDF that cannot be used (as ModelError).
+        InputError: for a servo pattern that matches nothing, or a robot's file that cannot be used.
     """
     scenario = scenario or file.scenario
     robot = scenario.robot
-    model = read_model(
-        file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file"),
-        floating=robot.base != "fixed",
-        packages={k: file.resolve(v, f"robot.packages.{k}") for k, v in robot.packages.items()},
-        contact_links=_contact_links(scenario),
-    )
-    model = hold(model, held_joints(file, model, robot.hold))
+    whole = _model(file, scenario)
+    model = hold(whole, held := held_joints(file, whole, robot.hold))
     n = len(model.joints)
     if robot.base == "free" and n:
         raise InputError(
@@ -164,8 +175,10 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     for i, servo in enumerate(servos):
         matched = match_joints(model, servo.joints)
         if not matched:
+            welded = [whole.joint_names[j] for j in match_joints(whole, servo.joints) if j in held]
+            why = f" that moves, as robot.hold holds {', '.join(welded)}" if welded else ""
             raise InputError(
-                f"{file.path}: servos[{i}].joints: {', '.join(servo.joints)} matches no joint; "
+                f"{file.path}: servos[{i}].joints: {', '.join(servo.joints)} matches no joint{why}; "
                 f"the robot has {', '.join(model.joint_names)}"
             )
         check_command(file, f"servos[{i}]", servo, scenario)
