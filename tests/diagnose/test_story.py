@@ -13,6 +13,7 @@ from defusedxml.ElementTree import fromstring
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.gaps import Shown
+from realitygap.diagnose.propose.words import odds as bet
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.story import write_story
@@ -86,10 +87,15 @@ def test_the_verdict_says_which_way_the_gap_went(told: Callable[[str], Diagnosis
 
 @pytest.mark.parametrize(
     ("times", "said"),
-    [(1.49, "1.5"), (9.9, "9.9"), (40.0, "40"), (9000.0, "9000"), (2e5, "10^5"), (1e9, "more than 10^6")],
+    [(1.49, "1.5"), (9.9, "9.9"), (40.0, "40"), (9000.0, "9000"), (2e5, "10⁵"), (1e9, "more than 10⁶")],
 )
 def test_evidence_is_told_as_odds(times: float, said: str) -> None:
     assert odds(np.log(times)) == said
+
+
+def test_what_propose_says_of_odds_is_written_alike() -> None:
+    assert [bet(x) for x in (20.0, -20.0)] == ["more than 10⁶ : 1", "1 : more than 10⁶"]
+    assert bet(np.log(2e5)) == "10⁵ : 1"
 
 
 @pytest.mark.parametrize("use", ["train", "held_out"])

@@ -25,6 +25,9 @@ SIGNALS = {
 DIGITS = 3
 """Significant digits of a value that people read, on pages and in a terminal."""
 
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+"""Digits, and what they are as an exponent."""
+
 UNITS = {"deg": "°", "deg/s": "°/s"}
 
 AXES = {
@@ -75,6 +78,11 @@ def number(value: float, digits: int = DIGITS) -> str:
         return f"{value:.{digits - 1}e}".replace("-", "−")
     places = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
     return f"{value:.{places}f}".replace("-", "−")
+
+
+def power_of_ten(decades: int) -> str:
+    """So many decades as people write them: 10⁶."""
+    return f"10{str(decades).translate(RAISED)}"
 
 
 def quantity(value: float, unit: str, digits: int = DIGITS) -> str:

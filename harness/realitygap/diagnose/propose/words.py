@@ -9,6 +9,7 @@ from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.result.odds import MOST
 from realitygap.diagnose.result.story_text import interval, suspect_label
+from realitygap.page.style import power_of_ten
 
 SURE = math.log(20.0)
 """Odds beyond this settle a question: those at which a diagnosis takes a rival out of the confidence set."""
@@ -17,14 +18,14 @@ WEAKEST = 3
 
 
 def odds(logarithm: float) -> str:
-    """Odds as people say them: 40 : 1, 1 : 3, more than 10^6 : 1."""
+    """Odds as people say them: 40 : 1, 1 : 3, more than 10⁶ : 1."""
     decades = abs(logarithm) / math.log(10.0)
     size = math.exp(min(abs(logarithm), 100.0))
     number = f"{size:.1f}" if size < 10.0 else f"{float(f'{size:.2g}'):.0f}"
     if decades >= MOST:
-        number = f"more than 10^{MOST}"
+        number = f"more than {power_of_ten(MOST)}"
     elif decades >= 4:
-        number = f"10^{int(decades)}"
+        number = power_of_ten(int(decades))
     return f"{number} : 1" if logarithm >= 0.0 else f"1 : {number}"
 
 

@@ -121,14 +121,16 @@ def lacks(result: Diagnosis, change: Change) -> str:
     units = {p.name: unit_there(problem, change.suspect, p) for p in shown}
     factors = all(zero[p.name] == 1.0 for p in shown)  # of what every model has
     missing = not factors and all(_none(p, zero[p.name]) for p in shown)
-    parts = []
+    now, had = [], []
     for p in shown:
         name = f"{p.name.replace('_', ' ')} " if len(shown) > 1 or not units[p.name] else ""
         low, high = own_reach(problem, change.suspect, p)
-        had = _people(low, units[p.name]) if low == high else interval(low, high, units[p.name])
-        own = "" if missing else f" instead of {had}"
-        parts.append(f"{name}{_people(change.parameters[p.name], units[p.name])}{own}")
-    return f"{label} is {'missing' if missing else 'wrong'} ({listed(parts)})"
+        own = _people(low, units[p.name]) if low == high else interval(low, high, units[p.name])
+        had.append(f"{name}{own}")
+        now.append(f"{name}{_people(change.parameters[p.name], units[p.name])}")
+    if missing:
+        return f"{label} is missing ({listed(now)})"
+    return f"{label} is wrong ({listed(had)} in the model, {listed(now)} by the recordings)"
 
 
 def in_words(text: str) -> str:
