@@ -17,7 +17,7 @@ from realitygap.diagnose.propose.words import odds as bet
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_figures import Curves, Pair, _close_up, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import interval, quantity, verdict
 from realitygap.diagnose.result.summary import summary
 from realitygap.robot.effects import EFFECTS
@@ -184,6 +184,30 @@ def test_curves_that_hardly_part_are_drawn_close_up_too(offset: float, panels: i
     labels = [t.text for t in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert ("close up" in labels) == (panels == 3)
     assert drawn.get("aria-label") == "a <title>"
+
+
+@pytest.mark.parametrize("after", [True, False])
+def test_the_close_up_is_where_the_curves_are_seen_to_part(after: bool) -> None:
+    """At the turn where they part by most, not where the floor is least."""
+    time = np.linspace(0.0, 5.0, 2001)
+    measured = 20.0 * np.sin(2.0 * np.pi * time)
+    before = measured + 0.05 * (time < 1.0) + 0.8 * np.exp(-(((time - 3.25) / 0.3) ** 2))
+    sigma = np.where(time < 1.0, 1e-3, 0.1)
+    close = _close_up(Curves(time, measured, before, measured if after else None, sigma, "deg", "position"))
+    assert close is not None
+    start, end = close
+    assert start < 3.25 < end
+    assert 0.05 <= end - start <= 0.5
+
+
+def test_what_the_columns_of_where_and_when_say_is_a_click_away(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    text, _, _ = page_of(told("explained"), tmp_path)
+    section = text[text.index('id="where"') : text.index('id="found"')]
+    lead = section[: section.index("<table")]
+    assert len(re.sub(r"<[^>]*>", "", lead[lead.index("<p") :]).split()) < 40
+    assert "<details><summary>What the columns say</summary>" in section
 
 
 def test_figures_take_the_colours_of_the_page() -> None:

@@ -29,7 +29,7 @@ def test_many_findings_are_told_by_effect_and_in_a_table(
     assert not page.open, "an element is left open"
     assert "Coulomb friction at elbow is missing or wrong" in words
     assert words.count("the model had") == 2, "in the table, and in the finding's own"
-    assert text.count("<details>") == 1
+    assert text.count("<details>") == 2, "what the columns say, and the finding"
 
 
 def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
@@ -52,7 +52,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
     assert f"all within {low:.3f} to {high:.3f} N·m 0.276 N·m" in words, "the intervals, and what the model had"
     assert "coulomb friction at 2 joints, in one step: 3.00 → 1.05 floors coulomb friction at elbow" in words
     assert "3 more, with smaller gaps" in words
-    assert text.count("<details>") == 4, "places, both findings together, and each"
+    assert text.count("<details>") == 5, "places, what their columns say, both findings together, and each"
 
 
 def test_a_parameter_that_one_of_many_joints_has_is_its_own_row(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.lib.stride_tricks import sliding_window_view
 
 from realitygap.page.script import any_script
 from realitygap.page.style import unit_label
@@ -45,6 +46,15 @@ STYLE: Any = {
 }
 WIDE = 30.0
 """Residuals beyond this many floors are drawn on an axis that is logarithmic beyond 3."""
+
+CLOSE = (0.08, 0.04, 0.02, 0.01)
+"""Of a run, how long a close-up is: the first in which the curves are seen to part, else the shortest."""
+FEWEST = 10
+"""Samples of a close-up at least."""
+PARTED = 0.12
+"""Curves are seen to part by so much of the picture's height."""
+HALF = 0.5
+"""Stretches in which curves part by this much of the largest difference part about as far."""
 
 SEEN = 1.5
 """A root mean square difference below this many floors needs no close-up."""
@@ -112,15 +122,27 @@ def draw_curves(curves: Curves, title: str) -> str:
 
 
 def _close_up(curves: Curves) -> tuple[float, float] | None:
-    """The time around the largest difference [s]; None where the curves are seen to part without."""
-    apart = np.nan_to_num(np.abs(curves.before - curves.measured))
+    """The stretch [s] in which the curves part most: before and after, or without an after, simulated and measured.
+
+    It is as long as the difference is seen in it. Of stretches in which they part about as far, it is the one whose
+    picture that fills most, as at a reversal. None where the curves are seen to part without.
+    """
     nothing = float(np.sqrt(np.nanmean(_floors(curves, curves.before) ** 2))) < SEEN
-    if nothing or apart.max() > 0.12 * float(np.ptp(curves.measured)):
+    apart = np.nan_to_num(np.abs(curves.before - curves.measured))
+    if nothing or apart.max() > PARTED * float(np.ptp(curves.measured)):
         return None
-    length = curves.time[-1] - curves.time[0]
-    middle = float(curves.time[int(np.argmax(np.nan_to_num(np.abs(_floors(curves, curves.before)))))])
-    start = min(max(middle - 0.04 * length, curves.time[0]), curves.time[-1] - 0.08 * length)
-    return float(start), float(start + 0.08 * length)
+    if curves.after is not None:
+        apart = np.nan_to_num(np.abs(curves.before - curves.after))
+    size, start = len(apart), 0
+    for share in CLOSE:
+        size = min(max(round(share * len(apart)), FEWEST), len(apart))
+        parts = sliding_window_view(apart, size).mean(axis=-1)
+        reach = np.ptp(sliding_window_view(np.nan_to_num(curves.measured), size), axis=-1)
+        filled = np.where(parts >= HALF * parts.max(), parts / np.maximum(reach + parts, 1e-300), 0.0)
+        start = int(np.argmax(filled))
+        if filled[start] > HALF * PARTED:
+            break
+    return float(curves.time[start]), float(curves.time[start + size - 1])
 
 
 def _zoom(axes: Axes, curves: Curves, window: tuple[float, float]) -> None:
