@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -25,6 +26,12 @@ SHOWN = 8
 """Sentences shown at once; the others are a click away."""
 MAILABLE = 4_000_000
 """Curves up to this many bytes travel inside the page; larger ones are loaded from the files beside it."""
+OF_GROUND = ("rigid_ground", "soft_ground")
+OF_JOINTS = ("armature", "forward_dynamics", "joint_damping", "joint_friction", "joint_limits", "mimic_joints")
+OF_LONE_BODY = "lone_body"
+"""Capabilities of engines by what they are about."""
+REPEATED = re.compile(r" ×\d+$")
+"""How the name of a mean over repetitions ends."""
 TAGS = {
     "virtual": "caution",
     "mistake": "check this",
@@ -64,6 +71,7 @@ def write_page(folder: Path, out: Path | None = None, each: Each = one_by_one) -
         sentences=said,
         shown=SHOWN if len(said) > SHOWN + 1 else len(said),
         tags=TAGS,
+        rounded=_rounded(results),
         missing=_missing(results, out),
         published=_published() if is_wolfgang(results) else (),
         spread=_spread_rows(results, each),
@@ -158,7 +166,7 @@ def _limitations(results: Results) -> list[tuple[str, list[str]]]:
     for engine in results.engines:
         lines = []
         for name, entry in sorted(capabilities.get(engine, {}).items()):
-            if entry["level"] != "native":
+            if entry["level"] != "native" and _concerns(results, name):
                 level = {"no": "not possible", "emulated": "emulated"}.get(entry["level"], entry["level"])
                 lines.append(f"{name.replace('_', ' ')}: {level}. {entry['how']}")
         if lines:
@@ -167,6 +175,21 @@ def _limitations(results: Results) -> list[tuple[str, list[str]]]:
         if lines:
             out.append((name.capitalize(), [str(line) for line in lines]))
     return out
+
+
+def _concerns(results: Results, capability: str) -> bool:
+    """Whether a capability of an engine matters to what was simulated; where the table does not tell, it may."""
+    gaps = results.gaps
+    if capability in OF_GROUND:
+        return any(str(ground) != "none" for ground in results.axes["ground"])
+    if capability in OF_JOINTS or capability == OF_LONE_BODY:
+        return gaps.empty or bool((gaps["group"] != "base").any()) == (capability in OF_JOINTS)
+    return True
+
+
+def _rounded(results: Results) -> bool:
+    """Whether no motion was repeated, so that the noise floor is the rounding of readings; the names of means tell."""
+    return not results.gaps.empty and not any(REPEATED.search(str(name)) for name in results.axes["recording"])
 
 
 def _provenance(results: Results) -> list[tuple[str, str]]:
