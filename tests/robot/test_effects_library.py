@@ -64,3 +64,8 @@ def test_every_effect_of_the_design_is_there_in_its_order() -> None:
     direction_friction friction_ripple cable_spring motor_braking current_lag gain_law servo_rate
     derivative_gain derivative_lag motor_saturation"""
     assert list(EFFECTS) == expected.split()
+
+
+def test_what_an_effect_may_have_is_told_where_it_needs_nothing() -> None:
+    with pytest.raises(InputError, match=r"effect base_tilt: rol: unknown parameter; base_tilt may have roll \[rad\]"):
+        effects.base_tilt("base", rol=0.1)

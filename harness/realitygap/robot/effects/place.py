@@ -83,7 +83,8 @@ def _listed(effect: Effect) -> str:
     """What an effect needs and what it may have, each with its unit."""
     needed = ", ".join(p.with_unit for p in effect.parameters if p.default is None)
     further = ", ".join(p.with_unit for p in effect.parameters if p.default is not None)
-    return f"{effect.name} needs {needed}" + (f" and may have {further}" if further else "")
+    parts = [f"{verb} {names}" for verb, names in (("needs", needed), ("may have", further)) if names]
+    return f"{effect.name} {' and '.join(parts)}"
 
 
 def known(name: str, key: str = "effects") -> Effect:
