@@ -115,11 +115,15 @@ MEASURED = {
 }
 QUANTITIES: dict[str, set[str]] = {
     "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints"},
+    "torque_enabled": {"enabled", "enable"},  # before the torque, which is not what a torque_enabled holds
     "velocity": {"velocity", "velocities", "vel", "qd", "dq", "qdot", "speed", "omega"},
     "effort": {"effort", "efforts", "torque", "torques", "tau", "force", "trq", "moment"},
     "current": {"current", "currents", "amp", "amps", "curr"},
     "duty": {"duty", "pwm"},
-    "other": {"acceleration", "acc", "qdd", "ddq", "temperature", "temp", "voltage", "volt", "error", "err", "status"},
+    "other": {
+        *("acceleration", "acc", "qdd", "ddq", "temperature", "temp", "voltage", "volt", "error", "err", "status"),
+        *("limit", "limits", "mode"),
+    },
 }
 UNITS = {"rad", "rads", "deg", "degrees", "degree", "nm", "a", "ma", "m", "s", "ms", "v"}
 

@@ -27,7 +27,7 @@ from realitygap.scenario.schema import Units as Stated
 
 NOT_SI = {"deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
-DEFAULTS = {"time": "time", "command": "command", "position": "position", "velocity": "velocity", "effort": "effort"}
+DEFAULTS = {key: key for key in ("time", "command", "position", "velocity", "effort", "torque_enabled")}
 ANGLES = ("position", "velocity", "command")
 """Signals that are angles or angles per s, a command where it is a position or a velocity."""
 Column = str | dict[str, str] | list[str]
@@ -100,11 +100,11 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
 
 
 def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Column], str]:
-    """The columns of position, velocity, effort and command, and what the command is."""
+    """The columns of position, velocity, effort, torque_enabled and command, and what the command is."""
     stems = {_bare(stem): found for stem, found in by_stem(labels, joints).items()}
     roles = {stem: role for stem in stems if (role := role_of(stem)) is not None}
     columns: dict[str, Column] = {}
-    for key in ("position", "velocity", "effort", "current"):
+    for key in ("position", "velocity", "effort", "current", "torque_enabled"):
         found = [s for s, (kind, command, _) in roles.items() if kind == key and not command]
         if found and (key != "current" or "effort" not in columns):
             best = max(found, key=lambda s: (s == (key,), roles[s][2], -len(s)))  # plain names, then what says measured
