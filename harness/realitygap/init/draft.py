@@ -1,6 +1,6 @@
 """A first scenario from what a team has: a URDF and recordings. Every guess says in a comment that it is one."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
@@ -22,8 +22,9 @@ from realitygap.init.repeated import repeated
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.table_sections import table_sections
-from realitygap.recording import read_recording, reader_of
+from realitygap.recording import Recording, read_recording, reader_of
 from realitygap.scenario.file import load_scenario
+from realitygap.scenario.schema import Scenario
 from realitygap.scenario.schema_file import COMMENT, SCHEMA
 from realitygap.scenario.which_file import RECORDINGS, ROBOTS
 
@@ -89,7 +90,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             loaded, recordings = load_scenario(draft), {}
             for case in loaded.cases():
                 path = named.get(case.path.resolve(), case.path)
-                recordings[case.path] = read_recording(path, case.scenario, model.joint_names, file=target)
+                recordings[case.path] = _read(path, bags[0], case.scenario, model.joint_names, target)
             told = [*sections.unsure, *sections.told, *repeated(loaded, recordings)]
             turned = in_degrees(loaded, sections, model, recordings)
             if turned is not None:
@@ -102,6 +103,24 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             draft.unlink(missing_ok=True)
     driven = not model.joints or loaded.scenario.motion is not None
     return Draft(target, _guesses(text), told, driven)
+
+
+def _read(path: Path, first: Path, scenario: Scenario, joints: Sequence[str], target: Path) -> Recording:
+    """A recording as the draft says it; what it lacks of that is told of the recording, as no draft is there to change.
+
+    Raises:
+        InputError: for a recording that cannot be read, or that does not hold what the first one does.
+    """
+    try:
+        return read_recording(path, scenario, joints, file=target)
+    except InputError as error:
+        lacking = str(error).removeprefix(f"{target}: ")
+        if lacking == str(error):
+            raise
+        raise InputError(
+            f"{path}: does not fit the scenario as {first} makes it: {lacking}; expected recordings with the same "
+            "signals: leave this one out, or write a scenario of its own for it"
+        ) from None
 
 
 def _check_given(urdf: Path, bags: list[Path]) -> None:
