@@ -109,6 +109,11 @@ class Model:
         return [joint.name for joint in self.joints]
 
     @property
+    def mimics(self) -> dict[str, Mimic]:
+        """What couples joints to others, by the name of the joint that follows."""
+        return {joint.name: joint.mimic for joint in self.joints if joint.mimic is not None}
+
+    @property
     def mass(self) -> float:
         """Total mass [kg]."""
         return sum(link.mass for link in self.links)

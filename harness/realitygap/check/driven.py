@@ -64,12 +64,13 @@ def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequen
 def undriven(o: Observed) -> list[Mistake]:
     """Joints without a servo that are told to move, or that are never commanded, among others that are.
 
-    A pole on a cart has no servo, and no command that changes.
+    A pole on a cart has no servo, and no command that changes; a joint that mimics another is moved by that one's.
     """
     if o.is_followed:
         return []
-    limp = o.plant.drive["kind"] == NONE
-    told = np.isfinite(o.recording.command).any(axis=0)
+    free = np.array([joint.mimic is None for joint in o.plant.model.joints])
+    limp = (o.plant.drive["kind"] == NONE) & free
+    told = np.isfinite(o.recording.command).any(axis=0) | ~free
     recorded = o.scenario.motion is not None and o.scenario.motion.recorded is not None
     moved = np.nan_to_num(np.diff(o.recording.command, axis=0)).any(axis=0) if recorded else limp
     out = []

@@ -223,8 +223,8 @@ def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
     out = []
     for case in file.cases():
         plant = _plant(file, case, plants)
-        if plant.model.joints:
-            recording = read(case.path, case.scenario, plant.model.joint_names, file=file.path)
+        if (model := plant.model).joints:
+            recording = read(case.path, case.scenario, model.joint_names, file=file.path, mimics=model.mimics)
             out.append(Observed(case.name, case.key, case.scenario, plant, recording, case.run))
     return out
 

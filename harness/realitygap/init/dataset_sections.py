@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from realitygap_engines.model.robot import Model
+from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import words
@@ -40,7 +40,7 @@ def dataset_sections(paths: list[Path], model: Model, urdf: Path, out: Path) -> 
                 f"{folder.path}: has no feature {FEATURES['position']}; it has {', '.join(folder.features)}; expected "
                 "a data set with the measured joint positions"
             )
-    joints, said = _joints(first, model.joint_names, urdf)
+    joints, said = _joints(first, model, urdf)
     count = sum(len(folder.episodes) for folder in folders)
     length = min(PART, max(LEAST, LOOK / count))
     command = FEATURES["command"] in first.features
@@ -50,7 +50,7 @@ def dataset_sections(paths: list[Path], model: Model, urdf: Path, out: Path) -> 
             time, moved, position = _looked_at(folder, episode, list(joints.values()), command=command)
             values.append(position)
             runs.append(_run(folder, episode, out, _most(time, moved, length)))
-    units, why = _units(np.vstack(values), list(joints), model)
+    units, why = _units(np.vstack(values), [joint for joint in model.joints if joint.name in joints])
     named = {joint: name for joint, name in joints.items() if joint != name}
     lines = ["  dataset:", *units]
     if named:
@@ -67,12 +67,25 @@ def dataset_sections(paths: list[Path], model: Model, urdf: Path, out: Path) -> 
     if not command:
         motion = ["# No command was found: motion: {recorded: FEATURE} says what the servos are told."]
         told.append(f"{FEATURES['command']} is missing: nothing drives the joints")
-    return Sections(motion, lines, runs, robot=first.robot, told=told)
+    left = tuple(joint for joint in model.joint_names if joint not in joints)
+    return Sections(motion, lines, runs, robot=first.robot, told=told, held=left)
 
 
-def _joints(folder: DataFolder, joints: Sequence[str], urdf: Path) -> tuple[dict[str, str], str]:
-    """The data set's name of every joint, and how it was found: by name, by words in the name, or by order."""
+def _joints(folder: DataFolder, model: Model, urdf: Path) -> tuple[dict[str, str], str]:
+    """The data set's name of every joint, or of those that mimic no other, and how it was found."""
     labels = [short(label) for label in folder.features[FEATURES["position"]]]
+    free = [joint for joint in model.joint_names if joint not in model.mimics]
+    for joints in (model.joint_names, free):
+        if (found := _called(labels, joints)) is not None:
+            return found
+    raise InputError(
+        f"{folder.path}: {FEATURES['position']} has {', '.join(labels)}, which are not the joints of {urdf}: "
+        f"{', '.join(model.joint_names)}; expected the same names, or as many"
+    )
+
+
+def _called(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, str], str] | None:
+    """What labels call every joint, and how that was found: by name, by words in the name, or by order."""
     if all(joint in labels for joint in joints):
         return {joint: joint for joint in joints}, "by name"
     found = {}
@@ -85,10 +98,7 @@ def _joints(folder: DataFolder, joints: Sequence[str], urdf: Path) -> tuple[dict
         return found, "by the words in their names"
     if len(labels) == len(joints):
         return dict(zip(joints, labels, strict=True)), "by their order, which need not be the same"
-    raise InputError(
-        f"{folder.path}: {FEATURES['position']} has {', '.join(labels)}, which are not the joints of {urdf}: "
-        f"{', '.join(joints)}; expected the same names, or as many"
-    )
+    return None
 
 
 def _looked_at(
@@ -131,9 +141,9 @@ def _run(folder: DataFolder, episode: EpisodeRows, out: Path, part: tuple[float,
     return f"    - {{path: {quoted(relative(folder.path, out))}, episode: {which}{span}}}{' '.join(note.splitlines())}"
 
 
-def _units(values: Array, joints: Sequence[str], model: Model) -> tuple[list[str], str]:
+def _units(values: Array, joints: Sequence[Joint]) -> tuple[list[str], str]:
     """The lines of units, and what was guessed of them: degrees where they fit the URDF's limits, else normalized."""
-    limits = np.array([[model.joints[i].lower, model.joints[i].upper] for i in range(len(joints))])
+    limits = np.array([[joint.lower, joint.upper] for joint in joints])
     low, high = np.nanmin(values, axis=0), np.nanmax(values, axis=0)
     if max(abs(low).max(), abs(high).max()) <= np.abs(np.where(np.isfinite(limits), limits, np.pi)).max():
         return ["    units: radians  # GUESS: no value is larger than the URDF's limits"], "positions taken as radians"
@@ -146,9 +156,9 @@ def _units(values: Array, joints: Sequence[str], model: Model) -> tuple[list[str
     lines.append("    range:  # GUESS: that the ends of the units are the URDF's limits; a calibration file says it")
     for joint, (lower, upper) in zip(joints, limits, strict=True):
         if np.isfinite([lower, upper]).all():
-            lines.append(f"      {quoted(joint)}: [{lower:g}, {upper:g}]")
+            lines.append(f"      {quoted(joint.name)}: [{lower:g}, {upper:g}]")
         else:
-            lines.append(f"      {quoted(joint)}: [{-np.pi:.5f}, {np.pi:.5f}]  # GUESS: the URDF has no limits")
+            lines.append(f"      {quoted(joint.name)}: [{-np.pi:.5f}, {np.pi:.5f}]  # GUESS: the URDF has no limits")
     return lines, "positions taken as normalized units"
 
 

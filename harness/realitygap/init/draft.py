@@ -1,7 +1,7 @@
 """A first scenario from what a team has: a URDF and recordings. Every guess says in a comment that it is one."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from shlex import quote
 
@@ -78,6 +78,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     packages = packages or {}
     model, fixed = _model(urdf, packages)
     sections = _sections(urdf, bags, out, model)
+    sections = _without_followers(sections, model)
     rest = {i: _rest(joint) for i, joint in enumerate(model.joints) if joint.name in sections.held}
     held = {model.joints[i].name: angle for i, angle in rest.items()}
     model = hold(model, rest)
@@ -90,8 +91,13 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             loaded, recordings = load_scenario(draft), {}
             for case in loaded.cases():
                 path = named.get(case.path.resolve(), case.path)
-                recordings[case.path] = _read(path, bags[0], case.scenario, model.joint_names, target)
-            told = [*sections.unsure, *sections.told, *repeated(loaded, recordings)]
+                recordings[case.path] = _read(path, bags[0], case.scenario, model, target)
+            told = [
+                *sections.unsure,
+                *_following(sections, model).values(),
+                *sections.told,
+                *repeated(loaded, recordings),
+            ]
             turned = in_degrees(loaded, sections, model, recordings)
             if turned is not None:
                 text = _text(urdf, out, packages, model, fixed, turned, held)
@@ -105,14 +111,14 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
     return Draft(target, _guesses(text), told, driven)
 
 
-def _read(path: Path, first: Path, scenario: Scenario, joints: Sequence[str], target: Path) -> Recording:
+def _read(path: Path, first: Path, scenario: Scenario, model: Model, target: Path) -> Recording:
     """A recording as the draft says it; what it lacks of that is told of the recording, as no draft is there to change.
 
     Raises:
         InputError: for a recording that cannot be read, or that does not hold what the first one does.
     """
     try:
-        return read_recording(path, scenario, joints, file=target)
+        return read_recording(path, scenario, model.joint_names, file=target, mimics=model.mimics)
     except InputError as error:
         lacking = str(error).removeprefix(f"{target}: ")
         if lacking == str(error):
@@ -167,6 +173,23 @@ def _rest(joint: Joint) -> float:
     return float(min(max(0.0, joint.lower), joint.upper))
 
 
+def _without_followers(sections: Sections, model: Model) -> Sections:
+    """The sections in which no joint is held that mimics another: where that one is, or is held, tells where it is."""
+    held = tuple(joint for joint in sections.held if joint not in model.mimics)
+    followers = tuple(joint for joint in sections.held if joint in model.mimics)
+    unmeasured = {joint: where for joint, where in sections.unmeasured.items() if joint in held}
+    return replace(sections, held=held, followers=followers, unmeasured=unmeasured)
+
+
+def _following(sections: Sections, model: Model) -> dict[str, str]:
+    """A sentence on every joint that was not recorded and follows another that moves."""
+    return {
+        joint: f"{joint} was not recorded: it follows {mimic.joint}, and is simulated and not compared"
+        for joint, mimic in model.mimics.items()
+        if joint in sections.followers
+    }
+
+
 def _sections(urdf: Path, bags: list[Path], out: Path, model: Model) -> Sections:
     kinds = {path: reader_of(path) for path in bags}
     for path, kind in kinds.items():
@@ -213,6 +236,9 @@ def _text(
     lines += ["", f"ground: {ground}  {GUESS}flat, grass, or friction, stiffness and damping by numbers"]
     hint = f"  # {HINT}" if len(sections.runs) > 1 else ""
     lines += ["physics: {step_rate: 1000}", "", "recordings:", *sections.table, *sections.recordings]
+    if following := _following(sections, model):
+        lines += [f"  # {sentence}" for sentence in following.values()]
+        lines.append(f"  exclude: [{', '.join(map(quoted, following))}]")
     lines += [f"  runs:{hint}", *sections.runs]
     return "\n".join([*lines, ""])
 

@@ -70,6 +70,8 @@ def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
         return _sts3215(robot)
     groups: dict[tuple[float, float], list[str]] = {}
     for joint in joints:
+        if joint.mimic is not None:  # another joint's servo moves it
+            continue
         groups.setdefault((joint.effort, joint.velocity), []).append(joint.name)
     lines = []
     for (effort, velocity), names in groups.items():

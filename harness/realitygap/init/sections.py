@@ -64,6 +64,7 @@ class Sections:
         units: of columns, where they are not SI, by signal and, where they differ, by joint; and how they were found.
         angles: the signals in angles whose unit no name says.
         held: the joints that were not recorded.
+        followers: joints that were not recorded, either, and mimic others.
         unmeasured: of these, the ones of which something else than a position was recorded, and in which columns or
             topics.
     """
@@ -81,6 +82,7 @@ class Sections:
     units_by: str = "as the names say"
     angles: tuple[str, ...] = ()
     held: tuple[str, ...] = ()
+    followers: tuple[str, ...] = ()
     unmeasured: dict[str, list[str]] = field(default_factory=dict)
 
     @property

@@ -1,7 +1,7 @@
 """From a matrix file to the cells that are to be computed, each with its input read and its key known."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from itertools import product
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import realitygap_engines as engines
+from realitygap_engines.model.robot import Mimic
 
 from realitygap.compare.comparison import RepeatedMotion, motions
 from realitygap.compare.row import slug
@@ -30,11 +31,19 @@ class Reader:
     def __init__(self) -> None:
         self._known: dict[str, Recording] = {}
 
-    def __call__(self, path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
+    def __call__(
+        self,
+        path: Path,
+        scenario: Scenario,
+        joints: Sequence[str],
+        *,
+        file: Path,
+        mimics: Mapping[str, Mimic] | None = None,
+    ) -> Recording:
         """As `read_recording`."""
-        key = repr((path, request_of(scenario, tuple(joints), file)))
+        key = repr((path, request_of(scenario, tuple(joints), file), mimics))
         if key not in self._known:
-            self._known[key] = read_recording(path, scenario, joints, file=file)
+            self._known[key] = read_recording(path, scenario, joints, file=file, mimics=mimics)
         return self._known[key]
 
 

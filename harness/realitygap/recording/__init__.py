@@ -1,13 +1,16 @@
 """Recordings of real robots, whatever file they are in, as one type."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
+
+from realitygap_engines.model.robot import Mimic
 
 from realitygap.files.errors import InputError
 from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import OTHERS, PACKED, plain_name
 from realitygap.recording.assemble import assemble
+from realitygap.recording.followers import with_followers
 from realitygap.recording.part import part_of
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import Streams, request_of
@@ -61,7 +64,9 @@ def reader_of(path: Path) -> str:
     return READERS[kind]
 
 
-def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path) -> Recording:
+def read_recording(
+    path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path, mimics: Mapping[str, Mimic] | None = None
+) -> Recording:
     """What was measured in one recording.
 
     Args:
@@ -70,6 +75,7 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
         scenario: says which topics and columns are what (with the overrides of this run applied).
         joints: the joints to keep, which is the order of all joint columns, whatever the order in the recording.
         file: the scenario file, for messages.
+        mimics: the joints that follow others: what was not recorded of them is told from those.
 
     Raises:
         InputError: for a file that cannot be read, a topic, column or joint that is not there, or values that make no
@@ -82,6 +88,10 @@ def read_recording(path: Path, scenario: Scenario, joints: Sequence[str], *, fil
             f"{file}: recordings: found episode {episode} of {path}; expected a data set with meta/info.json"
         )
     module = import_module(f"realitygap.recording.readers.{reader}")
-    request = request_of(scenario, tuple(joints), file)
-    streams: Streams = module.read(path, request)
-    return part_of(assemble(path, streams, request), request)
+
+    def read(of: Sequence[str]) -> Recording:
+        request = request_of(scenario, tuple(of), file)
+        streams: Streams = module.read(path, request)
+        return part_of(assemble(path, streams, request), request)
+
+    return with_followers(read, tuple(joints), mimics or {})
