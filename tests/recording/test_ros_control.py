@@ -205,8 +205,8 @@ def test_what_is_wrong_with_a_trajectory_is_told(tmp_path: Path, write_bag: Call
 @pytest.mark.parametrize(
     ("kind", "topic", "expected"),
     [
-        (ARRAY, "/position_controller/commands", {"joints": ["b", "a"], "held": True}),
-        (CONTROLLER, "/arm_controller/controller_state", {"joints": None, "held": True}),
+        (ARRAY, "/position_controller/commands", {"joints": ["b", "a"], "held": False}),  # a trajectory at 100 Hz
+        (CONTROLLER, "/arm_controller/controller_state", {"joints": None, "held": False}),
         (TRAJECTORY, "/goal", {"joints": None, "held": False}),
     ],
 )

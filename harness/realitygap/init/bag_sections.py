@@ -11,9 +11,11 @@ from realitygap.init.sections import (
     AS_FOLLOWED,
     FOLLOWED,
     NOTHING_DRIVES,
+    Motion,
     Sections,
     current_line,
     current_told,
+    no_motion,
     quoted,
     runs_of,
 )
@@ -101,16 +103,19 @@ def _current(roles: Roles) -> bool:
     return apart and roles.effort is not None and bool(CURRENT.search(roles.effort.stream.topic))
 
 
-def _motion(roles: Roles) -> list[str]:
+def _motion(roles: Roles) -> Motion:
     if _followed(roles):
-        return [FOLLOWED]
+        return FOLLOWED
     if roles.command is None:
-        return ["# No command was found: motion: {recorded: TOPIC} or {keyframes: FILE} says what the servos are told."]
-    meaning = "" if roles.meaning == "position" else f", as: {roles.meaning}"
-    topic = quoted(roles.command.stream.topic)
-    order = f", joints: [{', '.join(map(quoted, roles.order))}]" if roles.order else ""
-    between = ", held: false" if roles.command.stream.goal else ""
-    return [f"motion: {{recorded: {topic}{meaning}{order}{between}}}  # GUESS: {roles.command.reason}"]
+        return no_motion("TOPIC")
+    items = {"recorded": quoted(roles.command.stream.topic)}
+    if roles.meaning != "position":
+        items["as"] = roles.meaning
+    if roles.order:
+        items["joints"] = f"[{', '.join(map(quoted, roles.order))}]"
+    if roles.command.stream.goal:
+        items["held"] = "false"
+    return Motion(items, roles.command.reason)
 
 
 def _recordings(contents: Contents, roles: Roles) -> list[str]:

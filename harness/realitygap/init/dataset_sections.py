@@ -8,7 +8,7 @@ from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
 from realitygap.init.names import words
-from realitygap.init.sections import Sections, quoted, relative
+from realitygap.init.sections import Motion, Sections, no_motion, quoted, relative
 from realitygap.recording.commands import held_at
 from realitygap.recording.readers.lerobot import FEATURES, short
 from realitygap.recording.readers.lerobot_folder import DataFolder, EpisodeRows, open_folder
@@ -63,9 +63,8 @@ def dataset_sections(paths: list[Path], model: Model, urdf: Path, out: Path) -> 
             f"of every episode the {length:g} s with the most motion are simulated (`part`), which makes a first look "
             "short: remove `part` to take all of it"
         )
-    motion = [f"motion: {{recorded: {FEATURES['command']}}}"]
+    motion = Motion({"recorded": FEATURES["command"]}) if command else no_motion("FEATURE")
     if not command:
-        motion = ["# No command was found: motion: {recorded: FEATURE} says what the servos are told."]
         told.append(f"{FEATURES['command']} is missing: nothing drives the joints")
     left = tuple(joint for joint in model.joint_names if joint not in joints)
     return Sections(motion, lines, runs, robot=first.robot, told=told, held=left)

@@ -21,6 +21,7 @@ from realitygap.init.degrees import in_degrees
 from realitygap.init.repeated import repeated
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
+from realitygap.init.streamed import between_samples
 from realitygap.init.table_sections import table_sections
 from realitygap.recording import Recording, read_recording, reader_of
 from realitygap.scenario.file import load_scenario
@@ -98,9 +99,10 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 *sections.told,
                 *repeated(loaded, recordings),
             ]
-            turned = in_degrees(loaded, sections, model, recordings)
-            if turned is not None:
-                text = _text(urdf, out, packages, model, fixed, turned, held)
+            better = in_degrees(loaded, sections, model, recordings) or sections
+            better = between_samples(loaded, better, recordings.values()) or better
+            if better is not sections:
+                text = _text(urdf, out, packages, model, fixed, better, held)
                 draft.write_text(text, encoding="utf-8")
             with last():
                 write_whole(out / SCHEMA.name, SCHEMA.read_text(encoding="utf-8"))
@@ -231,7 +233,7 @@ def _text(
         lines.append(f"  hold: {{{inner}}}  {GUESS}where they stand [rad or m], as they were not recorded")
     if model.joints:
         servos = [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot)]
-        lines += [*servos, "", *sections.motion]
+        lines += [*servos, "", sections.motion.line]
     ground = "none" if base == "fixed" else "flat"
     lines += ["", f"ground: {ground}  {GUESS}flat, grass, or friction, stiffness and damping by numbers"]
     hint = f"  # {HINT}" if len(sections.runs) > 1 else ""

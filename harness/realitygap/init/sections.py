@@ -9,10 +9,45 @@ from pathlib import Path
 Units = dict[str, str | dict[str, str]]
 """Units of a table's columns by signal, and where joints differ by joint."""
 
-FOLLOWED = "motion: {followed: true}  # GUESS: no command was found, so the model has to explain the measured effort"
-FOLLOWED_ASKED = (
-    "motion: {followed: true}  # GUESS: efforts were both asked for and measured; or {recorded: command, as: effort}"
+
+@dataclass(frozen=True)
+class Motion:
+    """What `motion` says, item by item as YAML writes them, and what is guessed of it; without items, a comment."""
+
+    items: dict[str, str]
+    guess: str = ""
+
+    @property
+    def line(self) -> str:
+        """As it stands in a scenario."""
+        if not self.items:
+            return f"# {self.guess}"
+        guess = f"  # GUESS: {self.guess}" if self.guess else ""
+        return f"motion: {_flow(self.items)}{guess}"
+
+    @property
+    def holds(self) -> bool:
+        """Whether recorded positions are told, and held until the next ones."""
+        return "recorded" in self.items and not {"as", "held"} & self.items.keys()
+
+    def between(self, why: str) -> "Motion":
+        """The same with commands that are samples of a trajectory."""
+        return Motion({**self.items, "held": "false"}, "; ".join(filter(None, (self.guess, why))))
+
+
+FOLLOWED = Motion({"followed": "true"}, "no command was found, so the model has to explain the measured effort")
+FOLLOWED_ASKED = Motion(
+    {"followed": "true"}, "efforts were both asked for and measured; or {recorded: command, as: effort}"
 )
+
+
+def no_motion(kind: str) -> Motion:
+    """Where no commands were found in a TOPIC, COLUMN or FEATURE."""
+    return Motion(
+        {}, f"No command was found: motion: {{recorded: {kind}}} or {{keyframes: FILE}} says what the servos are told."
+    )
+
+
 ASKED_AND_MEASURED = (
     "efforts were both asked for and measured: the measured motion is followed; `motion: {recorded: command, as: "
     "effort}` with servos of `kind: effort` plays back what was asked for"
@@ -52,7 +87,7 @@ class Sections:
     """Lines of a scenario file, and what they imply.
 
     Attributes:
-        motion: the lines of `motion`.
+        motion: what the servos are told.
         recordings: the lines below `recordings`, without the runs.
         runs: the lines below `runs`.
         meaning: what a recorded command is: position, velocity, duty or effort.
@@ -69,7 +104,7 @@ class Sections:
             topics.
     """
 
-    motion: list[str]
+    motion: Motion
     recordings: list[str]
     runs: list[str]
     meaning: str = "position"

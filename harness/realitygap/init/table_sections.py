@@ -13,10 +13,12 @@ from realitygap.init.sections import (
     FOLLOWED,
     FOLLOWED_ASKED,
     NOTHING_DRIVES,
+    Motion,
     Sections,
     Units,
     current_line,
     current_told,
+    no_motion,
     quoted,
     runs_of,
 )
@@ -135,19 +137,17 @@ def _written(found: dict[str, str], labels: Sequence[str], joints: Sequence[str]
     return found
 
 
-def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> list[str]:
+def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> Motion:
     """The motion; of an effort that was both asked for and measured, following says more than playing it back."""
     if followed:
-        return [FOLLOWED if "command" not in columns else FOLLOWED_ASKED]
+        return FOLLOWED if "command" not in columns else FOLLOWED_ASKED
     if "command" not in columns:
-        return [
-            "# No command was found: motion: {recorded: COLUMN} or {keyframes: FILE} says what the servos are told."
-        ]
+        return no_motion("COLUMN")
     name = columns["command"]
-    kind = "" if meaning == "position" else f", as: {meaning}"
+    kind = {} if meaning == "position" else {"as": meaning}
     plain = meaning == "position" and not _words(name) & QUANTITIES["position"]
-    guess = "  # GUESS: positions, as its name says nothing else; or as: effort, velocity or duty" if plain else ""
-    return [f"motion: {{recorded: {quoted(name) if isinstance(name, str) else 'command'}{kind}}}{guess}"]
+    guess = "positions, as its name says nothing else; or as: effort, velocity or duty" if plain else ""
+    return Motion({"recorded": quoted(name) if isinstance(name, str) else "command", **kind}, guess)
 
 
 def _columns(columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
