@@ -12,8 +12,9 @@ from realitygap.robot.servos import written_together
 
 FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
 LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
-FULL_ERROR = 0.1  # rad: a stiff position servo gives its full effort at about this error
-KP_UNKNOWN = 50.0  # N·m/rad, for a joint without effort limit
+FULL_ERROR = 0.1  # rad or m: a stiff position servo gives its full effort at about this error
+TRAVEL_SHARE = 0.1  # of a slide's travel, where that is less: a finger of 40 mm never has an error of 100 mm
+EFFORT_UNKNOWN = 5.0  # N·m or N at that error, for a joint without effort limit
 GAIN_UNKNOWN = 1.0  # N·m·s/rad, for a joint without limits that is told velocities
 SUPPLY = 12.0  # V
 DAMPING_TIME = 0.005  # s: kd = kp times this, little enough for light links at 1 ms
@@ -68,17 +69,23 @@ def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
     """The servo of a robot that is known by name, or one servo per limits of the URDF."""
     if STS3215.search(robot) and meaning == "position":
         return _sts3215(robot)
-    groups: dict[tuple[float, float], list[str]] = {}
+    groups: dict[tuple[float, float, float, bool], list[Joint]] = {}
     for joint in joints:
         if joint.mimic is not None:  # another joint's servo moves it
             continue
-        groups.setdefault((joint.effort, joint.velocity), []).append(joint.name)
+        groups.setdefault((joint.effort, joint.velocity, _full_error(joint), joint.prismatic), []).append(joint)
     lines = []
-    for (effort, velocity), names in groups.items():
-        pattern = '"*"' if len(groups) == 1 else f"[{', '.join(map(quoted, names))}]"
+    for alike in groups.values():
+        pattern = '"*"' if len(groups) == 1 else f"[{', '.join(quoted(joint.name) for joint in alike)}]"
         lines.append(f"  - joints: {pattern}")
-        lines += KINDS[meaning](effort, velocity)
+        lines += KINDS[meaning](alike[0])
     return lines
+
+
+def _full_error(joint: Joint) -> float:
+    """The error [rad or m] at which a servo is guessed to give its full effort."""
+    travel = joint.upper - joint.lower
+    return min(FULL_ERROR, TRAVEL_SHARE * travel) if joint.prismatic and travel > 0 else FULL_ERROR
 
 
 def _sts3215(robot: str) -> list[str]:
@@ -95,47 +102,59 @@ def _sts3215(robot: str) -> list[str]:
     ]
 
 
-def _effort(*_: float) -> list[str]:
+def _rounded(value: float) -> float:
+    """To three digits, as no guess is better."""
+    return float(f"{value:.3g}")
+
+
+def _effort(_: Joint) -> list[str]:
     """A motor that gives what it is told."""
     return ["    kind: effort  # GUESS: the commanded effort is what the motor gives, in N·m or N"]
 
 
-def _velocity(effort: float, velocity: float) -> list[str]:
+def _velocity(joint: Joint) -> list[str]:
     """A servo that is told velocities and gives the URDF's effort at a small share of its velocity."""
+    effort, velocity = joint.effort, joint.velocity
     bounded = bool(np.isfinite([effort, velocity]).all()) and velocity > 0
     gain = effort / (FULL_ERROR * velocity) if bounded else GAIN_UNKNOWN
     why = f"the URDF's effort limit of {effort:g} at an error of {FULL_ERROR:g} of its velocity limit of {velocity:g}"
-    return ["    kind: velocity", f"    gain: {gain:.3g}  # GUESS: {why if bounded else 'the URDF has no limits'}"]
-
-
-def _pid(effort: float, _: float) -> list[str]:
-    bounded = bool(np.isfinite(effort))
-    kp = effort / FULL_ERROR if bounded else KP_UNKNOWN
-    why = f"the URDF's effort limit of {effort:g} at {FULL_ERROR:g} rad of error" if bounded else "no effort limit"
-    spikes = "steps of a held command become spikes of effort, which motion's held: false avoids"
     return [
-        "    kind: pid",
-        f"    kp: {kp:.3g}  # GUESS: {why}",
-        f"    kd: {kp * DAMPING_TIME:.3g}  # GUESS: {DAMPING_TIME:g} s times kp; {spikes}",
+        "    kind: velocity",
+        f"    gain: {_rounded(gain):g}  # GUESS: {why if bounded else 'the URDF has no limits'}",
     ]
 
 
-def _dc(effort: float, velocity: float) -> list[str]:
+def _pid(joint: Joint) -> list[str]:
+    """A stiff position servo with a little damping."""
+    error, unit = _full_error(joint), "m" if joint.prismatic else "rad"
+    bounded = bool(np.isfinite(joint.effort))
+    kp = (joint.effort if bounded else EFFORT_UNKNOWN) / error
+    travel = ", a tenth of its travel" if error < FULL_ERROR else ""
+    limit = f"the URDF's effort limit of {joint.effort:g}" if bounded else f"no effort limit: {EFFORT_UNKNOWN:g}"
+    spikes = "steps of a held command become spikes of effort, which motion's held: false avoids"
+    return [
+        "    kind: pid",
+        f"    kp: {_rounded(kp):g}  # GUESS: {limit} at {error:.3g} {unit} of error{travel}",
+        f"    kd: {_rounded(kp * DAMPING_TIME):g}  # GUESS: {DAMPING_TIME:g} s times kp; {spikes}",
+    ]
+
+
+def _dc(joint: Joint) -> list[str]:
     """A motor told its duty that stalls at the URDF's effort limit and runs free at its velocity limit."""
-    bounded = bool(np.isfinite([effort, velocity]).all())
-    stall, free = (effort, velocity) if bounded else (1.0, 10.0)
+    bounded = bool(np.isfinite([joint.effort, joint.velocity]).all())
+    stall, free = (joint.effort, joint.velocity) if bounded else (1.0, 10.0)
     why = "stalls at the URDF's effort limit, runs free at its velocity limit" if bounded else "the URDF has no limits"
     constant = SUPPLY / free
     return [
         "    kind: dc",
         "    gain: 0  # the recorded command is the duty",
         f"    supply: {SUPPLY:g}  # GUESS: volts",
-        f"    torque_constant: {constant:.3g}  # GUESS: {why}",
-        f"    resistance: {constant * SUPPLY / stall:.3g}  # GUESS: likewise",
+        f"    torque_constant: {_rounded(constant):g}  # GUESS: {why}",
+        f"    resistance: {_rounded(constant * SUPPLY / stall):g}  # GUESS: likewise",
     ]
 
 
-KINDS: dict[str, Callable[[float, float], list[str]]] = {
+KINDS: dict[str, Callable[[Joint], list[str]]] = {
     "position": _pid,
     "velocity": _velocity,
     "duty": _dc,
