@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from realitygap.init.robot_guess import servo_lines
+from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap_engines.model.robot import Joint, Link, Model
 
 BODY = Link("base", 1.0, np.zeros(3), np.eye(3))
@@ -36,3 +36,17 @@ def test_a_slide_gives_its_full_effort_at_an_error_that_it_can_have(joint: Joint
 def test_slides_and_turns_with_the_same_limits_have_servos_of_their_own() -> None:
     lines = servo_lines(chain(SLIDE, replace(TURN, name="wrist"), TURN), "position", "arm")
     assert [line for line in lines if "joints:" in line] == ['  - joints: ["finger"]', '  - joints: ["wrist", "elbow"]']
+
+
+@pytest.mark.parametrize(
+    "name", ["left_foot", "FL-leg", "rightKnee", "r_wheel2", "lfoot", "front_left_wheels", "ANKLE"]
+)
+def test_a_link_that_is_called_as_a_leg_or_a_wheel_lets_the_base_float_and_is_named(name: str) -> None:
+    model = chain(TURN, SLIDE, links=("upper", name))
+    assert base_of(model, None, None) == ("floating", f"the link {name} is called as a leg or a wheel")
+
+
+@pytest.mark.parametrize("name", ["allegro_mount", "legacy_flange", "elegant", "wheelbase", "football"])
+def test_a_word_that_only_holds_a_leg_is_none(name: str) -> None:
+    base, why = base_of(chain(TURN, SLIDE, links=("upper", name)), None, None)
+    assert (base, why) == ("fixed", "the tree has 1 end, no legs and no wheels")

@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from realitygap_engines.model.robot import Joint, Model
 
+from realitygap.init.names import words
 from realitygap.init.sections import quoted
 from realitygap.robot.servos import written_together
 
 FIXED_ROOTS = ("world", "map", "odom", "ground", "table")
-LEGS = re.compile(r"foot|ankle|leg|wheel|knee", re.IGNORECASE)
+LEGS = re.compile(r"(left|right|front|rear|back|hind|[lrfbh]{0,2})(foot|feet|ankle|leg|wheel|knee)s?")
+"""A word of a name that says leg or wheel, also with its side in front: allegro and legacy are none."""
 FULL_ERROR = 0.1  # rad or m: a stiff position servo gives its full effort at about this error
 TRAVEL_SHARE = 0.1  # of a slide's travel, where that is less: a finger of 40 mm never has an error of 100 mm
 EFFORT_UNKNOWN = 5.0  # N·m or N at that error, for a joint without effort limit
@@ -41,8 +43,11 @@ def base_of(model: Model, fixed: str | None, moving: str | None) -> tuple[str, s
         return "fixed", f"the root link is called {root}"
     if moving is not None:
         return "floating", f"{moving} was recorded, as on a robot that moves"
-    if len(ends) >= 4 or any(LEGS.search(name) for link in model.links for name in link.merged):
-        return "floating", f"the tree has {len(ends)} ends, or names of legs or wheels"
+    names = [name for link in model.links for name in (link.name, *link.merged)]
+    if (leg := next((n for n in names if any(LEGS.fullmatch(word) for word in words(n))), None)) is not None:
+        return "floating", f"the link {leg} is called as a leg or a wheel"
+    if len(ends) >= 4:
+        return "floating", f"the tree has {len(ends)} ends"
     return "fixed", f"the tree has {len(ends)} {'end' if len(ends) == 1 else 'ends'}, no legs and no wheels"
 
 
