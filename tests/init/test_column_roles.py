@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from first_scenario import arm, goal, read_all
+from realitygap.files.errors import InputError
 from realitygap.init.draft import Draft, init
 from realitygap.init.names import role_of, words
 from signals import Signals, there
@@ -40,3 +41,60 @@ def test_a_flag_of_the_torque_is_no_torque(name: str, joints: tuple[str, ...], t
 @pytest.mark.parametrize("label", ["torque_limit", "position_limit", "torque_mode"])
 def test_what_bounds_a_signal_is_none(label: str) -> None:
     assert role_of(words(label)) is None
+
+
+@pytest.mark.parametrize(
+    ("position", "command", "degrees"),
+    [
+        ("{j} [deg]", "{j}_cmd [deg]", True),
+        ("{j}", "{j}_cmd", False),
+        ("{j} Ist [°]", "{j} Soll [°]", True),
+        ("q{n}", "qdes{n}", False),
+        ("q{n}", "q_des{n}", False),
+        ("{j}_actpos", "{j}_goalpos", False),
+    ],
+)
+def test_positions_and_commands_by_names_that_say_little(
+    position: str, command: str, degrees: bool, tmp_path: Path
+) -> None:
+    """The joint's name alone beside that of its command, German words, and two words written as one."""
+    frame = pd.DataFrame({"time": CLOCK})
+    for n, joint in enumerate(JOINTS):
+        for form, value in ((position, goal(CLOCK - 0.05) + n), (command, goal(CLOCK) + n)):
+            frame[form.format(j=joint, n=n)] = value * (180 / np.pi if degrees else 1.0)
+        frame[f"tau{n}" if "{n}" in position else f"{joint} torque [Nm]"] = np.sin(CLOCK)
+    draft = drafted(tmp_path, frame)
+    scenario, (recording,) = read_all(draft.path, JOINTS)
+    assert there(scenario.motion).recorded
+    trace = Signals(recording.trace)
+    np.testing.assert_allclose(trace.position, np.column_stack([goal(CLOCK - 0.05) + n for n in (0, 1)]))
+    np.testing.assert_allclose(trace.command, np.column_stack([goal(CLOCK) + n for n in (0, 1)]))
+    np.testing.assert_allclose(trace.effort, np.column_stack([np.sin(CLOCK)] * 2))
+
+
+def test_a_commanded_velocity_in_one_word_is_one() -> None:
+    assert role_of(words("qd_des")) == role_of(words("qddes")) == ("velocity", True, False)
+    assert role_of(words("tempsp")) is None
+    assert role_of(words("weather")) is None
+
+
+def test_of_joints_whose_names_stand_alone_the_others_are_held(tmp_path: Path) -> None:
+    frame = pd.DataFrame({"time": CLOCK, "shoulder": goal(CLOCK), "shoulder_cmd": goal(CLOCK), "load": 1.0})
+    scenario, _ = read_all(drafted(tmp_path, frame).path, ("shoulder",))
+    assert scenario.robot.hold == {"elbow": 0.0}
+
+
+def test_names_that_stand_alone_beside_nothing_say_nothing(tmp_path: Path) -> None:
+    """They may be commands."""
+    frame = pd.DataFrame({"time": CLOCK, **{joint: goal(CLOCK) for joint in JOINTS}})
+    with pytest.raises(InputError, match="no column holds the position of shoulder, elbow"):
+        drafted(tmp_path, frame)
+
+
+def test_where_no_commands_are_found_the_names_that_say_them_are_told(tmp_path: Path) -> None:
+    frame = pd.DataFrame({"time": CLOCK})
+    for joint in JOINTS:
+        frame[f"{joint}_position"], frame[f"{joint}_wanted"] = goal(CLOCK), goal(CLOCK)
+    told = drafted(tmp_path, frame).told
+    assert any(line.startswith("no column of commands was found") for line in told)
+    assert any("one of cmd, command, commanded, des, desired, goal, ref, reference, setpoint, soll" in s for s in told)

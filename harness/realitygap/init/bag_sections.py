@@ -6,9 +6,10 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
-from realitygap.init.roles import CURRENT, Roles, other_states, roles_of, why_no_state
+from realitygap.init.roles import COMMAND, CURRENT, Roles, other_states, roles_of, why_no_state
 from realitygap.init.sections import (
     AS_FOLLOWED,
+    COMMANDS_BY,
     FOLLOWED,
     NOTHING_DRIVES,
     Motion,
@@ -146,6 +147,7 @@ def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
     told = [f"not used: {', '.join(spare)}"] if spare else []
     if joints and roles.command is None:
         told.append(NOTHING_DRIVES.format("topic") if roles.effort is None else AS_FOLLOWED.format("topic"))
+        told.append(COMMANDS_BY.format("topic", COMMAND.pattern.replace("|", ", ")))
     if roles.effort is not None and _current(roles):
         name = roles.effort.stream.topic
         told.append(current_told(f"topic {name}", f"topic: {quoted(name)}, ", "A", followed=_followed(roles)))

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 
-WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
-"""Of lower case, with a capital before it, or of capitals; and mA, which people write so."""
+WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|°")
+"""Of lower case, with a capital before it, or of capitals; and mA and °, which people write so."""
 Stem = tuple[str, ...]
 """The words of a label without those that say which joint."""
 GENERIC = {"joint", "motor", "servo", "actuator"}
@@ -34,7 +34,7 @@ def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str
             place = len(parts) - 1 - parts[::-1].index(numbers[-1])
             stem = parts[:place] + parts[place + 1 :]
             numbered.setdefault(stem, {}).setdefault(int(numbers[-1]), label)
-        if joint is None and len(joints) == 1:
+        if joint is None and parts and len(joints) == 1:
             named.setdefault(parts, {}).setdefault(joints[0], label)
     for stem, found in numbered.items():
         ordered = _in_order(found, joints)
@@ -64,13 +64,15 @@ def _short(joint: str, joints: Sequence[str]) -> Stem:
 
 def measured_joints(labels: Sequence[str], joints: Sequence[str]) -> tuple[str, ...]:
     """The joints that a label names and whose position it says that it holds, in the robot's order."""
-    found = set()
+    found, alone, beside = set[str](), set[str](), set[str]()
     for label in labels:
         joint, rest = _named(words(label), joints)
         role = role_of(tuple(word for word in rest if word not in UNITS))
-        if joint is not None and role is not None and role[:2] == ("position", False):
-            found.add(joint)
-    return tuple(joint for joint in joints if joint in found)
+        if joint is not None and role is not None:
+            (found if role[:2] == ("position", False) else beside).add(joint)
+        elif joint is not None and stands_alone(rest):
+            alone.add(joint)
+    return tuple(joint for joint in joints if joint in found or joint in alone & beside)
 
 
 def unmeasured(labels: Sequence[str], joints: Sequence[str], held: Sequence[str]) -> dict[str, list[str]]:
@@ -108,10 +110,13 @@ def _in_order(found: Mapping[int, str], joints: Sequence[str]) -> dict[str, str]
 
 COMMAND = {
     *("command", "commands", "commanded", "cmd", "goal", "goals", "target", "targets", "desired", "des"),
-    *("reference", "references", "ref", "setpoint", "setpoints", "sp"),
+    *("reference", "references", "ref", "setpoint", "setpoints", "sp", "soll", "sollwert"),
 }
+COMMAND_WORDS = ", ".join(sorted(word for word in COMMAND if word.removesuffix("s") not in COMMAND - {word}))
+"""Those that a sentence lists: each once, not in the plural, too."""
 MEASURED = {
     *("measured", "meas", "actual", "act", "present", "state", "states", "feedback", "fb", "encoder", "enc", "real"),
+    *("ist", "istwert"),
 }
 QUANTITIES: dict[str, set[str]] = {
     "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints"},
@@ -125,7 +130,25 @@ QUANTITIES: dict[str, set[str]] = {
         *("limit", "limits", "mode"),
     },
 }
-UNITS = {"rad", "rads", "deg", "degrees", "degree", "nm", "a", "ma", "m", "s", "ms", "v"}
+OF_POSITIONS = {"rad", "rads", "deg", "degrees", "degree", "°", "m", "mm"}
+UNITS = OF_POSITIONS | {"nm", "a", "ma", "s", "ms", "v"}
+
+
+def stands_alone(stem: Stem) -> bool:
+    """Whether a label has nothing but the joint's name, and perhaps a unit of a position."""
+    return set(stem) <= OF_POSITIONS
+
+
+def meant(stem: Stem) -> set[str]:
+    """The words of a stem; of two that are written as one, as qdes or goalpos, what both of them say, too."""
+    said = set(stem)
+    quantities = {name for names in QUANTITIES.values() for name in names}
+    for word in said - quantities - COMMAND - MEASURED:
+        pairs = ((word[:k], word[k:]) for k in range(1, len(word)))
+        for pair in pairs:
+            if set(pair) & quantities and set(pair) & (COMMAND | MEASURED):
+                said |= set(pair)
+    return said
 
 
 def role_of(stem: Stem) -> tuple[str, bool, bool] | None:
@@ -133,7 +156,7 @@ def role_of(stem: Stem) -> tuple[str, bool, bool] | None:
 
     A stem of no known quantity is a position where it says that it is commanded or measured.
     """
-    said = set(stem)
+    said = meant(stem)
     command, measured = bool(said & COMMAND), bool(said & MEASURED)
     kinds = [kind for kind, names in QUANTITIES.items() if said & names]
     if "other" in kinds or (not kinds and not command and not measured):

@@ -54,6 +54,7 @@ ASKED_AND_MEASURED = (
 )
 NOTHING_DRIVES = "no {} of commands was found: without motion, nothing drives the joints"
 AS_FOLLOWED = "no {} of commands was found: the measured motion is followed, and the effort that it takes is compared"
+COMMANDS_BY = "a {} of commands is told by its name, which has one of {}"
 CURRENT_LEFT_OUT = (
     "the {0} holds a current, which is not compared: `effort: {1}` under recordings takes it, where FACTOR is N·m per "
     "{2} at the joint (torque constant times gear ratio)"

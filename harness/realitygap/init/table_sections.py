@@ -6,10 +6,24 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
-from realitygap.init.names import QUANTITIES, UNITS, Stem, by_stem, measured_joints, role_of, told_by, unmeasured, words
+from realitygap.init.names import (
+    COMMAND_WORDS,
+    QUANTITIES,
+    UNITS,
+    Stem,
+    by_stem,
+    meant,
+    measured_joints,
+    role_of,
+    stands_alone,
+    told_by,
+    unmeasured,
+    words,
+)
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
+    COMMANDS_BY,
     FOLLOWED,
     FOLLOWED_ASKED,
     NOTHING_DRIVES,
@@ -27,7 +41,7 @@ from realitygap.recording.readers.table import FORMS, column_of, load
 from realitygap.scenario.schema import Columns
 from realitygap.scenario.schema import Units as Stated
 
-NOT_SI = {"deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
+NOT_SI = {"°": "deg", "deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
 DEFAULTS = {key: key for key in ("time", "command", "position", "velocity", "effort", "torque_enabled")}
 ANGLES = ("position", "velocity", "command")
@@ -78,6 +92,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         told.append(ASKED_AND_MEASURED)
     elif "command" not in columns and joints:
         told.append(AS_FOLLOWED.format("column") if followed else NOTHING_DRIVES.format("column"))
+        told.append(COMMANDS_BY.format("column", COMMAND_WORDS))
     units, units_by = _units(columns), "as the names say"
     if "time" not in units and len(time) == 1 and (unit := time_unit(frame[time[0]])) != "s":
         units["time"], units_by = unit, f"GUESS: {time[0]} counts in {unit}, as its values show"
@@ -106,6 +121,8 @@ def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Colu
     stems = {_bare(stem): found for stem, found in by_stem(labels, joints).items()}
     roles = {stem: role for stem in stems if (role := role_of(stem)) is not None}
     columns: dict[str, Column] = {}
+    if roles and (bare := next((stem for stem in stems if stands_alone(stem)), None)) is not None:
+        columns["position"] = _written(stems[bare], labels, joints)  # as shoulder beside shoulder_cmd
     for key in ("position", "velocity", "effort", "current", "torque_enabled"):
         found = [s for s, (kind, command, _) in roles.items() if kind == key and not command]
         if found and (key != "current" or "effort" not in columns):
@@ -145,7 +162,7 @@ def _motion(columns: Mapping[str, Column], meaning: str, *, followed: bool) -> M
         return no_motion("COLUMN")
     name = columns["command"]
     kind = {} if meaning == "position" else {"as": meaning}
-    plain = meaning == "position" and not _words(name) & QUANTITIES["position"]
+    plain = meaning == "position" and not meant(tuple(_words(name))) & QUANTITIES["position"]
     guess = "positions, as its name says nothing else; or as: effort, velocity or duty" if plain else ""
     return Motion({"recorded": quoted(name) if isinstance(name, str) else "command", **kind}, guess)
 

@@ -12,7 +12,7 @@ from realitygap.init.names import words
 from realitygap.recording.readers.table import Frame
 from realitygap.recording.readers.units import SECONDS
 
-TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds")
+TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds", "zeit")
 TIME_UNITS = {"s", "sec", "secs", "seconds", "ms", "us", "ns", "stamp"}
 WHOLE = {"sec", "secs", "seconds"}
 PARTS = {"nanosec", "nanosecs", "nanoseconds", "nsec", "nsecs"}
