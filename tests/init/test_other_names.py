@@ -39,3 +39,19 @@ def test_names_that_nothing_tells_are_left_to_the_user(tmp_path: Path, write_bag
     ):
         init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("prefix", ["left_", "j_"])
+def test_commands_that_have_other_names_than_the_states_are_told(
+    prefix: str, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    own = [f"{prefix}{joint}" for joint in ("shoulder", "elbow")]
+    states = [m for m in messages(names=own) if m[0] == "/joint_states"]
+    commands = [m for m in messages(names=("shoulder", "elbow")) if m[0] == "/joint_commands"]
+    bag = write_bag(tmp_path / "run", "mcap", sorted([*states, *commands], key=lambda m: m[1]))
+    urdf = arm(tmp_path / "arm.urdf", ("shoulder", "elbow") if prefix == "j_" else own)
+    said = [line for line in init(urdf, [bag], tmp_path / "out").told if line.startswith("/joint_commands")]
+    assert said == [
+        "/joint_commands was left out because of the joints that it names: elbow, shoulder; expected "
+        f"{prefix}shoulder, {prefix}elbow, as in the state"
+    ]

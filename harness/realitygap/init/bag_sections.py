@@ -56,7 +56,7 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
             "expected a PoseStamped or Odometry"
         )
     moving = next(iter(contents.poses + contents.imus), None)
-    told = _told(contents, roles, joints)
+    told = [*_told(contents, roles, joints), *_other_names(contents, roles, list(names.values()))]
     held = tuple(j for j in joints if roles.state is not None and names[j] not in roles.state.stream.joints)
     seen = {j: [s.topic for s in contents.joint_streams if names[j] in s.joints] for j in held}
     return Sections(
@@ -92,6 +92,17 @@ def _also(others: Sequence[str]) -> str:
 def _others(contents: Contents) -> str:
     """Which names stand in the messages of topics with other joints."""
     return "".join(f"; {topic} names {', '.join(names)}" for topic, names in contents.others.items())
+
+
+def _other_names(contents: Contents, roles: Roles, names: Sequence[str]) -> list[str]:
+    """What was left out as its messages name other joints, where something is missing that it may hold."""
+    if roles.state is None or (roles.command is not None and roles.effort is not None):
+        return []
+    return [
+        f"{topic} was left out because of the joints that it names: {', '.join(found)}; expected {', '.join(names)}, "
+        "as in the state"
+        for topic, found in contents.others.items()
+    ]
 
 
 def _followed(roles: Roles) -> bool:
