@@ -98,3 +98,15 @@ def test_where_no_commands_are_found_the_names_that_say_them_are_told(tmp_path: 
     told = drafted(tmp_path, frame).told
     assert any(line.startswith("no column of commands was found") for line in told)
     assert any("one of cmd, command, commanded, des, desired, goal, ref, reference, setpoint, soll" in s for s in told)
+
+
+@pytest.mark.parametrize(("name", "said"), [(None, "the table's index"), ("stamp", "by its name")])
+def test_the_index_of_a_table_is_said_to_be_one(name: str | None, said: str, tmp_path: Path) -> None:
+    index = pd.DatetimeIndex(
+        pd.Timestamp("2024-03-05 10:00:00", tz="UTC") + pd.to_timedelta(CLOCK, unit="s"), name=name
+    )
+    frame = pd.DataFrame({f"{joint}_position": goal(CLOCK) for joint in JOINTS}, index=index)
+    frame.to_parquet(tmp_path / "run.parquet")
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.parquet"], tmp_path / "out")
+    (time,) = [line for line in draft.guessed if line.startswith("time: ")]
+    assert time == f'time: "{name or "__index_level_0__"}" ({said})'

@@ -44,6 +44,8 @@ from realitygap.scenario.schema import Units as Stated
 NOT_SI = {"°": "deg", "deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
 DEFAULTS = {key: key for key in ("time", "command", "position", "velocity", "effort", "torque_enabled")}
+INDEX = re.compile(r"__index_level_\d+__")
+"""What pandas calls an index without a name in Parquet."""
 ANGLES = ("position", "velocity", "command")
 """Signals that are angles or angles per s, a command where it is a position or a velocity."""
 Column = str | dict[str, str] | list[str]
@@ -179,7 +181,8 @@ def _columns(columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
                 f"    {key}: [{', '.join(map(quoted, name))}]  # GUESS: seconds and nanoseconds, by their names"
             )
         elif name != DEFAULTS[key]:
-            lines.append(f"    {key}: {quoted(name)}  # GUESS: by its name")
+            why = "the table's index" if INDEX.fullmatch(name) else "by its name"
+            lines.append(f"    {key}: {quoted(name)}  # GUESS: {why}")
     return lines
 
 
