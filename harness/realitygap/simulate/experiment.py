@@ -179,8 +179,7 @@ def _prepare(
     plant = plants[id(scenario)]
     recording, notes = None, list[str]()
     if case is not None:
-        model = plant.model
-        recording = read(case.path, scenario, model.joint_names, file=file.path, mimics=model.mimics)
+        recording = read(case.path, scenario, plant.model.joint_names, file=file.path, mimics=plant.model.mimics)
         check_supply(file, scenario, recording)
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
