@@ -254,7 +254,7 @@ def test_what_cannot_be_used_is_told_and_nothing_is_written(tmp_path: Path, writ
         (urdf, [power_only], r"no topic holds the positions of shoulder, elbow .*/power \(sensor_msgs/BatteryState\)"),
         (legs, [good], r"no topic holds the positions of hip .*; /joint_states names elbow, gripper, shoulder; expect"),
         (legs, [good], r"names as in the URDF: rename one or the other"),
-        (urdf, [good, bare], r"bare: /joint_states: message 1: has no joint elbow; it has shoulder; .*robot.hold"),
+        (urdf, [good, bare], r"bare: /joint_states: has no joint elbow; it has shoulder; .*robot.hold"),
         (urdf, [good, other], r"other has no topic /joint_states; it has .*/states"),
         (urdf, [], r"no recordings were given"),
         (tmp_path / "none.urdf", [good], r"none.urdf: cannot be read"),

@@ -69,7 +69,7 @@ def test_numbers_are_learnt_from_one_message(tmp_path: Path, write_bag: Callable
 
 def test_a_message_among_many_that_is_no_good_is_named(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     wrong = messages(changing=False)
-    wrong[400][3]["name"] = ["b", "c"]  # the 201st state, as long as the others
+    wrong[400][3]["name"] = ["b", "b"]  # the 201st state, as long as the others
     path = write_bag(tmp_path / "run", "mcap", wrong)
-    with pytest.raises(InputError, match=r"/joint_states: message 201: has no joint a; it has b, c"):
+    with pytest.raises(InputError, match=r"/joint_states: message 201: names joint b twice: b, b"):
         read_recording(path, scenario(), ["a", "b"], file=FILE)

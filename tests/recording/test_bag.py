@@ -77,7 +77,7 @@ def test_any_message_whose_definition_is_in_the_bag(form: str, tmp_path: Path, w
         (scenario(imu="/joint_states"), ["a"], r"recordings.imu: .*expected an Imu"),
         (scenario(effort="motor"), ["a"], r"recordings.effort: .*/joint_states holds no effort"),
         (scenario(meaning="duty"), ["a"], r"/joint_commands: holds position, expected effort, .*`as: duty`"),
-        (scenario(), ["a", "knee"], r"/joint_states: message 1: has no joint knee; it has b, a"),
+        (scenario(), ["a", "knee"], r"/joint_states: has no joint knee; it has b, a"),
         (scenario(), ["knee"], r"/joint_states: has no joint knee; it has a, b; expected names as in the URDF"),
     ],
 )

@@ -6,10 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from realitygap.recording.readers.messages import NAMES, POSES
+from realitygap.recording.merged import on_one_clock
+from realitygap.recording.readers.alike import Taking
+from realitygap.recording.readers.kinds import in_order, kinds_of
+from realitygap.recording.readers.messages import NAMES, POSES, JointMessages
 from realitygap.recording.readers.ros_control import ARRAYS, collector_of
 from realitygap.recording.readers.rosbag import Bag, opened, short, told
 from realitygap.recording.readers.trajectory import Trajectories
+from realitygap.recording.streams import Samples
 from realitygap.trace.trace import Array
 
 
@@ -55,36 +59,27 @@ def probe(path: Path, joints: Sequence[str]) -> Contents:
     """
     with opened(path) as bag:
         kinds = {topic: short(kind) for topic, kind in bag.types.items()}
+        taken = {t: taking for t in sorted(bag.types) if (taking := _taken(bag, t, joints)) is not None}
+        streams = {t: found for t, taking in taken.items() if (found := _named(bag, t, taking, joints)) is not None}
         return Contents(
             path,
             bag.listing(),
-            [found for topic in sorted(bag.types) if (found := _named(bag, topic, joints)) is not None],
+            list(streams.values()),
             [found for topic in sorted(bag.types) if (found := _unnamed(bag, topic)) is not None],
             sorted(t for t, kind in bag.types.items() if kind in POSES),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/Imu"),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/BatteryState"),
             kinds,
-            {t: sorted(names) for t in sorted(bag.types) if (names := _names(bag, t)) and not names & {*joints}},
+            {t: sorted(names) for t, taking in taken.items() if (names := _others(taking))},
         )
 
 
-def _names(bag: Bag, topic: str) -> set[str]:
-    """The joints that the first message of a topic names."""
-    fields = bag.fields(bag.types[topic])
-    names = next((name for name in NAMES if name in fields), None)
-    first = None if names is None else next(bag.messages({topic}), None)
-    return set() if first is None or names is None else set(getattr(first[2], names))
-
-
-def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
-    """The joint values of a topic; None where it names none of the joints, then told by `listing` alone."""
+def _taken(bag: Bag, topic: str, joints: Sequence[str]) -> Taking | None:
+    """The messages of a topic that name joints, read as far as they name these; None for other topics."""
     kind, fields = bag.types[topic], bag.fields(bag.types[topic])
-    controller = kind.endswith("JointTrajectoryControllerState")
-    there = _names(bag, topic)
-    found = tuple(joint for joint in joints if joint in there)
-    if not found:
+    if not joints or not any(name in fields for name in NAMES):
         return None
-    collector = collector_of(kind, fields, found, role="state" if controller else "command")
+    collector = collector_of(kind, fields, tuple(joints), role="state" if _controls(kind) else "command")
     if collector is None:
         return None
     taking = bag.taking(collector)
@@ -92,15 +87,41 @@ def _named(bag: Bag, topic: str, joints: Sequence[str]) -> JointStream | None:
         for _, receive, data, own in bag.raw({topic}):
             taking.take(receive, data, own)
         taking.finish()
+    return taking
+
+
+def _named(bag: Bag, topic: str, taking: Taking, joints: Sequence[str]) -> JointStream | None:
+    """The joint values of a topic, of the joints that it names; None where it names none of them."""
     if not taking.received:
         return None
+    kind, collector = bag.types[topic], taking.collector
     time = np.array(taking.received) * 1e-9
     if isinstance(collector, Trajectories):
         time, position = collector.sampled(time, np.arange(len(time)), None, time[-1])
-        return JointStream(topic, short(kind), collector.joints, time, {"position": position}, goal=True)
-    signals, _ = collector.arrays()
-    kept = {name: value for name, value in signals.items() if np.nan_to_num(value).any() or name == "position"}
-    return JointStream(topic, short(kind), collector.joints, time, kept, controller)
+        present = np.isfinite(position)
+        samples = Samples(topic, time, {"position": position})
+    else:
+        assert isinstance(collector, JointMessages)
+        kinds = kinds_of(topic, joints, collector.present, len(time))
+        parts = [(time[k.rows], time[k.rows], k.rows) for k in kinds]
+        samples = in_order(topic, tuple(joints), *collector.arrays(), parts)
+        present = np.ones((1, len(joints)), dtype=bool) if samples.present is None else samples.present
+        samples, _ = on_one_clock(samples)
+    there = [i for i in range(len(joints)) if present[:, i].any()]
+    kept = {name: value[:, there] for name, value in samples.signals.items()}
+    kept = {name: value for name, value in kept.items() if np.nan_to_num(value).any() or name == "position"}
+    named, goal = tuple(joints[i] for i in there), isinstance(collector, Trajectories)
+    return JointStream(topic, short(kind), named, samples.time, kept, _controls(kind), goal)
+
+
+def _others(taking: Taking) -> set[str]:
+    """The names in messages of which none names a joint."""
+    collector = taking.collector
+    return collector.other if isinstance(collector, JointMessages | Trajectories) and not taking.received else set()
+
+
+def _controls(kind: str) -> bool:
+    return kind.endswith("JointTrajectoryControllerState")
 
 
 def _unnamed(bag: Bag, topic: str) -> JointStream | None:

@@ -10,6 +10,7 @@ from realitygap.recording.absent import holes, without_absent
 from realitygap.recording.commands import held_at, in_force, usual_period
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.lack import Lack
+from realitygap.recording.merged import on_one_clock
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
@@ -30,7 +31,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
             scenario asks for and that was not recorded.
     """
     zero = min(float(s.time[0]) for s in streams.all())
-    streams = _from(zero, streams)
+    streams, merged = _merged(_from(zero, streams))
     clock = streams.state or streams.pose
     if clock is None:
         raise InputError(f"{request.file}: recordings: neither joint states nor a base pose are asked of {path}")
@@ -45,7 +46,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
     lacking = [*streams.dropped, *pauses, *absent]
-    notes = [*streams.notes, *(lack.text for lack in lacking)]
+    notes = [*streams.notes, *merged, *(lack.text for lack in lacking)]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -98,6 +99,18 @@ def _from(zero: float, streams: Streams) -> Streams:
         supply=moved(streams.supply),
         temperature=moved(streams.temperature),
     )
+
+
+def _merged(streams: Streams) -> tuple[Streams, list[str]]:
+    """The streams with all joints in every sample of what was measured, and what is told of it."""
+    known: dict[str, Samples] = {}
+    told = []
+    for name in ("state", "effort"):
+        samples: Samples | None = getattr(streams, name)
+        if samples is not None:
+            known[name], note = on_one_clock(samples)
+            told += [note] if note else []
+    return replace(streams, **known), told  # type: ignore[arg-type]
 
 
 def _known(streams: Streams) -> tuple[Streams, list[Lack]]:

@@ -22,9 +22,9 @@ COMMAND_SIGNAL = {"position": "position", "velocity": "velocity", "duty": "effor
 class Samples:
     """One stream: signals by name at its own times.
 
-    `time` (m,) [s] strictly increases; joint signals are (m, n) in the order of `joints`, others (m,) or (m, k). In a
-    command, `present` (m, n) says which joints a message named; None: all of them. `receive` (m,) [s] is when the
-    recorder got the messages. `source` names the stream in messages to the user.
+    `time` (m,) [s] strictly increases; joint signals are (m, n) in the order of `joints`, others (m,) or (m, k).
+    `present` (m, n) says which joints a message named; None: all of them. `receive` (m,) [s] is when the recorder got
+    the messages. `source` names the stream in messages to the user.
     """
 
     source: str

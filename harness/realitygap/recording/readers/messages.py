@@ -44,14 +44,13 @@ def layout_of(fields: tuple[str, ...]) -> Layout | None:
 class JointMessages:
     """Messages with joint names and arrays, as in sensor_msgs/JointState, brought to one order of joints.
 
-    A message that names none of the joints belongs to another publisher and is passed over; with `partial`, a message
-    may name some of them, as commands do. `other` are the names in messages that were passed over.
+    A message that names none of the joints belongs to another publisher and is passed over; one may name some of them.
+    `other` are the names in messages that were passed over.
     """
 
-    def __init__(self, joints: tuple[str, ...], layout: Layout, *, partial: bool) -> None:
+    def __init__(self, joints: tuple[str, ...], layout: Layout) -> None:
         self.joints = joints
         self.paths = layout.signals
-        self._partial = partial
         self._given = layout.joints
         self._names = None if layout.names is None else attrgetter(layout.names)
         self._getters = {signal: attrgetter(path) for signal, path in layout.signals.items()}
@@ -115,12 +114,6 @@ class JointMessages:
             if again is not None:
                 raise Refused(f"names joint {again} twice: {', '.join(names)}; expected every joint once")
             present = np.array([joint in where for joint in self.joints])
-            if present.any() and not present.all() and not self._partial:
-                missing = ", ".join(j for j in self.joints if j not in where)
-                raise Refused(
-                    f"has no joint {missing}; it has {', '.join(names)}; {NOT_RECORDED}, and recordings.joints tells "
-                    "its name here"
-                )
             order = np.array([where.get(joint, 0) for joint in self.joints], dtype=np.intp)
             self._orders[names] = order, present
         return self._orders[names]
@@ -136,8 +129,25 @@ class JointMessages:
             if not np.isnan(rows).all():
                 signals[signal] = rows
         self._rows = {signal: array("d") for signal in self._rows}
-        named = all(part.all() for part in self._present)
-        return signals, None if named else np.concatenate(self._present)
+        return signals, self.present
+
+    @property
+    def present(self) -> NDArray[np.bool_] | None:
+        """Which joints the messages named (m, n); None: all."""
+        return None if all(part.all() for part in self._present) else np.concatenate(self._present)
+
+    @property
+    def lacking(self) -> str:
+        """Which joints no message names, where others are named; "" where there are none."""
+        missing = [j for i, j in enumerate(self.joints) if not any(part[0, i] for part in self._present)]
+        if not missing or len(missing) == len(self.joints):
+            return ""
+        own = [names for names, (_, present) in self._orders.items() if present.any()]
+        found = dict.fromkeys(name for names in own for name in names)
+        return (
+            f"has no joint {', '.join(missing)}; it has {', '.join(found)}; {NOT_RECORDED}, and recordings.joints "
+            "tells its name here"
+        )
 
     @property
     def nothing(self) -> str:

@@ -24,8 +24,8 @@ class NoNames(Exception):
 class ControllerStates(JointMessages):
     """What controllers measure, or ask for. Some releases have the fields of both names and fill one."""
 
-    def __init__(self, joints: tuple[str, ...], parts: tuple[str, ...], *, partial: bool) -> None:
-        super().__init__(joints, Layout("joint_names", POINT), partial=partial)
+    def __init__(self, joints: tuple[str, ...], parts: tuple[str, ...]) -> None:
+        super().__init__(joints, Layout("joint_names", POINT))
         self._parts = parts
 
     def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
@@ -39,8 +39,8 @@ class ControllerStates(JointMessages):
 class DynamicStates(JointMessages):
     """States whose interfaces are named joint by joint: position, velocity and effort of them."""
 
-    def __init__(self, joints: tuple[str, ...], *, partial: bool) -> None:
-        super().__init__(joints, Layout("joint_names", {signal: signal for signal in POINT}), partial=partial)
+    def __init__(self, joints: tuple[str, ...]) -> None:
+        super().__init__(joints, Layout("joint_names", {signal: signal for signal in POINT}))
 
     def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         rows = [
@@ -66,7 +66,7 @@ def collector_of(
         kind: the message type.
         fields: its field names.
         joints: the robot's joints.
-        role: state, command or effort; a command may name some joints only.
+        role: state, command or effort.
         stream: the fields as the scenario names them, for other messages than the known ones.
         given: the joints' names as the scenario states them, for messages that name none.
         signal: what the values of a message without names are.
@@ -74,22 +74,21 @@ def collector_of(
     Raises:
         NoNames: for a message that names no joints, where `given` is empty.
     """
-    partial = role == "command"
     if stream is not None and (stream.names or stream.position or stream.velocity or stream.effort):
         chosen = {"position": stream.position, "velocity": stream.velocity, "effort": stream.effort}
         names = None if given and stream.names is None else stream.names or "name"
         paths = {k: v for k, v in chosen.items() if v is not None}
-        return JointMessages(joints, Layout(names, paths, given), partial=partial)
+        return JointMessages(joints, Layout(names, paths, given))
     if kind in ARRAYS:
         if not given:
             raise NoNames
-        return JointMessages(joints, Layout(None, {signal: "data"}, given), partial=partial)
+        return JointMessages(joints, Layout(None, {signal: "data"}, given))
     if kind == TRAJECTORY:
         return Trajectories(joints) if role == "command" else None
     if kind.endswith("JointTrajectoryControllerState"):
         parts = ASKED if role == "command" else MEASURED
-        return ControllerStates(joints, parts, partial=partial) if any(p in fields for p in parts) else None
+        return ControllerStates(joints, parts) if any(p in fields for p in parts) else None
     if kind == DYNAMIC_STATE:
-        return DynamicStates(joints, partial=partial)
+        return DynamicStates(joints)
     layout = layout_of(fields)
-    return None if layout is None else JointMessages(joints, layout, partial=partial)
+    return None if layout is None else JointMessages(joints, layout)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from realitygap_engines.errors import in_a_line
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Nodetype
@@ -20,15 +19,15 @@ from realitygap.files.unpacked import unpacked
 from realitygap.recording.lack import Lack
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.bag_limits import Allowance, limited
-from realitygap.recording.readers.clock import choose_clock
+from realitygap.recording.readers.clock import Clock, Nanoseconds, choose_clock
 from realitygap.recording.readers.kind import check_kind
+from realitygap.recording.readers.kinds import Kind, in_order, kinds_of, told_kinds
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
-from realitygap.recording.readers.trajectory import Trajectories
-from realitygap.recording.streams import Request, Samples, Streams
+from realitygap.recording.readers.trajectory import Trajectories, followed
+from realitygap.recording.streams import Request, Streams
 from realitygap.scenario import schema as scenario
 from realitygap.scenario.joint_names import hint
-from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
 Collector = JointMessages | Trajectories | BodyMessages | Reading
@@ -73,55 +72,52 @@ def read(path: Path, request: Request) -> Streams:
         for topic in topics:
             with told(path, topic.name):
                 topic.taking.finish()
-    empty = [t for t in topics if not t.taking.received]
-    if empty:
-        collector = empty[0].collector
-        others = collector.other if isinstance(collector, JointMessages | Trajectories) else ()
-        expected = f"; expected names as in the URDF, or {hint(others, request.joints)}" if others else ""
-        raise InputError(f"{path}: {empty[0].name}: {collector.nothing}{expected}")
-    clock = choose_clock({t.name: (np.array(t.taking.stamps), np.array(t.taking.received)) for t in topics})
+    for topic in topics:
+        _check_there(path, topic, request)
+    clock, kinds = _clock(topics, request)
     roles: dict[str, Any] = {}
     notes, dropped = [clock.note], list[Lack]()
     for topic in topics:
-        time, received, keep, note = clock.times(topic.name)
-        sent = len(clock.chosen[topic.name])
-        if len(keep) < sent:
-            dropped.append(Lack("repeats", f"{topic.name}: {note}", 1 - len(keep) / sent))
-        elif note:
-            notes.append(f"{topic.name}: {note}")
+        source, parts = f"{path}: {topic.name}", []
+        for own in kinds[topic.name]:
+            time, received, keep, note = clock.times(own.name)
+            if len(keep) < len(own.rows):
+                dropped.append(Lack("repeats", f"{own.name}: {note}", 1 - len(keep) / len(own.rows)))
+            elif note:
+                notes.append(f"{own.name}: {note}")
+            parts.append((time, received, own.rows[keep]))
         if isinstance(topic.collector, Trajectories):
-            source = f"{path}: {topic.name}"
-            roles[topic.role] = _followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
+            (time, _, keep), *_ = parts
+            roles[topic.role] = followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
             continue
-        signals, present = topic.collector.arrays()
         joints = request.joints if isinstance(topic.collector, JointMessages) else ()
-        if len(keep) < sent or (np.diff(keep) < 0).any():
-            signals = {name: value[keep] for name, value in signals.items()}
-            present = None if present is None else present[keep]
-        roles[topic.role] = Samples(f"{path}: {topic.name}", time, signals, joints, present, received)
-        notes += [f"{topic.name}: {topic.collector.note}"] if topic.collector.note else []
+        roles[topic.role] = in_order(source, joints, *topic.collector.arrays(), parts)
+        notes += [f"{topic.name}: {told}" for told in (topic.collector.note, told_kinds(kinds[topic.name])) if told]
     return Streams(**roles, notes=tuple(dict.fromkeys(notes)), dropped=tuple(dict.fromkeys(dropped)))
 
 
-def _followed(
-    source: str,
-    joints: tuple[str, ...],
-    collector: Trajectories,
-    time: Array,
-    keep: NDArray[np.int64],
-    state: Samples | None,
-) -> Samples:
-    """The commands that a controller makes of trajectories."""
-    measured = None
-    if state is not None and "position" in state.signals:
-        clock, position = state.time, state.signals["position"]
+def _check_there(path: Path, topic: _Topic, request: Request) -> None:
+    """Make sure that a topic holds messages, and that its measured joints are all of those that are asked for."""
+    collector = topic.collector
+    if not topic.taking.received:
+        others = collector.other if isinstance(collector, JointMessages | Trajectories) else ()
+        expected = f"; expected names as in the URDF, or {hint(others, request.joints)}" if others else ""
+        raise InputError(f"{path}: {topic.name}: {collector.nothing}{expected}")
+    if topic.role != "command" and isinstance(collector, JointMessages) and collector.lacking:
+        raise InputError(f"{path}: {topic.name}: {collector.lacking}")
 
-        def measured(joint: int, at: float) -> float:
-            return float(np.interp(at, clock, position[:, joint]))
 
-    end = float(time[-1] if state is None else state.time[-1])
-    times, values = collector.sampled(time, keep, measured, end)
-    return Samples(source, times, {"position": values}, joints)
+def _clock(topics: list[_Topic], request: Request) -> tuple[Clock, dict[str, list[Kind]]]:
+    """The clock of all messages, of which those of one topic that name other joints are stamped by another publisher;
+    and the kinds of messages of every topic.
+    """
+    kinds, stamps = dict[str, list[Kind]](), dict[str, tuple[Nanoseconds, Nanoseconds]]()
+    for topic in topics:
+        own = np.array(topic.taking.stamps), np.array(topic.taking.received)
+        named = topic.collector.present if isinstance(topic.collector, JointMessages) else None
+        kinds[topic.name] = kinds_of(topic.name, request.joints, named, len(own[0]))
+        stamps |= {kind.name: (own[0][kind.rows], own[1][kind.rows]) for kind in kinds[topic.name]}
+    return choose_clock(stamps), kinds
 
 
 def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str]]:

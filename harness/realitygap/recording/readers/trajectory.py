@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from realitygap.recording.readers.messages import Refused
+from realitygap.recording.streams import Samples
 from realitygap.trace.trace import Array
 
 STEP = 0.005
@@ -103,6 +104,28 @@ class Trajectories:
             times.append(grid)
             values.append(np.column_stack([curve(grid) for curve in curves]))
         return np.concatenate(times), np.concatenate(values)
+
+
+def followed(
+    source: str,
+    joints: tuple[str, ...],
+    collector: Trajectories,
+    time: Array,
+    keep: NDArray[np.int64],
+    state: Samples | None,
+) -> Samples:
+    """The commands that a controller makes of trajectories."""
+    measured = None
+    if state is not None and "position" in state.signals:
+        clock, position = state.time, state.signals["position"]
+
+        def measured(joint: int, at: float) -> float:
+            known = np.isfinite(position[:, joint])
+            return float(np.interp(at, clock[known], position[known, joint])) if known.any() else np.nan
+
+    end = float(time[-1] if state is None else state.time[-1])
+    times, values = collector.sampled(time, keep, measured, end)
+    return Samples(source, times, {"position": values}, joints)
 
 
 def _values(points: list[Any], field: str, count: int) -> Array | None:
