@@ -14,6 +14,7 @@ from realitygap.recording.merged import on_one_clock
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
+from realitygap.recording.turns import command_without_turns, told_pauses, told_turns, without_turns
 from realitygap.trace.trace import Array, Trace
 
 JUMP = 60.0
@@ -31,7 +32,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
             scenario asks for and that was not recorded.
     """
     zero = min(float(s.time[0]) for s in streams.all())
-    streams, merged = _merged(_from(zero, streams))
+    streams, turned, counted = _counted(_from(zero, streams))
+    streams, merged = _merged(streams)
     clock = streams.state or streams.pose
     if clock is None:
         raise InputError(f"{request.file}: recordings: neither joint states nor a base pose are asked of {path}")
@@ -46,7 +48,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
     lacking = [*streams.dropped, *pauses, *absent]
-    notes = [*streams.notes, *merged, *(lack.text for lack in lacking)]
+    notes = [*streams.notes, *counted, *merged, *(lack.text for lack in lacking)]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -55,6 +57,10 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
             command = command * request.command_factor
             if signals.pop("effort", None) is not None:
                 notes.append(ITSELF)
+        if kind == "position":
+            measured = Trace(clock.time, request.joints, position=signals["position"])
+            command, taken = command_without_turns(command_time, command, measured, turned)
+            notes += told_turns(request.joints, "command", taken)
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
     supply_time, supply = np.empty(0), np.empty(0)
@@ -99,6 +105,17 @@ def _from(zero: float, streams: Streams) -> Streams:
         supply=moved(streams.supply),
         temperature=moved(streams.temperature),
     )
+
+
+def _counted(streams: Streams) -> tuple[Streams, list[Array], list[str]]:
+    """The streams with the turns of encoders counted, when those of each joint were [s], and what is told of it."""
+    state = streams.state
+    if state is None or "position" not in state.signals:
+        return streams, [], []
+    position, turned, unknown = without_turns(state.time, state.signals["position"])
+    told = [*told_turns(state.joints, "position", turned), *told_pauses(state.joints, unknown)]
+    state = replace(state, signals={**state.signals, "position": position})
+    return replace(streams, state=state), turned, told
 
 
 def _merged(streams: Streams) -> tuple[Streams, list[str]]:

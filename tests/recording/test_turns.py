@@ -1,0 +1,122 @@
+"""Angles that begin again after a whole turn go on; what may be a motion stays as it was read."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from bags import EPOCH, FILE, STATE, scenario
+from realitygap.recording import Recording, read_recording
+from signals import Signals, there
+
+TIME = 0.01 * np.arange(600)
+TURN = 2.0 * np.pi
+
+
+def wrapped(angle: Any) -> Any:
+    return np.arctan2(np.sin(angle), np.cos(angle))
+
+
+def swinging(late: float = 0.0) -> Any:
+    """An angle that passes π forwards and backwards, with the noise of a sensor."""
+    return 2.9 + 0.8 * np.sin(3.0 * (TIME - late)) + np.random.default_rng(0).normal(scale=1e-3, size=len(TIME))
+
+
+def read(tmp_path: Path, position: Any, command: Any = None, time: Any = TIME, unit: str = "rad") -> Recording:
+    columns = {"time": time, "position_a": position, **({} if command is None else {"command_a": command})}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    asked = scenario(None, None, columns={"units": {"position": unit, "command": unit}})
+    return read_recording(tmp_path / "run.csv", asked, ["a"], file=FILE)
+
+
+def told(recording: Recording) -> list[str]:
+    return [note for note in recording.notes if "whole turn" in note]
+
+
+@pytest.mark.parametrize("unit", ["rad", "deg"])
+@pytest.mark.parametrize("low", [-np.pi, 0.0])
+@pytest.mark.parametrize(("position", "command"), [(True, True), (True, False), (False, True)])
+def test_angles_go_on_where_they_begin_again(
+    position: bool, command: bool, low: float, unit: str, tmp_path: Path
+) -> None:
+    """Of an encoder from -π to π or from 0 to 2π, whichever side has it, and in degrees."""
+    q, asked = swinging(0.04) + low + np.pi, swinging() + low + np.pi
+    size = 180.0 / np.pi if unit == "deg" else 1.0
+
+    def by_encoder(angle: Any) -> Any:
+        return low + np.mod(angle - low, TURN)
+
+    recording = read(
+        tmp_path, size * (by_encoder(q) if position else q), size * (by_encoder(asked) if command else asked), unit=unit
+    )
+    trace = Signals(recording.trace)
+    np.testing.assert_allclose(trace.position[:, 0], q, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
+    assert len(told(recording)) == position + command
+    assert not recording.outliers
+    assert "as no motion does: its angle begins again there, and the turns are counted" in told(recording)[0]
+
+
+def test_a_joint_that_goes_on_turning(tmp_path: Path) -> None:
+    q = 9.0 * TIME
+    recording = read(tmp_path, wrapped(q))
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], q, atol=1e-9)
+    assert "position of a jumps by a whole turn 9 times (at 0.350, 1.050, 1.750, ... s)" in told(recording)[0]
+
+
+def test_a_command_of_another_turn_is_that_of_the_position(tmp_path: Path) -> None:
+    """The encoder is read just beyond π, where the command still stands just before it."""
+    asked = swinging() + 0.3
+    recording = read(tmp_path, wrapped(asked + 0.02), wrapped(asked))
+    trace = Signals(recording.trace)
+    np.testing.assert_allclose(trace.command, trace.position - 0.02, atol=1e-9)
+
+
+def test_a_command_to_turn_once_is_none_of_an_encoder(tmp_path: Path) -> None:
+    asked = np.where(TIME < 1.0, 0.0, TURN)
+    q = TURN * np.clip((TIME - 1.0) / 2.0, 0.0, 1.0)
+    recording = read(tmp_path, q, asked)
+    np.testing.assert_array_equal(Signals(recording.trace).command[:, 0], asked)
+    np.testing.assert_array_equal(Signals(recording.trace).position[:, 0], q)
+    assert told(recording) == []
+
+
+def test_a_jump_across_a_pause_is_left_and_told(tmp_path: Path) -> None:
+    kept = (TIME < 2.0) | (TIME > 4.0)
+    q = 0.3 * np.sin(3.0 * TIME) + TURN * (TIME > 3.0)
+    recording = read(tmp_path, q[kept], time=TIME[kept])
+    np.testing.assert_array_equal(Signals(recording.trace).position[:, 0], q[kept])
+    assert told(recording) == [
+        "the position of a is a whole turn further after a pause (at 4.010 s): a motion, or an angle that begins "
+        "again; taken as it was read"
+    ]
+
+
+@pytest.mark.parametrize(
+    "position",
+    [
+        np.cumsum(np.where(np.arange(600) % 50 < 8, 1.0, 0.0)),  # a turn and more in eight readings
+        3.0 * np.sign(np.sin(TIME)),  # another jump
+        TURN * np.sin(9.0 * TIME),  # several turns, which the encoder counts itself
+    ],
+)
+def test_a_motion_is_left(position: Any, tmp_path: Path) -> None:
+    recording = read(tmp_path, position)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], position, rtol=1e-12)
+    assert told(recording) == []
+
+
+def test_turns_are_counted_before_joints_of_several_publishers_are_interpolated(
+    tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    messages = []
+    for k, t in enumerate(TIME):
+        arm = {"stamp": EPOCH + t, "name": ["b", "c"], "position": [float(k), 0.0]}
+        turning = {"stamp": EPOCH + t + 0.004, "name": ["a"], "position": [wrapped(3.0 * t)]}
+        messages += [("/joint_states", EPOCH + t, STATE, arm), ("/joint_states", EPOCH + t + 0.004, STATE, turning)]
+    path = write_bag(tmp_path / "run", "mcap", messages)
+    trace = read_recording(path, scenario(command=None), ["a", "b", "c"], file=FILE).trace
+    assert len(trace.time) == len(TIME) - 1
+    np.testing.assert_allclose(there(trace.position)[:, 0], 3.0 * (TIME[1:] - 0.004), atol=1e-5)
