@@ -9,7 +9,7 @@ import pandas as pd
 from realitygap.check.clocks import CERTAIN_SLOW, SLOW
 from realitygap.files.errors import InputError
 from realitygap.init.names import words
-from realitygap.recording.readers.table import Frame
+from realitygap.recording.readers.cells import Frame
 from realitygap.recording.readers.units import SECONDS
 
 TIME = ("time", "t", "timestamp", "stamp", "clock", "sec", "secs", "seconds", "zeit")

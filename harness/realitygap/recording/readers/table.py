@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 
 from realitygap.files.errors import InputError
-from realitygap.files.text_table import check_short, once, text_table
+from realitygap.files.text_table import check_short, text_table
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.lack import Lack
+from realitygap.recording.readers.cells import Cells, Frame
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
@@ -23,8 +24,6 @@ from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT, Columns
 from realitygap.trace.trace import Array
 
-Frame = pd.DataFrame | ParquetColumns
-"""A table by its columns."""
 CUT_OFF = Lack("cut", "the last line is cut off and was left out")
 
 
@@ -120,13 +119,11 @@ def _of_text(path: Path) -> pd.DataFrame:
     return frame
 
 
-class Table:
+class Table(Cells):
     """A table, and which of its columns are what."""
 
     def __init__(self, path: Path, frame: Frame, request: Request) -> None:
-        self.path = path
-        self.frame = frame
-        self.request = request
+        super().__init__(path, frame, request)
         self.columns: Columns = request.recordings.columns
         self.names = dict(zip(request.joints, request.names, strict=True))
         self.dropped: tuple[Lack, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
@@ -136,13 +133,12 @@ class Table:
         names = self.columns.time if isinstance(self.columns.time, list) else [self.columns.time]
         label = " and ".join(names)
         if len(names) == 1:
-            time = self._column(names[0], "time") * SECONDS[self.columns.units.time]
+            time = self._time(names[0])
         else:
             whole, rest = self._columns(names, "time", 2).T
             time = (whole - whole[0]) + rest * SECONDS["ns"]
         if np.isnan(time).any():
-            row = int(np.flatnonzero(np.isnan(time))[0])
-            line = self._line(row)
+            line = self._line(int(np.flatnonzero(np.isnan(time))[0]))
             raise InputError(f"{self.path}: {label} is empty in line {line}, expected a time in s")
         back = np.flatnonzero(np.diff(time) < 0)
         if len(back):
@@ -292,48 +288,6 @@ class Table:
         if len(self.request.joints) == 1 and stem in self.frame:
             return stem
         return column_of(stem, self.names[joint], self.frame.columns)
-
-    def _columns(self, names: list[str], key: str, count: int) -> Array:
-        if len(names) != count:
-            raise InputError(f"{self.request.file}: recordings.columns.{key}: names {len(names)}, expected {count}")
-        return np.column_stack([self._column(name, key) for name in names])
-
-    def _column(self, name: str, key: str) -> Array:
-        """One column as floats; empty cells are NaN."""
-        if name not in self.frame:
-            raise InputError(
-                f"{self.path}: has no column {name}, named by recordings.columns.{key}; it has {self._listing()}"
-            )
-        once(self.path, name, self.frame.attrs)
-        column = self.frame[name]
-        if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
-            return self._finite(name, np.asarray(column, dtype=np.float64))
-        numbers = pd.to_numeric(column, errors="coerce")
-        wrong = np.flatnonzero(numbers.isna() & column.notna())
-        if len(wrong):
-            row = int(wrong[0])
-            raise InputError(
-                f"{self.path}: {name} is {column.iloc[row]!r} in line {self._line(row)}, expected a number"
-            )
-        return self._finite(name, numbers.to_numpy(dtype=float))
-
-    def _finite(self, name: str, value: Array) -> Array:
-        """A column (t,) without infinite numbers."""
-        wrong = np.flatnonzero(np.isinf(value))
-        if len(wrong):
-            row = int(wrong[0])
-            raise InputError(
-                f"{self.path}: {name} is {value[row]} in line {self._line(row)} ({len(wrong)} such values), expected "
-                "finite numbers (or an empty cell for none)"
-            )
-        return value
-
-    def _line(self, row: int) -> int:
-        """The line of the file that holds a row."""
-        return row + int(self.frame.attrs.get("first_line", 2))
-
-    def _listing(self) -> str:
-        return ", ".join(self.frame.columns)
 
 
 NUMBER_LIKE = re.compile(r"[-+]?[\d.][-+.\deE]*")

@@ -1,0 +1,33 @@
+"""The time of a table: numbers or dates."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from realitygap.trace.trace import Array
+
+ISO = re.compile(r"\s*\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}")
+"""How a date with a time of day begins in ISO 8601."""
+DATES = (
+    "a number, or a date as 2024-03-05T10:00:00.010 (ISO 8601), which pandas.to_datetime(column, dayfirst=True) makes "
+    "of 05.03.2024, and a spreadsheet the cell format yyyy-mm-dd\\Thh:mm:ss.000"
+)
+"""What a time may be, and how other dates become it."""
+
+
+def seconds(column: "pd.Series[Any]") -> Array | None:
+    """A column of dates or durations as times from its first one [s], NaN where it has none; None for other columns.
+    Text counts as dates where its first cell is one in ISO 8601, and what is none among them is NaN.
+    """
+    if column.dtype.kind not in "Mm":
+        first = next(iter(column.dropna()), None)
+        if not isinstance(first, str) or not ISO.match(first):
+            return None
+        pointed = column.astype("str").str.strip().str.replace(",", ".")
+        column = pd.to_datetime(pointed, format="ISO8601", utc=True, errors="coerce")
+    known = column.dropna()
+    if not len(known):
+        return np.full(len(column), np.nan)
+    return np.asarray((column - known.iloc[0]).dt.total_seconds(), dtype=float)

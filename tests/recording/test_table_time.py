@@ -1,0 +1,73 @@
+"""The time of a table: dates as people's loggers write them, and rows in another order than that of time."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from bags import FILE, scenario
+from realitygap.files.errors import InputError
+from realitygap.recording import Recording, read_recording
+from signals import Signals
+
+TIME = 0.01 * np.arange(50)
+START = pd.Timestamp("2024-03-05 10:00:00", tz="UTC")
+
+
+def read(path: Path, time: Any, separator: str = ",", units: dict[str, str] | None = None) -> Recording:
+    frame = pd.DataFrame({"time": time, "command": TIME, "position": 2 * TIME})
+    frame.to_parquet(path) if path.suffix == ".parquet" else frame.to_csv(path, index=False, sep=separator)
+    asked = scenario(None, "command", columns={} if units is None else {"units": units})
+    return read_recording(path, asked, ["elbow"], file=FILE)
+
+
+@pytest.mark.parametrize("units", [None, {"time": "ns"}])
+@pytest.mark.parametrize(
+    ("form", "separator"),
+    [
+        ("%Y-%m-%dT%H:%M:%S.%fZ", ","),
+        ("%Y-%m-%d %H:%M:%S.%f", ","),
+        ("%Y-%m-%dT%H:%M:%S.%f+02:00", ","),
+        (" %Y-%m-%dT%H:%M:%S,%f", ";"),
+    ],
+)
+def test_dates_of_iso_8601_are_seconds(form: str, separator: str, units: dict[str, str] | None, tmp_path: Path) -> None:
+    """Whatever unit numbers would have."""
+    stamps = (START + pd.to_timedelta(TIME, unit="s")).strftime(form)
+    recording = read(tmp_path / "run.csv", stamps, separator, units)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-9)
+    np.testing.assert_array_equal(Signals(recording.trace).position[:, 0], 2 * TIME)
+
+
+@pytest.mark.parametrize("units", [None, {"time": "ns"}])
+@pytest.mark.parametrize("kind", ["datetime64[ns]", "datetime64[us]", "datetime64[ns, UTC]", "timedelta64[ns]"])
+def test_dates_of_parquet_are_seconds(kind: str, units: dict[str, str] | None, tmp_path: Path) -> None:
+    after = pd.to_timedelta(TIME, unit="s")
+    stamps: Any = pd.Series(after if kind[0] == "t" else (START if "UTC" in kind else START.tz_localize(None)) + after)
+    recording = read(tmp_path / "run.parquet", stamps.astype(kind), units=units)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("cell", "sentence"),
+    [
+        (
+            "05.03.2024 10:00:00.010",
+            r"time is '05\.03\.2024 10:00:00\.010' in line 3, expected a number, or a date as 2024-",
+        ),
+        (
+            "2024-03-05T10:61:00",
+            r"in line 3, expected a number, or a date as 2024-03-05T10:00:00\.010 \(ISO 8601\), whi",
+        ),
+        ("", r"time is empty in line 3, expected a time in s"),
+    ],
+)
+@pytest.mark.parametrize("form", ["%d.%m.%Y %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%S.%f"])
+def test_other_dates_are_told_how_to_convert(form: str, cell: str, sentence: str, tmp_path: Path) -> None:
+    stamps = list((START + pd.to_timedelta(TIME, unit="s")).strftime(form))
+    stamps[1] = cell
+    if form.startswith("%d"):
+        sentence = r"time is '05\.03\.2024 10:00:00\.000000' in line 2, expected a number, or a date as 2024"
+    with pytest.raises(InputError, match=sentence):
+        read(tmp_path / "run.csv", stamps)
