@@ -93,3 +93,40 @@ def test_an_empty_file_is_told(tmp_path: Path) -> None:
     (tmp_path / "run.csv").touch()
     with pytest.raises(InputError, match=r"run\.csv: is not a table \(it is empty\)"):
         read_recording(tmp_path / "run.csv", scenario(), ["elbow"], file=FILE)
+
+
+@pytest.mark.parametrize("stated", ["sep=;", '"sep=;"', "SEP=;;;;"])
+@pytest.mark.parametrize(("above", "encoding"), [("", "cp1252"), ("# of a logger\n", "utf-8-sig"), ("", "utf-16")])
+def test_a_first_line_that_says_the_separator_is_taken_at_its_word(
+    stated: str, above: str, encoding: str, tmp_path: Path
+) -> None:
+    """Also where the header has other separators in its names."""
+    path = tmp_path / "run.csv"
+    names = ["time", "command", "position", "speed [°/s], raw"]
+    rows = [";".join(f"{v:.3f}".replace(".", ",") for v in row) for row in VALUES]
+    path.write_text(f"{stated}\n{above}{';'.join(names)}\n" + "\n".join(rows) + "\n", encoding=encoding)
+    recording = read_recording(path, scenario(), ["elbow"], file=FILE)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], 2 * TIME, atol=1e-12)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-12)
+    path.write_text(path.read_text(encoding=encoding).replace("0,020;1,020", "0,020;?"), encoding=encoding)
+    with pytest.raises(InputError, match=rf"command is '\?' in line {5 if not above else 6}, expected a number"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)
+
+
+def test_a_comma_that_is_said_to_separate_is_none_of_numbers(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text("sep=,\n" + text([*NAMES[:-1], "a;b"], VALUES))
+    trace = Signals(read_recording(path, scenario(), ["elbow"], file=FILE).trace)
+    np.testing.assert_allclose(trace.position[:, 0], 2 * TIME, atol=1e-12)
+
+
+@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be", "utf-32"])
+def test_a_table_is_read_by_its_byte_order_mark(encoding: str, whole: bool, tmp_path: Path) -> None:
+    """And a last line that was cut off is left out."""
+    path, mark = tmp_path / "run.csv", "\ufeff" if encoding.endswith("be") else ""
+    cells = text(NAMES, np.tile(VALUES, (100, 1)) + 100.0 * np.repeat(np.arange(100), 50)[:, None])
+    path.write_text(mark + (cells if whole else cells + "9999.0,"), encoding=encoding)
+    recording = read_recording(path, scenario(), ["elbow"], file=FILE)
+    assert len(recording.trace.time) == 5000
+    assert any("the last line is cut off" in note for note in recording.notes) is not whole

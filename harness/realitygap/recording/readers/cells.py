@@ -52,7 +52,8 @@ class Cells:
         column = self.frame[name]
         if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
             return self._finite(name, np.asarray(column, dtype=np.float64))
-        numbers = pd.to_numeric(column, errors="coerce")
+        told = column.astype("str").str.replace(",", ".") if self.frame.attrs.get("decimal") == "," else column
+        numbers = pd.to_numeric(told, errors="coerce")  # with one cell that is none, all of a column are text
         self._check_parsed(name, column, numbers.isna().to_numpy(), expected)
         return self._finite(name, numbers.to_numpy(dtype=float))
 

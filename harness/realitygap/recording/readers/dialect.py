@@ -1,13 +1,24 @@
 """How a table of text is written: what separates its cells, its decimal mark, and where its header stands."""
 
+import codecs
 import re
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 HEAD = 1 << 16
 """Bytes that are looked at."""
 COMMENT = ("#", "%")
+MARKS = {
+    codecs.BOM_UTF32_LE: "utf-32",
+    codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""Marks at the begin of a file, and the encodings that they say; the longer ones first, as one begins like another."""
+STATED = re.compile(r"""(?P<quote>"?)sep=(?P<separator>[;,|\t])(?P=quote)[;,|\t]*""", re.IGNORECASE)
+"""The line that spreadsheets write above a table to say what separates its cells."""
 NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|nan|inf|", re.IGNORECASE)
 
 
@@ -44,41 +55,57 @@ class Dialect:
     def cut_off(self, path: Path, columns: int) -> bool:
         """Whether a file ends within a line: without its end, and with fewer cells than there are columns."""
         with path.open("rb") as file:
+            mark = b"" if self.encoding not in MARKS.values() else file.read(4)
             size = file.seek(0, 2)
-            file.seek(max(0, size - HEAD))
+            file.seek(max(0, size - HEAD) // 4 * 4)  # where a character begins, also of four bytes
             tail = file.read()
-        line = tail[tail.rfind(b"\n") + 1 :].decode(self.encoding, errors="replace")
+        line = (mark + tail).decode(self.encoding, errors="replace").rpartition("\n")[2]
         return bool(line.strip()) and len(re.split(_split(self.separator), line.strip())) < columns
 
 
 def dialect_of(path: Path) -> Dialect:
     """How a file is written, from its first lines.
 
-    Cells are separated by the first of semicolon, tab, comma and white space that stands in the header; the decimal
-    mark is a comma where numbers have one that separates nothing. The header may stand in the last of some lines of
-    comment (# or %) above the numbers.
+    Cells are separated by the first of semicolon, tab, comma and white space that stands in the header, or by what a
+    first line as `sep=;` says, which spreadsheets write; the decimal mark is a comma where numbers have one that
+    separates nothing. The header may stand in the last of some lines of comment (# or %) above the numbers.
     """
     with path.open("rb") as file:
         head = file.read(HEAD)
-    try:
-        head[: head.rfind(b"\n") + 1].decode("utf-8")
-        encoding = "utf-8-sig"
-    except UnicodeDecodeError:
-        encoding = "utf-8" if b"\0" in head else "latin-1"  # a degree sign from elsewhere; what has zeros is no text
+    encoding = _encoding(head)
     lines = head.decode(encoding, errors="replace").splitlines()
-    above = next((i for i, line in enumerate(lines) if not line.lstrip().startswith(COMMENT)), len(lines))
+    stated = STATED.fullmatch(lines[0]) if lines else None
+    first = 0 if stated is None else 1
+
+    def separator_of(line: str) -> str:
+        return _separator(line) if stated is None else str(stated["separator"])
+
+    comments = takewhile(lambda line: line.lstrip().startswith(COMMENT), lines[first:])
+    above = first + len(list(comments))
     body = [line for line in lines[above : 21 + above] if line.strip()]
     if not body:
         return Dialect(",", ".", 0, None, encoding)
     header = body[0]
     names = None
-    if above and _numbers(body[0], _separator(body[0])):
+    if above > first and _numbers(body[0], separator_of(body[0])):
         header = lines[above - 1].lstrip().lstrip("".join(COMMENT)).strip()
-        names = tuple(cell.strip().strip('"') for cell in re.split(_split(_separator(header)), header))
-    separator = _separator(header)
+        names = tuple(cell.strip().strip('"') for cell in re.split(_split(separator_of(header)), header))
+    separator = separator_of(header)
     rows = body[1:] if names is None else body
     decimal = "," if separator != "," and any(re.search(r"\d,\d", r) for r in rows) else "."
     return Dialect(separator, decimal, above, names, encoding)
+
+
+def _encoding(head: bytes) -> str:
+    """The encoding of a file with such first bytes."""
+    marked = next((encoding for mark, encoding in MARKS.items() if head.startswith(mark)), None)
+    if marked is not None:
+        return marked
+    try:
+        head[: head.rfind(b"\n") + 1].decode("utf-8")
+        return "utf-8-sig"
+    except UnicodeDecodeError:
+        return "utf-8" if b"\0" in head else "latin-1"  # a degree sign from elsewhere; what has zeros is no text
 
 
 def _separator(header: str) -> str:

@@ -115,7 +115,7 @@ def _of_text(path: Path) -> pd.DataFrame:
     if dialect.cut_off(path, len(frame.columns) + len(spare)):
         frame = frame[:-1]
         frame.attrs["cut_off"] = 1
-    frame.attrs["first_line"] = dialect.first_line
+    frame.attrs |= {"first_line": dialect.first_line, "decimal": dialect.decimal}
     return frame
 
 
