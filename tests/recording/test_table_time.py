@@ -71,3 +71,31 @@ def test_other_dates_are_told_how_to_convert(form: str, cell: str, sentence: str
         sentence = r"time is '05\.03\.2024 10:00:00\.000000' in line 2, expected a number, or a date as 2024"
     with pytest.raises(InputError, match=sentence):
         read(tmp_path / "run.csv", stamps)
+
+
+def test_rows_that_came_a_little_late_are_sorted(tmp_path: Path) -> None:
+    """With all that stands in them, and where others repeat a time."""
+    order = np.arange(50)
+    order[[20, 21]] = order[[21, 20]]
+    order[30:36] = [33, 34, 30, 31, 32, 35]
+    frame = pd.DataFrame({"time": 3.0 + TIME, "command": TIME, "position": 2 * TIME}).iloc[order]
+    pd.concat([frame, frame[-1:]]).to_csv(tmp_path / "run.csv", index=False)
+    recording = read_recording(tmp_path / "run.csv", scenario(None, "command"), ["elbow"], file=FILE)
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], 2 * TIME, atol=1e-9)
+    np.testing.assert_allclose(recording.command[:, 0], TIME, atol=1e-9)
+    assert recording.notes == (
+        "2 rows came out of order and were sorted",
+        "1 rows repeat the time of another and were dropped, of 51",
+    )
+
+
+@pytest.mark.parametrize("late", [0.2, 100.0])
+def test_a_clock_that_was_set_back_is_told(late: float, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"time goes back from 0\.24 to .* s in line 27, expected times that increase"):
+        read(tmp_path / "run.csv", TIME - late * (TIME >= 0.25))
+
+
+def test_a_first_row_that_came_late_begins_no_other_clock(tmp_path: Path) -> None:
+    recording = read(tmp_path / "run.csv", TIME[[1, 0, *range(2, 50)]])
+    np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-9)

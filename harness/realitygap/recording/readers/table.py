@@ -18,7 +18,8 @@ from realitygap.recording.readers.cells import Cells, Frame
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
-from realitygap.recording.readers.rows import APART, Mask, last_of_each, repeats, rows_apart, rows_with
+from realitygap.recording.readers.rows import APART, Mask, Rows, last_of_each, repeats, rows_apart, rows_with
+from realitygap.recording.readers.table_time import rows_by_time
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT, Columns
@@ -32,28 +33,30 @@ def read(path: Path, request: Request) -> Streams:
 
     Raises:
         InputError: for a file that is not a table, a column or joint that is not there, a value that is not a number,
-            or time that goes backwards.
+            or time that goes far back.
     """
     table = Table(path, load(path), request)
-    time, joints = table.times(), request.joints
+    (time, order), joints = table.times(), request.joints
     state = table.state() if joints else {}
     command, said = table.command() if joints else ({}, None)
+    back = int((np.diff(time) < 0).sum())
     apart = said is not None and rows_apart(rows_with(np.isfinite(state["position"])), rows_with(said))
     dropped = list(table.dropped)
 
     def samples(signals: dict[str, Array], named: tuple[str, ...] = (), present: Mask | None = None) -> Samples | None:
         if not signals:
             return None
-        own = np.arange(len(time))
+        own = order
         if apart:
             held = [np.isfinite(value) for value in signals.values()] if present is None else [present]
-            own = np.flatnonzero(np.any([rows_with(mask) for mask in held], axis=0))
+            own = own[np.any([rows_with(mask) for mask in held], axis=0)[own]]
         if not len(own):
             return None
         keep = own[last_of_each(time[own])]
         if len(keep) < len(own):
             dropped.append(repeats(len(keep), len(own)))
-        kept = signals if len(keep) == len(time) else {name: value[keep] for name, value in signals.items()}
+        whole = len(keep) == len(time) and not back
+        kept = signals if whole else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
     return Streams(
@@ -63,7 +66,9 @@ def read(path: Path, request: Request) -> Streams:
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
         temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
-        notes=(APART,) if apart else (),
+        notes=tuple(
+            note for note, told in ((APART, apart), (f"{back} rows came out of order and were sorted", back)) if told
+        ),
         dropped=tuple(dict.fromkeys(dropped)),
     )
 
@@ -128,8 +133,8 @@ class Table(Cells):
         self.names = dict(zip(request.joints, request.names, strict=True))
         self.dropped: tuple[Lack, ...] = (CUT_OFF,) if frame.attrs.get("cut_off") else ()
 
-    def times(self) -> Array:
-        """The times [s] from the first row, which never go back."""
+    def times(self) -> tuple[Array, Rows]:
+        """The times [s] of the rows from the first one, and the rows in their order."""
         names = self.columns.time if isinstance(self.columns.time, list) else [self.columns.time]
         label = " and ".join(names)
         if len(names) == 1:
@@ -140,18 +145,17 @@ class Table(Cells):
         if np.isnan(time).any():
             line = self._line(int(np.flatnonzero(np.isnan(time))[0]))
             raise InputError(f"{self.path}: {label} is empty in line {line}, expected a time in s")
-        back = np.flatnonzero(np.diff(time) < 0)
-        if len(back):
-            row = int(back[0]) + 1
+        order, far = rows_by_time(time)
+        if far is not None:
             raise InputError(
-                f"{self.path}: {label} goes back from {time[row - 1]:g} to {time[row]:g} s in line "
-                f"{self._line(row)}, expected times that increase: sort the rows by time, or cut the recording there"
+                f"{self.path}: {label} goes back from {time[:far].max():g} to {time[far]:g} s in line "
+                f"{self._line(far)}, expected times that increase: sort the rows by time, or cut the recording there"
             )
-        if len(time) > 1 and time[0] == time[-1]:
+        if len(time) > 1 and np.ptp(time) == 0.0:
             raise InputError(
                 f"{self.path}: {label} is {time[0]:g} s in all of its {len(time)} rows; expected times that increase"
             )
-        return np.asarray(time - time[0])
+        return np.asarray(time - time[order[0]]), order
 
     def state(self) -> dict[str, Array]:
         """Position and, where it is there, velocity and effort."""

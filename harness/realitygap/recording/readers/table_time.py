@@ -1,4 +1,4 @@
-"""The time of a table: numbers or dates."""
+"""The time of a table: numbers or dates, of rows that may have come a little out of order."""
 
 import re
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from realitygap.recording.readers.rows import Rows
 from realitygap.trace.trace import Array
 
 ISO = re.compile(r"\s*\d{4}-\d{2}-\d{2}[T ]\d{2}:\d{2}")
@@ -15,6 +16,8 @@ DATES = (
     "of 05.03.2024, and a spreadsheet the cell format yyyy-mm-dd\\Thh:mm:ss.000"
 )
 """What a time may be, and how other dates become it."""
+LATE = 10.0
+"""Usual periods by which a row may be late, as one from a buffer; a clock that was set back is so by more."""
 
 
 def seconds(column: "pd.Series[Any]") -> Array | None:
@@ -31,3 +34,13 @@ def seconds(column: "pd.Series[Any]") -> Array | None:
     if not len(known):
         return np.full(len(column), np.nan)
     return np.asarray((column - known.iloc[0]).dt.total_seconds(), dtype=float)
+
+
+def rows_by_time(time: Array) -> tuple[Rows, int | None]:
+    """The rows in the order of their times (t,), and the first one that is late by more than `LATE`; None: none is."""
+    steps = np.diff(time)
+    if not (steps < 0).any():
+        return np.arange(len(time)), None
+    late = np.maximum.accumulate(time)[:-1] - time[1:]
+    far = np.flatnonzero(late > LATE * np.median(np.abs(steps)))
+    return np.argsort(time, kind="stable"), int(far[0]) + 1 if len(far) else None
