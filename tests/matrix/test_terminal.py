@@ -1,6 +1,7 @@
 """What `run` says on the terminal: floors, lost readings, and whose results it replaces (the demo, synthetic)."""
 
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -73,6 +74,33 @@ def test_readings_that_are_lost_are_told_where_they_are_a_part(
         "b: no samples from 0.590 to 0.800 s, which come every 10 ms otherwise",
         "recordings in which readings are absent: 3 (listed in manifest.json)",
     ]
+
+
+def test_what_was_done_about_a_clock_or_an_encoder_is_told(
+    tmp_path: Path, write_bag: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By `run` and by `check`, as the page does; no reading is absent for it."""
+    messages = []
+    for k in range(200):
+        q = 3.0 + 0.5 * np.sin(0.05 * k)
+        for topic, angle in (("/joint_states", np.arctan2(np.sin(q), np.cos(q))), ("/commands", q)):
+            fields = {"name": ["shoulder", "elbow"], "position": [0.0, angle]}
+            messages.append((topic, 1.7e9 + 0.01 * k, "sensor_msgs/msg/JointState", fields))
+    write_bag(tmp_path / "run", "mcap", messages)
+    recordings = {"state": "/joint_states", "effort": "none", "runs": [{"path": "run"}]}
+    path = variant(tmp_path, motion={"recorded": "/commands"}, recordings=recordings, accept=[*KINDS])
+    with results(matrix_of(load_scenario(path), [ENGINE]), tmp_path / "out", ONCE, Progress()):
+        pass
+    told = [
+        "run: times are those of reception: /commands has messages without a header stamp",
+        "run: the position of elbow jumps by a whole turn 4 times (at 0.060, 0.580, 1.320, ... s), as no motion does: "
+        "its angle begins again there, and the turns are counted",
+    ]
+    assert [line for line in capsys.readouterr().err.splitlines() if "simulat" not in line] == told
+    with pytest.raises(SystemExit, match="0"):
+        main(["check", str(path)])
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("note: ")]
+    assert said[:2] == [f"note: {line}" for line in told]
 
 
 def test_a_run_says_whose_results_it_replaces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -45,8 +45,20 @@ def test_clocks_of_two_topics_that_disagree_are_not_mixed(tmp_path: Path, write_
     ]
     recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a"], file=FILE)
     assert "100 s apart" in recording.notes[0]
+    (lack,) = recording.absent
+    assert (lack.kind, lack.text, lack.of_readings) == ("clock", recording.notes[0], False)
     assert recording.trace.time[-1] == pytest.approx(0.99, abs=1e-6)
     assert recording.command_time[-1] == pytest.approx(0.995, abs=1e-6)
+
+
+def test_a_header_clock_that_was_set_back_is_named(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = [
+        (t, r, kind, {**v, "stamp": v["stamp"] - 100.0} if t == "/joint_states" and r > EPOCH + 0.3 else v)
+        for t, r, kind, v in two_joints()
+    ]
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a"], file=FILE)
+    told = "times are those of reception: the clock of the header stamps of /joint_states jumps by 100 s"
+    assert (recording.notes[0], [lack.text for lack in recording.absent]) == (told, [told])
 
 
 def test_repeated_and_disordered_stamps(tmp_path: Path, write_bag: Callable[..., Path]) -> None:

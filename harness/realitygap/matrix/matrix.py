@@ -164,7 +164,7 @@ def _place(task: Task, matrix: MatrixFile) -> tuple[int, str, str, list[int]]:
 
 
 def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:
-    """What was changed in the model, and which readings are absent or were not taken, before the long work begins."""
+    """What was changed in the model, and what is not as it should be in recordings, before the long work begins."""
     found = {(str(t.file.path), e.name): e for t in tasks for e in t.motion.experiments}.values()
     for note in dict.fromkeys(note for e in found for note in e.notes):
         progress.say(note)
@@ -174,5 +174,6 @@ def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:
     lacking = {e.name: e.recording.absent for e in found if e.recording is not None and e.recording.absent}
     for line in noticed((name, lack) for name, absent in lacking.items() for lack in absent):
         progress.say(line)
-    if lacking:
-        progress.say(f"recordings in which readings are absent: {len(lacking)} (listed in manifest.json)")
+    absent_in = sum(any(lack.of_readings for lack in absent) for absent in lacking.values())
+    if absent_in:
+        progress.say(f"recordings in which readings are absent: {absent_in} (listed in manifest.json)")

@@ -47,8 +47,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     assert clock is not None
     signals = _joint_signals(streams, request, clock)
     signals |= _body_signals(streams, clock.time)
-    lacking = [*streams.dropped, *pauses, *absent]
-    notes = [*streams.notes, *counted, *merged, *(lack.text for lack in lacking)]
+    lacking = [*streams.dropped, *counted, *pauses, *absent]
+    notes = [*streams.notes, *merged]
     command_time, command, kind = np.empty(0), np.empty((0, len(request.joints))), None
     if streams.command is not None:
         kind = request.motion.meaning if request.motion is not None else "position"
@@ -60,7 +60,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         if kind == "position":
             measured = Trace(clock.time, request.joints, position=signals["position"])
             command, taken = command_without_turns(command_time, command, measured, turned)
-            notes += told_turns(request.joints, "command", taken)
+            lacking += told_turns(request.joints, "command", taken)
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
     supply_time, supply = np.empty(0), np.empty(0)
@@ -70,7 +70,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
     if streams.temperature is not None:
         signals["temperature"] = _temperature(streams.temperature, request, clock.time)
     trace, outliers = without_outliers(replace(Trace(clock.time, request.joints), **signals))  # type: ignore[arg-type]
-    notes += told(outliers).values()
+    notes += [*(lack.text for lack in lacking), *told(outliers).values()]
     return Recording(
         path,
         trace,
@@ -80,7 +80,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         supply_time,
         supply,
         clock.receive,
-        tuple(notes),
+        tuple(dict.fromkeys(notes)),
         outliers,
         streams.episode,
         streams.files,
@@ -107,7 +107,7 @@ def _from(zero: float, streams: Streams) -> Streams:
     )
 
 
-def _counted(streams: Streams) -> tuple[Streams, list[Array], list[str]]:
+def _counted(streams: Streams) -> tuple[Streams, list[Array], list[Lack]]:
     """The streams with the turns of encoders counted, when those of each joint were [s], and what is told of it."""
     state = streams.state
     if state is None or "position" not in state.signals:

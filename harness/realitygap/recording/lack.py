@@ -9,13 +9,20 @@ NOTICED = 0.05
 
 @dataclass(frozen=True)
 class Lack:
-    """Samples or readings that are absent or were dropped: how they are (`samples`, `readings`, `pause`, `repeats` or
-    `cut`), one sentence, and which part of the recording they are.
+    """What is not as it should be in a recording: its kind, one sentence, and which part of the recording it is.
+
+    Samples or readings are absent or were dropped (`samples`, `readings`, `pause`, `repeats` or `cut`), stamps are of
+    no use (`clock`), or turns of an encoder are not counted in it (`turns`).
     """
 
     kind: str
     text: str
     part: float = 0.0
+
+    @property
+    def of_readings(self) -> bool:
+        """Whether readings are absent or were dropped."""
+        return self.kind not in ("clock", "turns")
 
 
 def noticed(found: Iterable[tuple[str, Lack]]) -> list[str]:

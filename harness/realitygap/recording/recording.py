@@ -30,7 +30,8 @@ class Recording:
         outliers: readings that no motion explains, and that are not in the trace any more.
         episode: which one of a data set.
         files: what was read, where that is not all of the path.
-        absent: the samples and readings that are absent or were dropped; notes tell them, too.
+        absent: the samples and readings that are absent or were dropped, and what else is not as it should be; notes
+            tell them, too.
     """
 
     path: Path

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
 from realitygap.recording.absent import BRIDGED
+from realitygap.recording.lack import Lack
 from realitygap.recording.outliers import USUAL
 from realitygap.trace.trace import Array, Trace
 
@@ -115,21 +116,29 @@ def _distance(angle: Array, other: Array) -> float:
     return float(away[np.isfinite(away)].mean()) if np.isfinite(away).any() else np.inf
 
 
-def told_turns(joints: Sequence[str], signal: str, at: Sequence[Array]) -> list[str]:
+def told_turns(joints: Sequence[str], signal: str, at: Sequence[Array]) -> list[Lack]:
     """A sentence for every joint whose angle began again, at some times [s]."""
     return [
-        f"the {signal} of {joint} jumps by a whole turn {len(times)} time{'s' * (len(times) > 1)} ({_listed(times)}), "
-        "as no motion does: its angle begins again there, and the turns are counted"
+        Lack(
+            "turns",
+            f"the {signal} of {joint} jumps by a whole turn {len(times)} time{'s' * (len(times) > 1)} "
+            f"({_listed(times)}), as no motion does: its angle begins again there, and the turns are counted",
+            1.0,
+        )
         for joint, times in zip(joints, at, strict=True)
         if len(times)
     ]
 
 
-def told_pauses(joints: Sequence[str], at: Sequence[Array]) -> list[str]:
+def told_pauses(joints: Sequence[str], at: Sequence[Array]) -> list[Lack]:
     """A sentence for every joint of which it is not known whether it turned or its angle began again."""
     return [
-        f"the position of {joint} is a whole turn further after a pause ({_listed(times)}): a motion, or an angle that "
-        "begins again; taken as it was read"
+        Lack(
+            "turns",
+            f"the position of {joint} is a whole turn further after a pause ({_listed(times)}): a motion, or an angle "
+            "that begins again; taken as it was read",
+            1.0,
+        )
         for joint, times in zip(joints, at, strict=True)
         if len(times)
     ]

@@ -13,11 +13,14 @@ AGREE = 1.0  # s: header clocks of two topics that are further apart are not one
 
 @dataclass(frozen=True)
 class Clock:
-    """The clock of a bag: per topic the chosen times and the times of reception [ns], on a common origin."""
+    """The clock of a bag: per topic the chosen times and the times of reception [ns], on a common origin; and whether
+    it is that of reception, as header stamps are of no use.
+    """
 
     note: str
     chosen: dict[str, Nanoseconds]
     received: dict[str, Nanoseconds]
+    by_reception: bool = False
 
     def times(self, topic: str) -> tuple[Array, Array, NDArray[np.int64], str]:
         """Times [s] that strictly increase, times of reception [s], the messages they belong to, and what was done.
@@ -68,7 +71,11 @@ def choose_clock(topics: dict[str, tuple[Nanoseconds, Nanoseconds]]) -> Clock:
     offsets = {n: float(np.median(received[n] - stamps[n])) * 1e-9 for n in stamps}
     early, late = min(offsets, key=offsets.__getitem__), max(offsets, key=offsets.__getitem__)
     if problem is None and offsets[late] - offsets[early] > AGREE:
+        jumps = {n: float(np.ptp(received[n] - stamps[n])) * 1e-9 for n in (early, late)}
+        worse = max(jumps, key=jumps.__getitem__)
         problem = f"the header stamps of {early} and {late} are {offsets[late] - offsets[early]:.3g} s apart"
+        if jumps[worse] > AGREE:
+            problem = f"the clock of the header stamps of {worse} jumps by {jumps[worse]:.3g} s"
     if problem is None:
         return Clock("times are header stamps", stamps, received)
-    return Clock(f"times are those of reception: {problem}", received, received)
+    return Clock(f"times are those of reception: {problem}", received, received, by_reception=True)

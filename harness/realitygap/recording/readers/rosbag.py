@@ -76,7 +76,7 @@ def read(path: Path, request: Request) -> Streams:
         _check_there(path, topic, request)
     clock, kinds = _clock(topics, request)
     roles: dict[str, Any] = {}
-    notes, dropped = [clock.note], list[Lack]()
+    notes, dropped = [clock.note], [Lack("clock", clock.note, 1.0)] if clock.by_reception else []
     for topic in topics:
         source, parts = f"{path}: {topic.name}", []
         for own in kinds[topic.name]:
