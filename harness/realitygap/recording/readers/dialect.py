@@ -97,10 +97,16 @@ def dialect_of(path: Path) -> Dialect:
 
 
 def _encoding(head: bytes) -> str:
-    """The encoding of a file with such first bytes."""
+    """The encoding of a file with such first bytes.
+
+    Raises:
+        UnicodeError: for what is no text, or in an encoding that nothing marks.
+    """
     marked = next((encoding for mark, encoding in MARKS.items() if head.startswith(mark)), None)
     if marked is not None:
         return marked
+    if b"\0" in head.partition(b"\n")[0]:
+        raise UnicodeError("its first line holds zeros, as what is no text, and as UTF-16 without its byte-order mark")
     try:
         head[: head.rfind(b"\n") + 1].decode("utf-8")
         return "utf-8-sig"

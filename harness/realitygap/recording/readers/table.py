@@ -99,7 +99,7 @@ def load(path: Path) -> Frame:
             raise
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
-            saved = ", saved as UTF-8" if isinstance(error, UnicodeDecodeError) else ""
+            saved = ", saved as UTF-8" if isinstance(error, UnicodeError) else ""
             raise InputError(f"{path}: is not a table ({what}); expected columns with a header line{saved}") from None
     if not len(frame) or not len(frame.columns):
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")

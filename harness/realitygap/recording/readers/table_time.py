@@ -42,5 +42,6 @@ def rows_by_time(time: Array) -> tuple[Rows, int | None]:
     if not (steps < 0).any():
         return np.arange(len(time)), None
     late = np.maximum.accumulate(time)[:-1] - time[1:]
-    far = np.flatnonzero(late > LATE * np.median(np.abs(steps)))
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    far = np.flatnonzero(late > LATE * usual)
     return np.argsort(time, kind="stable"), int(far[0]) + 1 if len(far) else None
