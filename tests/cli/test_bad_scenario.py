@@ -109,6 +109,18 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(robot__start={"knee": 0.1}),
         "robot.start: found joint 'knee'; the robot has",
     ),
+    "start in degrees": (
+        changed(robot__start={"elbow": 45}),
+        "robot.start: elbow: found 45, which is outside the limits of elbow, -3.2 to 3.2 rad; degrees?",
+    ),
+    "start outside the limits": (
+        changed(robot__start={"elbow": -400}),
+        "robot.start: elbow: found -400, which is outside the limits of elbow, -3.2 to 3.2 rad\n",
+    ),
+    "hold in degrees": (
+        changed(robot__hold={"elbow": 90}),
+        "robot.hold: elbow: found 90, which is outside the limits of elbow, -3.2 to 3.2 rad; degrees?",
+    ),
     "start of no keyframes": (changed(robot__start="keyframe"), "robot.start: found keyframe, but the motion has none"),
     "start is nan": (changed(robot__start={"elbow": float("nan")}), "robot.start.elbow: found nan"),
     "nothing to do": (changed(recordings=None, motion=None), "recordings.runs: found none"),
@@ -161,13 +173,16 @@ CASES: dict[str, tuple[Edit, str]] = {
     "joints that were not recorded": (text('"elbow"', '"knee"'), "knee"),
     "supply that was not recorded": (changed(servos__0__supply={"recorded": "/battery"}), "/battery"),
     "table empty": (table(""), "run.csv: is not a table"),
-    "table in UTF-16": (table(TABLE, encoding="utf-16"), "expected columns with a header line, saved as UTF-8"),
+    "table in UTF-16 without a mark": (
+        table(TABLE, encoding="utf-16-le"),
+        "expected columns with a header line, saved as UTF-8",
+    ),
     "table without rows": (table("time,position\n"), "run.csv: the table holds no rows"),
     "table without time": (table(TABLE.drop(columns="time")), "has no column time, named by recordings.columns.time"),
     "table without a joint": (table(TABLE.drop(columns="position_elbow")), "has no position of joint elbow"),
     "time goes back": (
-        table(TABLE.assign(time=[0.0, 0.2, 0.1])),
-        "time goes back from 0.2 to 0.1 s in line 4, expected times that increase: sort the rows",
+        table(TABLE.assign(time=[0.0, 0.2, -9.0])),
+        "time goes back from 0.2 to -9 s in line 4, expected times that increase: sort the rows",
     ),
     "time stands still": (table(TABLE.assign(time=[0.5] * 3)), "time is 0.5 s in all of its 3 rows; expected times"),
     "time is nan": (table(TABLE.assign(time=[0.0, np.nan, 0.2])), "time is empty in line 3, expected a time in s"),

@@ -19,7 +19,7 @@ from realitygap_engines.model.robot import Joint, Model
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, SPEED, TORQUE, Array, neutral_drive
 from realitygap.robot.effort_map import EffortMap
-from realitygap.robot.held import held_joints
+from realitygap.robot.held import held_joints, stated_start
 from realitygap.robot.servos import check_command, servos_of
 from realitygap.scenario.effort import effort_factors
 from realitygap.scenario.file import ScenarioFile
@@ -145,12 +145,18 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """The plant that a scenario states, without its effects.
 
     Raises:
-        InputError: for a servo pattern that matches nothing, or a robot's file that cannot be used.
+        InputError: for a servo pattern that matches nothing, a position outside the limits, or a robot's file that
+            cannot be used.
     """
     scenario = scenario or file.scenario
     robot = scenario.robot
     whole = _model(file, scenario)
     model = hold(whole, held := held_joints(file, whole, robot.hold))
+    if isinstance(robot.start, dict):
+        try:
+            stated_start(model, robot.start)
+        except InputError as error:
+            raise InputError(f"{file.path}: {error}") from None
     n = len(model.joints)
     if robot.base == "free" and n:
         raise InputError(

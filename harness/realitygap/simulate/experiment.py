@@ -14,6 +14,7 @@ from realitygap_engines.model.robot import Array
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
 from realitygap.robot.effects.place import known, place
+from realitygap.robot.held import stated_start
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
@@ -265,11 +266,7 @@ def _start(experiment: Experiment) -> State:
     elif wanted == "keyframe":
         raise InputError("robot.start: found keyframe, but the motion has none; expected recording, zero or angles")
     elif isinstance(wanted, dict):
-        names = plant.model.joint_names
-        for joint, angle in wanted.items():
-            if joint not in names:
-                raise InputError(f"robot.start: found joint {joint!r}; the robot has {', '.join(names)}")
-            position[names.index(joint)] = angle
+        position = stated_start(plant.model, wanted)
     if not np.isfinite(position).all():
         bad = plant.model.joint_names[int(np.flatnonzero(~np.isfinite(position))[0])]
         raise InputError(f"{experiment.name}: the first measured position of {bad} is missing")
