@@ -12,6 +12,7 @@ from realitygap.check.commanded_effort import commanded_efforts
 from realitygap.check.counts import count_mistakes
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
+from realitygap.check.effort_flag import effort_flags
 from realitygap.check.few import few_samples
 from realitygap.check.limits import angle_mistakes, limit_mistakes
 from realitygap.check.links import link_mistakes
@@ -123,6 +124,8 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
     found += [m for m in held if not _joints(found) & set(m.joints)]
     told = _joints(found)
     found += [m for o in rest for m in start_mistakes(o) if not told & set(m.joints)]
+    flags = [m for m in effort_flags(rest) if not told & set(m.joints)]
+    found, told = [*found, *flags], told | _joints(flags)
     asked_for = [m for o in rest for m in commanded_efforts(o, _without(o, told))]
     found, told = [*found, *asked_for], told | _joints(asked_for)
     heavy = load_mistakes([o for o in rest if o.follows.any()])
