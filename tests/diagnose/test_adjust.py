@@ -1,19 +1,21 @@
 """What laws of the bundled demo (synthetic) are off by is adjusted, and no finding."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from demo_problem import DEMO, FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.adjust import _seen, adjusted
 from realitygap.diagnose.judge.gaps import held_out_gap, shown
 from realitygap.diagnose.judge.steps import steps
+from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
@@ -66,6 +68,21 @@ def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(of
     of = shown(simulations, done.floors, models, ["mujoco"])
     assert of[gains[0].suspect] == of[gains[1].suspect]
     assert of[gains[0].suspect].before == of[friction.suspect].after
+
+
+def test_the_mended_models_values_are_fitted_as_if_laws_were_exact(off: Found, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of the findings are: a model that was compared has its evidence at its best, with values drawn away."""
+    cares, fit = list[Care](), Yardstick.fit
+
+    def told(
+        self: Yardstick, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole"
+    ) -> Scored | None:
+        cares.append(care)
+        return fit(self, changes, known, care)
+
+    monkeypatch.setattr(Yardstick, "fit", told)
+    assert adjusted(off.yardstick.simulations, off, []).adjusted
+    assert cares[-1] == "whole"
 
 
 def test_what_was_refused_is_not_adjusted(off: Found) -> None:
