@@ -156,7 +156,7 @@ def test_the_corrected_urdf_has_what_was_measured_and_keeps_the_rest(tmp_path: P
         ({"mass": "arm,3\narm,4"}, "two links under one name: arm"),
         ({"bench": BENCH.replace(", unit: g", "")}, "masses.unit: is missing"),
         ({"bench": BENCH.replace("arm.urdf", "leg.urdf")}, "leg.urdf: cannot be read"),
-        ({"bench": BENCH.replace("urdf:", "urfd:")}, "urfd: unknown key; known here"),
+        ({"bench": BENCH.replace("urdf:", "urfd:")}, "urfd: unknown key; missing: urdf; known here"),
         ({"urdf": URDF.replace("</robot>", "")}, "is not well-formed XML"),
         ({"urdf": URDF.replace("robot", "sdf")}, "is not a URDF"),
         ({"urdf": URDF.replace('value="0.5"', 'value="x"')}, "link r_arm: mass is 'x', expected a finite number"),

@@ -138,15 +138,15 @@ def _model(file: ScenarioFile, scenario: Scenario) -> Model:
             contact_links=_contact_links(scenario),
         )
     except ModelError as error:
-        raise InputError(f"{file.path}: robot.urdf: {error}") from None
+        raise ModelError(f"{file.path}: robot.urdf: {error}") from None
 
 
 def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """The plant that a scenario states, without its effects.
 
     Raises:
-        InputError: for a servo pattern that matches nothing, a position outside the limits, or a robot's file that
-            cannot be used.
+        InputError: for a servo pattern that matches nothing, or a position outside the limits.
+        ModelError: for a robot's file that cannot be used.
     """
     scenario = scenario or file.scenario
     robot = scenario.robot
