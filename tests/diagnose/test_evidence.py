@@ -1,12 +1,15 @@
 """The evidence: its closed form, and how imperfect it finds laws whose faults are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.evidence import SHARP, Scored, beforehand, cautious, score, sharp
-from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.imperfections import Accepted, Imperfections
 
 NOISE = 0.5
 
@@ -82,6 +85,36 @@ def test_a_load_that_is_known_worse_than_a_drawing_has_it_has_to_be_earned() -> 
     assert scored(NOISE * rng.standard_normal(n) + far, np.zeros((n, 0)), responses, ("load",) * q).imperfect == {
         "load": 2.0
     }
+
+
+def test_laws_are_no_worse_than_the_larger_model_says() -> None:
+    """A model that lacks dry friction calls its laws poor, which would pass for the friction that it lacks."""
+    rng = np.random.default_rng(5)
+    n, q = 4000, 20
+    responses = rng.standard_normal((n, q))
+    missing = 2.0 * responses[:, :3].sum(axis=1)
+    residual = NOISE * rng.standard_normal(n) + 0.3 * responses @ rng.standard_normal(q) + missing
+    channel = Channel(0, "position", 0, 0.01 * np.arange(n, dtype=np.float64), NOISE, np.zeros(n))
+    wrong = Imperfections(np.ones(1), responses, ("friction",) * q)
+    free, bound = (
+        score([channel], Fit((), residual), w) for w in (wrong, replace(wrong, most={"friction": 0.5, "drive": 1.0}))
+    )
+    assert free.imperfect == {"friction": 1.0}
+    assert bound.imperfect == {"friction": 0.5}
+    assert bound.evidence < free.evidence
+    assert sharp([channel], Fit((), residual), wrong).imperfect == {"friction": SHARP}
+
+
+def test_of_a_stop_on_the_other_side_alone_no_imperfection_is_left() -> None:
+    upper = Suspect("joint_stop", "elbow", (1,))
+    values = (("lower", -0.3), ("upper", np.inf), ("stiffness", 5.0))
+    wrong = Imperfections(
+        np.ones(1),
+        np.ones((4, 2)),
+        ("", ""),
+        (Accepted(0, upper, "upper", 0.5, 0.0), Accepted(1, upper, "stiffness", 2.0, 0.0)),
+    )
+    assert wrong.shares(Fit((Change(upper, values, ("lower", "stiffness")),), np.zeros(4))).tolist() == [0.0, 2.5]
 
 
 def test_moves_are_looked_for_where_laws_are_better_than_a_machines() -> None:

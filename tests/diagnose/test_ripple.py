@@ -1,9 +1,13 @@
 """Periods of a ripple are told from the residual over the angle, as far as its samples resolve them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from realitygap.diagnose.candidates.ripple import ORDINARY, PEAKS, periods_of, power, resolved
+from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
+from realitygap.robot.effects import EFFECTS
 
 TIME = np.arange(0.0, 8.0, 0.002)
 
@@ -77,3 +81,35 @@ def test_what_was_not_measured_or_does_not_move_tells_nothing() -> None:
     residual += np.sin(40.0 * angle)[:, None]
     angle[::3], residual[1::3] = np.nan, np.nan
     assert abs(periods_of([angle], [residual], 2000.0)[0] - 40.0) < 0.5
+
+
+@pytest.mark.parametrize(("size", "periods"), [(0.05, 2.0), (0.3, 5.0), (1.0, 1.5)])
+def test_a_wave_that_never_comes_back_is_none(size: float, periods: float) -> None:
+    """A slow change with the angle has no period that a motion saw; periods that are told it saw once at least."""
+    angle = swinging(size)
+    assert periods * np.ptp(angle) < 2.0 * np.pi
+    found = periods_of([angle], [noise(4) + 3.0 * np.sin(periods * angle)[:, None]], 2000.0)
+    assert all(p * np.ptp(angle) >= 2.0 * np.pi for p in found)
+
+
+def test_a_joint_that_hardly_moves_shows_no_ordinary_period() -> None:
+    angle = swinging(0.02)
+    assert np.ptp(angle) * ORDINARY < 2.0 * np.pi
+    assert periods_of([angle], [noise(4)], ORDINARY) == []
+
+
+@pytest.mark.parametrize("name", ["friction_ripple", "torque_ripple"])
+def test_a_ripple_is_none_where_no_motion_saw_a_period_of_it(name: str, problem: Problem) -> None:
+    effect, plant = EFFECTS[name], problem.plant
+    assert plant.travelled is not None
+    elbow = plant.model.joint_names.index("elbow")
+    least = 2.0 * np.pi / plant.travelled[elbow]
+    first = effect.first_size(plant, elbow)
+    assert first["periods"] >= 2.0 * least
+    assert effect.absurd is not None
+    assert effect.absurd(plant, elbow, first | {"periods": 1.01 * least}) is None
+    assert "no motion saw one" in (effect.absurd(plant, elbow, first | {"periods": 0.99 * least}) or "")
+    train = [problem.cases[c].value("position")[:, elbow] for c in problem.of("train")]
+    assert plant.travelled[elbow] == max(np.ptp(a[np.isfinite(a)]) for a in train)
+    plant = replace(plant, travelled=None)
+    assert effect.absurd(plant, elbow, first | {"periods": 0.5}) is None

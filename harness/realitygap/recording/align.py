@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from realitygap.recording.commands import held_at
-from realitygap.recording.delay import MOVING, command_difference, delay, moving_commands
+from realitygap.recording.delay import MOVING, Mask, command_difference, delay, moving_commands
 from realitygap.recording.frames import angle_between, unit_quaternions, vertical
 from realitygap.recording.quantum import quantum
 from realitygap.recording.recording import Recording
@@ -17,6 +17,7 @@ from realitygap.trace.trace import Array, Trace
 
 SAME_COMMAND = 0.05  # largest difference of commands of one motion, as a share of their standard deviation
 SAME_MOVE = 0.1  # the same of measured positions where nothing was commanded: what swings freely repeats less exactly
+STILL = 4.0  # steps of a command within which it stays where nothing is asked for
 SAME_ANGLE = np.radians(2.0)  # rad: largest difference at the start of bodies that nothing drives
 SAME_PLACE = 0.01  # m, likewise
 
@@ -94,6 +95,8 @@ def _shift(first: Windowed, run: Windowed) -> float | None:
         return None
     if a.trace.joints != b.trace.joints or a.command_kind != b.command_kind:
         return None
+    if _told(a) != _told(b):
+        return None
     a, b = _led(a), _led(b)
     late = delay(a, b)
     if first.window != run.window:
@@ -103,20 +106,35 @@ def _shift(first: Windowed, run: Windowed) -> float | None:
     return late if same_motion(a, b, late) else None
 
 
+def _told(recording: Recording) -> bool:
+    """Whether its commands say what it did, as those of a hold, of a free swing or of none do not."""
+    return recording.command_kind is not None and bool((moving_commands(recording) | _stirring(recording)).any())
+
+
+def _stirring(recording: Recording) -> Mask:
+    """Which joints are commanded over more than a few of the command's own steps, however small. Shape (n,)."""
+    command = recording.command
+    if not len(command):
+        return np.zeros(command.shape[1], dtype=bool)
+    known = np.isfinite(command)
+    low, high = np.where(known, command, np.inf).min(axis=0), np.where(known, command, -np.inf).max(axis=0)
+    return np.asarray(high - low > STILL * quantum(command))
+
+
 def _led(recording: Recording) -> Recording:
     """A recording as if it had been led along where its joints were measured, where nothing else says what led them."""
     trace = recording.trace
-    if recording.command_kind is not None or trace.position is None or not trace.joints:
+    if _told(recording) or trace.position is None or not trace.joints:
         return recording
-    return replace(recording, command_time=trace.time, command=trace.position)
+    return replace(recording, command_time=trace.time, command=trace.position, command_kind=None)
 
 
 def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     """Whether two runs are one motion, the other one `late` seconds later on its clock.
 
     Their commands agree within 5 % of their standard deviation over at least nine tenths of the shorter run; where
-    nothing was commanded, their measured positions within 10 %. Bodies without joints start alike (2°, 10 mm) and are
-    recorded equally long within a tenth.
+    nothing was commanded, their measured positions within 10 %, in which joints that are told efforts start alike, too.
+    Bodies without joints start alike (2°, 10 mm) and are recorded equally long within a tenth.
     """
     a, b = reference.trace, other.trace
     lengths = a.time[-1] - a.time[0], b.time[-1] - b.time[0]
@@ -133,11 +151,24 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     y = held_at(other.command_time, other.command, time + late)
     if np.mean(np.isnan(x) != np.isnan(y)) > 0.02:  # the servos are off at other times
         return False
+    if not moving.any() and reference.command_kind is not None:
+        moving = _stirring(reference) | _stirring(other)
     if not moving.any():
         return bool(np.nanmax(np.abs(x - y), initial=0.0) < MOVING)
+    if reference.command_kind == "effort" and not _start_near(a, b, start, late):
+        return False
     spread = float(np.sqrt(np.nanvar(reference.command[:, moving], axis=0).mean()))
     share = SAME_MOVE if reference.command_kind is None else SAME_COMMAND
     return bool(np.sqrt(command_difference(reference, other, moving, late)) <= share * spread)
+
+
+def _start_near(a: Trace, b: Trace, start: float, late: float) -> bool:
+    """Whether joints that nothing brings to a place were at the same one, in the spread of where they went."""
+    if a.position is None or b.position is None:
+        return True
+    one, other = held_at(a.time, a.position, np.array([start])), held_at(b.time, b.position, np.array([start + late]))
+    spread = np.sqrt(np.nanvar(a.position, axis=0).mean())
+    return bool(np.nanmax(np.abs(one - other), initial=0.0) <= SAME_MOVE * spread)
 
 
 def _start_alike(a: Trace, b: Trace) -> bool:

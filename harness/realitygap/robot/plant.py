@@ -46,6 +46,7 @@ class Plant:
         maps: efforts that depend on measured variables.
         payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
         reached: how fast each joint went where its motion was recorded [rad/s or m/s]; None where none was. Shape (n,).
+        travelled: the widest range that each joint moved over in one motion [rad or m], likewise. Shape (n,).
     """
 
     model: Model
@@ -59,6 +60,7 @@ class Plant:
     maps: list[EffortMap] = field(default_factory=list)
     payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
     reached: Array | None = None
+    travelled: Array | None = None
 
     def copy(self) -> Plant:
         """A plant that can be edited without changing this one."""

@@ -23,8 +23,10 @@ from realitygap.robot.drive import Array
 STEP = 0.25
 """Spacing of the periods per 2π, for a joint that turns once at most: a quarter of what one turn tells apart."""
 LOWEST, ORDINARY = 1.0, 61.0
-"""Per 2π: up to the slots of a servo's motor times a low gear's ratio the highest peaks are tried, whatever they are
-made of: slow residuals have many causes."""
+"""Per 2π, the lowest per range of the motion as well (`joint.wave_unseen`). Up to the slots of a servo's motor times a
+low gear's ratio the highest peaks are tried, whatever they are made of: slow residuals have many causes."""
+FEWEST = 3
+"""Periods of a grid at least: a peak is higher than those beside it."""
 PEAKS = 3
 """Peaks that are tried, of either kind."""
 CHANCE = 0.01
@@ -54,7 +56,11 @@ def periods_of(angles: Sequence[Array], residuals: Sequence[Array], highest: flo
     widest = max(float(np.ptp(a)) for a, _ in runs)
     step = min(STEP, 2.0 * math.pi / widest * STEP)
     tops = [min(resolved(a), highest) for a, _ in runs]
-    grid: Array = step * np.arange(math.ceil(LOWEST / step), math.ceil(max(*tops, ORDINARY) / step), dtype=float)
+    lowest = LOWEST * max(1.0, 2.0 * math.pi / widest)
+    first, end = math.ceil(lowest / step), math.ceil(max(*tops, ORDINARY) / step)
+    if end - first < FEWEST:
+        return []
+    grid: Array = step * np.arange(first, end, dtype=float)
     powers = [power(a, r, grid) for a, r in runs]
     slow = np.where(grid < ORDINARY, -sum(np.log1p(-p).sum(axis=1) for p in powers), 0.0)
     fast, many = np.zeros(len(grid)), np.zeros(len(grid))

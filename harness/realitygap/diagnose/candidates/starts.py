@@ -20,6 +20,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import Effect, Parameter
+from realitygap.robot.effects.joint import seen_periods
 
 WHOLE_FIRST = (3.2, 1.6, 0.8, 0.4)
 WHOLE_SECOND = (1.0, 1.6, 2.5)
@@ -176,7 +177,7 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         train, joint = problem.of("train")[: len(residual)], suspect.indices[0]
         angles = [problem.cases[c].value("position")[:, joint] for c in train]
         highest = ORDINARY if effect.dissipative else effect.parameter("periods").high  # friction goes with a shaft
-        waves = periods_of(angles, residual, highest) or PERIODS
+        waves = periods_of(angles, residual, highest) or _visible(problem, joint)
         return [Start(first, _wave(first, size, p), known, "wave") for p in waves]
     hard = [p.name for p in sized(first) if not np.isfinite(zero[p.name])]
     if hard:
@@ -210,6 +211,10 @@ def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, fl
 def signed(effect: Effect) -> bool:
     """Whether an effect is absent at zero and may have either sign."""
     return all(p.absent == 0.0 and p.low < 0.0 for p in fitted(effect))
+
+
+def _visible(problem: Problem, joint: int) -> list[float]:
+    return sorted({seen_periods(problem.plant, joint, periods) for periods in PERIODS})
 
 
 def _wave(first: Change, size: Mapping[str, float], periods: float) -> tuple[Change, ...]:

@@ -115,7 +115,8 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
         raise InputError(f"{file.path}: recordings.exclude: {excluded} leaves no joint; expected some to judge on")
     cases, said = split(file, cases_of(found), found)
     cases, notes = windowed(cases, found, engine)
-    plant.reached = reached([c for c in cases if c.use == "train"])
+    train = [c for c in cases if c.use == "train"]
+    plant.reached, plant.travelled = reached(train), travelled(train)
     return Problem(file, plant, tuple(cases), engine, judged, said, tuple(notes))
 
 
@@ -131,4 +132,13 @@ def reached(cases: Sequence[Case]) -> Array:
         speed = np.abs(np.gradient(position, time, axis=0) if velocity is None else velocity)
         finite = [v[np.isfinite(v)] for v in speed.T]
         every.append([float(np.quantile(v, FAST)) if len(v) else 0.0 for v in finite])
+    return np.asarray(np.max(every, axis=0))
+
+
+def travelled(cases: Sequence[Case]) -> Array:
+    """The widest range that each joint moved over in one motion [rad or m], 0 where none was recorded. Shape (n,)."""
+    every = []
+    for case in cases:
+        finite = [p[np.isfinite(p)] for p in case.value("position").T]
+        every.append([float(np.ptp(p)) if len(p) else 0.0 for p in finite])
     return np.asarray(np.max(every, axis=0))

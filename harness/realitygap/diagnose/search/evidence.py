@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,7 +120,7 @@ class Scored:
 
 def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
     """The evidence of a fit at the best of the scales that each kind of law may be imperfect by."""
-    return _at(_first(channels, fit, imperfections), tuple(IMPERFECT))
+    return _at(_first(channels, fit, imperfections), tuple(IMPERFECT), imperfections.most)
 
 
 def cautious(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
@@ -144,7 +145,7 @@ def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -
 def scored_and_sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> tuple[Scored, Scored]:
     """Both `score` and `sharp`, which begin alike."""
     first = _first(channels, fit, imperfections)
-    return _at(first, tuple(IMPERFECT)), _at(first, (SHARP,))
+    return _at(first, tuple(IMPERFECT), imperfections.most), _at(first, (SHARP,))
 
 
 @dataclass(frozen=True)
@@ -197,11 +198,11 @@ def _look(
     return _Look(fit, imperfections, shares, whitening, weight, scale, determinant, thin, odds)
 
 
-def _at(look: _Look, scales: Sequence[float]) -> Scored:
+def _at(look: _Look, scales: Sequence[float], most: Mapping[str, float] = MappingProxyType({})) -> Scored:
     fit, wrong, shares = look.fit, look.imperfections, look.shares
 
     def best(look: _Look) -> tuple[dict[str, float], Array, Array]:
-        chosen = look.odds.best(scales)
+        chosen = look.odds.best(scales, most)
         each = np.array([chosen[law] for law in wrong.laws])
         return chosen, each, fit.residual - wrong.times(shares * look.odds.taken(each), look.whitening.channels)
 
@@ -234,9 +235,9 @@ class _Odds:
     def __init__(self, gram: Array, laws: Sequence[str]) -> None:
         self.gram, self.laws, self.model = gram, laws, len(gram) - len(laws)
 
-    def best(self, scales: Sequence[float]) -> dict[str, float]:
-        """The scale of each kind of law that makes the recordings most probable: the best that all have, then one kind
-        after the other.
+    def best(self, scales: Sequence[float], most: Mapping[str, float]) -> dict[str, float]:
+        """The scale of each kind of law, at `most` so much, that makes the recordings most probable: the best that all
+        have, then one kind after the other.
         """
         known: dict[tuple[float, ...], float] = {}  # where a sweep changes little, the next asks much the same
 
@@ -246,10 +247,13 @@ class _Odds:
                 known[at] = self(tried)
             return known[at]
 
-        chosen = max((dict.fromkeys(self.laws, scale) for scale in scales), key=odds)
+        def capped(law: str, scale: float) -> float:
+            return min(scale, most.get(law, scale))
+
+        chosen = max(({law: capped(law, scale) for law in self.laws} for scale in scales), key=odds)
         for _ in range(SWEEPS if len(scales) > 1 else 0):
             for law in chosen:
-                chosen = max(({**chosen, law: scale} for scale in scales), key=odds)
+                chosen = max(({**chosen, law: capped(law, scale)} for scale in scales), key=odds)
         return chosen
 
     def taken(self, each: Array) -> Array:

@@ -17,19 +17,16 @@ from scipy.sparse.csgraph import connected_components
 
 from realitygap.diagnose.candidates.starts import FURTHEST, Start
 from realitygap.diagnose.candidates.suspects import neutral
-from realitygap.diagnose.candidates.told import CLOCK
-from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.parted import Parted
-from realitygap.diagnose.likelihood.whitening import Channel, Whitening, spans
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening
+from realitygap.diagnose.search.clocks import of_clocks
 from realitygap.robot.drive import Array
 
-STAMPED = 0.5
-"""How well it is known when a motion was sampled, in periods of its recording: stamps are given when data arrive."""
 SHARE = {"friction": 0.08, "drive": 0.04, "load": 0.04, "contact": 0.12}
 """What ordinary laws are known to, as a share of what they do. Friction differs with direction, angle and temperature
 by 5 to 10 % (Armstrong-Hélouvry 1991; Bittencourt & Gunnarsson 2012), a torque constant droops by 2 to 5 % with current
@@ -74,6 +71,7 @@ class Imperfections:
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
         accepted: which of them are of values that the search has accepted.
         does: the length of what the largest of each kind of law does at each joint, in the metric.
+        most: how imperfect each kind of law may be, in multiples of what is ordinary.
     """
 
     facts: Array
@@ -81,6 +79,7 @@ class Imperfections:
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
     does: Mapping[tuple[str, int], float] = field(default_factory=dict)
+    most: Mapping[str, float] = field(default_factory=dict)
     _parted: dict[str, Parted] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def thinned(self, whitening: Whitening) -> Parted:
@@ -119,7 +118,8 @@ class Imperfections:
         out = np.ones(len(self.laws))
         has = {c.suspect: c.parameters for c in fit.changes}
         for a in self.accepted:
-            out[a.column] = abs(has.get(a.suspect, {}).get(a.name, a.neutral)) / a.value
+            value = abs(has.get(a.suspect, {}).get(a.name, a.neutral))  # inf is of a stop on the other side
+            out[a.column] = value / a.value if np.isfinite(value) else 0.0
         return out
 
 
@@ -172,7 +172,7 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
         faults.setdefault(law, []).append(found @ turn)
     for law, parts in faults.items():
         columns += [(law, c) for c in _shown(np.hstack(parts), metric).T]
-    columns += _late(problem, metric.whitening.channels, at.residual)
+    columns += of_clocks(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
     return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
@@ -278,19 +278,6 @@ def _scale(known: _Known, size: float, does: Mapping[tuple[str, int], float], un
 def known_to(suspect: Suspect) -> float:
     """To which share of what it does an effect is known."""
     return KNOWN.get(suspect.effect, SHARE.get(suspect.kind.law, WORST))
-
-
-def _late(problem: Problem, channels: Sequence[Channel], residual: Array) -> list[tuple[str, Array]]:
-    """What a clock does that runs fast, and stamps that are late, in each motion. Each (m,)."""
-    fast, late = np.zeros(len(residual)), {c.case: np.zeros(len(residual)) for c in channels}
-    for channel, part in spans(channels):
-        if channel.signal in JOINT_SIGNALS:
-            time = channel.time
-            measured = problem.columns(channel.signal, problem.cases[channel.case].value(channel.signal))
-            rate = np.nan_to_num(np.gradient(measured[:, channel.column] + residual[part], time))
-            fast[part] = CLOCK * (time - time[0]) * rate
-            late[channel.case][part] = STAMPED * float(np.median(np.diff(time))) * rate
-    return [("clock", column) for column in (fast, *late.values())]
 
 
 def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:

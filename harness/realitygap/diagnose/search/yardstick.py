@@ -78,6 +78,12 @@ class Yardstick:
     def stand_at(self, at: Fit, blocks: Sequence[Block]) -> None:
         """Let laws be imperfect as they may be at a fit, which responses tell, and count facts as what that leaves
         lasts.
+
+        None of the models that are compared with the fit has laws that are further off than it says, or than is
+        ordinary: noise is told by the larger of nested models (Mallows 1973). What is missing makes laws look poor,
+        which would pass for what is missing. Of an axis with 2.5 times the dry friction of its model, the one with more
+        viscous friction and friction that is off by 16 % was likelier by 106 than the true one, whose laws are off by
+        4 %; with ordinary laws it is 190 behind.
         """
         self.take_facts(at.residual)
         self._stood = metric = self.plain(at).metric
@@ -88,7 +94,9 @@ class Yardstick:
         of = {start: number for number, start in near.items()}
         again = {of[b.start]: b for b in answers}
         self.wrong = imperfections(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
-        self.take_facts(self.score(at).left)
+        there = self.score(at)
+        self.take_facts(there.left)
+        self.wrong = replace(self.wrong, most={law: max(scale, 1.0) for law, scale in there.imperfect.items()})
 
     def take_facts(self, left: Array) -> None:
         """Count facts as what is left of a residual lasts. Shape (m,)."""

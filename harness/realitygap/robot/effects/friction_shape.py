@@ -4,7 +4,7 @@ import math
 
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
 from realitygap.robot.effects.friction import FRICTION_HIGH
-from realitygap.robot.effects.joint import anywhere, effort_scale, wave_turned
+from realitygap.robot.effects.joint import anywhere, effort_scale, seen_periods, wave_turned, wave_unseen
 from realitygap.robot.plant import Plant
 
 
@@ -60,6 +60,11 @@ DIRECTION_FRICTION = Effect(
     dissipative=True,
 )
 
+
+def _seen_ripple(plant: Plant, index: int) -> dict[str, float]:
+    return {"periods": seen_periods(plant, index, 3.0)}
+
+
 FRICTION_RIPPLE = Effect(
     name="friction_ripple",
     changes="torque",
@@ -74,6 +79,8 @@ FRICTION_RIPPLE = Effect(
     own=reads(share="friction_ripple", periods="friction_periods", phase="friction_phase"),
     apply=writes(share="friction_ripple", periods="friction_periods", phase="friction_phase"),
     turned=wave_turned,
+    absurd=wave_unseen,
+    scaled=_seen_ripple,
     possible=anywhere,
     page=Page(
         physics="Dry friction that changes with the angle, because a shaft is bent, a gear runs out of true or teeth "

@@ -19,6 +19,28 @@ def wave_turned(values: Values, angle: float) -> dict[str, float]:
     return {"phase": math.remainder(values["phase"] - values["periods"] * angle, 2.0 * math.pi)}
 
 
+def one_period(plant: Plant, index: int) -> float:
+    """The periods per 2π of which a joint saw one in the motion that went furthest; 0 where none was recorded."""
+    travelled = 0.0 if plant.travelled is None else float(plant.travelled[index])
+    return 2.0 * math.pi / travelled if travelled > 0.0 else 0.0
+
+
+def seen_periods(plant: Plant, index: int, periods: float) -> float:
+    """So many periods per 2π, or twice as many as a joint saw one of, whichever is more: a first size of a wave."""
+    return max(periods, 2.0 * one_period(plant, index))
+
+
+def wave_unseen(plant: Plant, index: int, values: Values) -> str | None:
+    """For waves over a joint's angle: one that never came back in any motion may be any slow change with the angle.
+
+    As in a periodogram, which tells nothing below one period of what was observed (Lomb 1976).
+    """
+    least = one_period(plant, index)
+    if values["periods"] < least:
+        return f"{values['periods']:.3g} periods per 2π, of which no motion saw one; expected {least:.3g} or more"
+    return None
+
+
 def anywhere(_plant: Plant, _index: int) -> str | None:
     """For effects that can act at every target."""
     return None

@@ -10,8 +10,10 @@ from realitygap.robot.effects.joint import (
     has_dc_motor,
     has_servo,
     has_torque_constant,
+    seen_periods,
     speed_scale,
     wave_turned,
+    wave_unseen,
 )
 from realitygap.robot.plant import Plant
 
@@ -217,7 +219,7 @@ MOTOR_SATURATION = Effect(
 
 
 def _visible_ripple(plant: Plant, index: int) -> dict[str, float]:
-    return {"amplitude": 0.02 * effort_scale(plant, index)}
+    return {"amplitude": 0.02 * effort_scale(plant, index), "periods": seen_periods(plant, index, 20.0)}
 
 
 TORQUE_RIPPLE = Effect(
@@ -234,6 +236,7 @@ TORQUE_RIPPLE = Effect(
     own=reads(amplitude="ripple", periods="ripple_periods", phase="ripple_phase"),
     apply=writes(amplitude="ripple", periods="ripple_periods", phase="ripple_phase"),
     turned=wave_turned,
+    absurd=wave_unseen,
     possible=anywhere,
     scaled=_visible_ripple,
     page=Page(
