@@ -56,7 +56,7 @@ def test_a_line_over_speed_that_no_speed_reaches_is_a_limit_of_the_effort() -> N
     assert standing(better.fit.changes) == at.right
 
 
-def test_a_narrower_name_is_one_of_the_same_law_there() -> None:
+def test_a_narrower_name_is_a_special_case_of_the_same_law_there() -> None:
     problem = demo_problem()
     dry, slow, heavy, line, effort = (
         suspect_of(problem, *at)
@@ -72,5 +72,7 @@ def test_a_narrower_name_is_one_of_the_same_law_there() -> None:
     assert not narrower(slow, dry)
     assert not narrower(dry, suspect_of(problem, "stribeck_friction", "shoulder"))
     assert not narrower(dry, heavy)
+    assert not narrower(suspect_of(problem, "viscous_friction", "elbow"), slow)
+    assert narrower(suspect_of(problem, "link_mass", "forearm"), heavy)
     assert limits(problem, effort, line)
     assert not limits(problem, dry, slow)

@@ -113,6 +113,46 @@ def test_without_commands_the_measured_motion_says_what_is_a_repetition() -> Non
     np.testing.assert_allclose(groups[0].shifts, [0.0, 0.3], atol=1e-3)
 
 
+def swung(name: str, angle: float, late: float = 0.0, told: Callable[[Array], Array] = np.zeros_like) -> Recording:
+    """A joint that is let go at an angle and told efforts."""
+    time = np.arange(0.0, 8.0, PERIOD)
+    begun = np.maximum(time - late - 1.0, 0.0)
+    position = angle * np.exp(-0.3 * begun) * np.cos(4.0 * begun) + 1e-3 * np.random.default_rng(len(name)).normal(
+        size=800
+    )
+    command = told(time - late)[:, None]
+    trace = Trace(time, ("a",), position=position[:, None], command=command)
+    return Recording(Path(f"{name}.csv"), trace, time, command, "effort", np.empty(0), np.empty(0))
+
+
+def test_free_swings_are_repetitions_where_they_swing_alike() -> None:
+    """Commands of zero are the same in every motion: they say nothing of it."""
+    runs = [Run("one", swung("one", 0.6)), Run("again", swung("again", 0.6, late=0.4)), Run("wide", swung("wide", 1.1))]
+    groups = group_repetitions(runs)
+    assert [g.indices for g in groups] == [(0, 1), (2,)]
+    assert groups[0].shifts[1] == pytest.approx(0.4, abs=0.02)
+
+
+@pytest.mark.parametrize("size", [0.2, 2e-3])
+def test_efforts_make_the_same_motion_from_the_same_place_alone_however_small_they_are(size: float) -> None:
+    runs = [
+        Run("a", swung("a", 0.6, told=lambda t: size * np.sin(t))),
+        Run("again", swung("again", 0.6, told=lambda t: size * np.sin(t))),
+        Run("from_elsewhere", swung("from_elsewhere", 0.4, told=lambda t: size * np.sin(t))),
+        Run("other", swung("other", 0.6, told=lambda t: size * np.sin(1.5 * t))),
+    ]
+    assert [g.indices for g in group_repetitions(runs)] == [(0, 1), (2,), (3,)]
+
+
+def test_a_hold_is_the_same_motion_where_the_robot_stays() -> None:
+    still = [recording(name, goal=np.zeros_like) for name in ("one", "two")]
+    pushed = recording("pushed", goal=np.zeros_like)
+    assert pushed.trace.position is not None
+    trace = replace(pushed.trace, position=pushed.trace.position + 0.2 * motion(pushed.trace.time)[:, None])
+    runs = [*(Run(r.name, r) for r in still), Run("pushed", replace(pushed, trace=trace))]
+    assert [g.indices for g in group_repetitions(runs)] == [(0, 1), (2,)]
+
+
 def test_bodies_without_joints_are_repetitions_where_they_start_alike() -> None:
     def toss(name: str, height: float) -> Recording:
         time = np.arange(0, 0.5, PERIOD)

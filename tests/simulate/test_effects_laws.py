@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 import realitygap_engines as engines
+from realitygap.diagnose.candidates.suspects import fitted
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import NONE, PID
 from realitygap.robot.effects import EFFECTS, Effect
@@ -237,6 +238,9 @@ def test_the_page_says_it_all(effect: Effect) -> None:
     assert any(other in page.confused_with for other in EFFECTS if other != effect.name)
     for other in effect.excludes:
         assert effect.name in EFFECTS[other].excludes
+    for more in (EFFECTS[name] for name in effect.special_of):
+        assert (more.law, more.sits_at) == (effect.law, effect.sits_at)
+        assert len(fitted(more)) > len(fitted(effect))
 
 
 def test_an_effect_says_why_it_cannot_act_somewhere() -> None:

@@ -30,11 +30,13 @@ def simpler(problem: Problem, a: Suspect, b: Suspect) -> bool:
 
 
 def narrower(a: Suspect, b: Suspect) -> bool:
-    """Whether one suspect says of the same law, at the same joints, with fewer values what another one says: dry
-    friction, of one that differs by direction or falls with speed.
+    """Whether one suspect is a special case of another one at the same joints, which says no more of the same law than
+    such laws are off by where both do nearly the same.
+
+    Viscous friction is none of the Stribeck effect: of a pendulum whose friction falls with speed, it was apart from
+    that by no more than 8 % of what all friction did, and 39 behind.
     """
-    same = a.kind.law == b.kind.law != "" and a.indices == b.indices and a.table is None and b.table is None
-    return same and len(fitted(a.kind)) < len(fitted(b.kind))
+    return b.effect in a.kind.special_of and a.indices == b.indices
 
 
 def limits(problem: Problem, a: Suspect, b: Suspect) -> bool:

@@ -71,6 +71,8 @@ class Effect:
         scaled: (plant, index) -> first sizes that suit this joint, link or ground, where they depend on it.
         largest: (plant, index) -> the largest values that can be there, where that is less than a parameter's bound.
         excludes: effects that say the same thing another way and cannot stand on the same target.
+        special_of: effects with more values of which it is a special case, or one so nearly that their names mean the
+            same fault: dry friction, of one that differs by direction; a heavier link, of a load that is fixed to it.
         dissipative: it can only take energy out.
         everywhere: every machine has a little of it, so that it is no name until it is clearly more than usual.
         unseen_when_followed: why it says nothing about the effort of a motion that is followed; empty where it does.
@@ -95,6 +97,7 @@ class Effect:
     scaled: Callable[[Plant, int], dict[str, float]] | None = None
     largest: Callable[[Plant, int], dict[str, float]] | None = None
     excludes: tuple[str, ...] = ()
+    special_of: tuple[str, ...] = ()
     dissipative: bool = False
     everywhere: bool = False
     absurd: Callable[[Plant, int, Values], str | None] | None = None

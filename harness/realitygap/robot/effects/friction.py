@@ -47,6 +47,7 @@ COULOMB_FRICTION = Effect(
         "Cognetti, Oliva, Robuffo Giordano, De Luca, RA-L 4(4), 2019 (a friction that is a sigmoid of the speed).",
     ),
     excludes=("stribeck_friction", "direction_friction"),
+    special_of=("stribeck_friction", "direction_friction"),
     dissipative=True,
 )
 

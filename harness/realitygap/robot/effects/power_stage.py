@@ -16,6 +16,7 @@ EFFORT_LIMIT = Effect(
     changes="torque",
     sits_at="joint",
     law="drive",
+    special_of=("torque_speed_limit",),
     parameters=(
         Parameter("effort", "N·m", 1e-4, 1e5, 2.0, absent=math.inf, default=math.inf, logarithmic=True),
         Parameter("beyond", "rad", 1e-3, 10.0, 1.0, absent=math.inf, default=math.inf, shape=True),
