@@ -61,8 +61,8 @@ def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted:
         best = yardstick.score(best.fit)
         found = Found(best, best, best, 6.0, {effort.suspect: 9.0}, yardstick.floors, yardstick)
         found = replace(found, adjusted=(spring.suspect,) if adjusted else ())
-        kept = joined(simulations, found, [effort.suspect])
-        told = joined(simulations, found, [])
+        kept = joined(simulations, found, [], [effort.suspect])
+        told = joined(simulations, found, [], [])
     assert kept is found, "what the recordings tell by themselves"
     (change,) = told.best.fit.changes
     assert change.suspect == spring.suspect
@@ -71,3 +71,29 @@ def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted:
     assert told.gains[spring.suspect] > 100.0
     assert told.least[spring.suspect] == 9.0
     assert [c.suspect for c in told.without[spring.suspect].fit.changes] == []
+
+
+def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
+    bare = demo_problem()
+    mass, inertia, load = (
+        guess(bare, suspect_of(bare, e, "forearm")) for e in ("link_mass", "link_inertia", "payload")
+    )
+    problem = planted(load.at({"mass": 0.12, "x": 0.0, "y": 0.0, "z": -0.3}))
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [mass, inertia])
+        best = yardstick.fit([mass, inertia])
+        assert best is not None
+        yardstick.stand_at(
+            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target in ("forearm", "elbow")])
+        )
+        best = yardstick.score(best.fit)
+        least = {mass.suspect: 9.0, inertia.suspect: 8.0}
+        found = Found(best, best, best, 6.0, least, yardstick.floors, yardstick)
+        kept = joined(simulations, found, suspects(problem), [mass.suspect])
+        told = joined(simulations, found, suspects(problem), [])
+    assert kept is found, "what the recordings tell by themselves"
+    (change,) = told.best.fit.changes
+    assert change.suspect == load.suspect
+    assert change.parameters["mass"] == pytest.approx(0.12, rel=0.1)
+    assert change.parameters["z"] == pytest.approx(-0.3, rel=0.1)
+    assert list(told.gains) == [load.suspect]

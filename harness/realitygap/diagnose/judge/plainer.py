@@ -7,8 +7,9 @@ and a spring at zero beside a constant effort for one that rests elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import many_joints
@@ -32,7 +33,7 @@ def told_plainly(
     """
     if many_joints(simulations.problem):
         return found
-    return plainer(simulations, joined(simulations, found, keep), everyone, keep)
+    return plainer(simulations, joined(simulations, found, everyone, keep), everyone, keep)
 
 
 def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Found:
@@ -47,28 +48,47 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
     return found
 
 
-def joined(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> Found:
-    """What was found with the shape of a finding freed in the place of another one at its joints, where that loses no
-    more than that one has to gain and held-out runs do not speak for both. `keep` stays.
+def joined(simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Found:
+    """What was found with one law in the place of two that it says together, where that loses no more than a finding
+    has to gain and held-out runs do not speak for both: a finding with its shape freed, of it and another one at its
+    joints; or what two findings at one place are special cases of. `keep` stays.
+
+    A load of 60 g at the end of a forearm was a link that is 17 % heavier, with 1.4 times its inertia.
     """
+    ways = [*_shaped(simulations, found), *_both_of(simulations, found, everyone)]
+    asked = [(one, gone) for one, gone in ways if not (gone - {one.suspect}).intersection(keep)]
+    said = [_in_place_of_both(simulations, found, one, gone) for one, gone in asked]
+    best = max((f for f in said if f is not None), key=lambda f: f.best.evidence, default=None)
+    return found if best is None else joined(simulations, best, everyone, keep)
+
+
+def _shaped(simulations: Simulations, found: Found) -> Iterator[tuple[Change, set[Suspect]]]:
+    """Every finding with its shape freed, with another one at its joints in whose place it may stand, too."""
     for change in found.best.fit.changes:
         shaped = with_shape(simulations.problem.plant, change, 1.0)
         for other in found.best.fit.changes if change.free and shaped is not change else ():
-            there = set(other.suspect.joints) <= set(change.suspect.joints) and other is not change
-            if other.free and there and other.suspect not in keep:
-                one = _in_place_of_both(simulations, found, shaped, other.suspect)
-                if one is not None:
-                    return joined(simulations, one, keep)
-    return found
+            if other.free and set(other.suspect.joints) <= set(change.suspect.joints) and other is not change:
+                yield shaped, {change.suspect, other.suspect}
 
 
-def _in_place_of_both(simulations: Simulations, found: Found, shaped: Change, other: Suspect) -> Found | None:
-    """What was found with a change of a shape in the place of a plainer one and of another one; None where that says
-    less.
-    """
-    yardstick, best, name = found.yardstick, found.best, shaped.suspect
-    rest = [c for c in best.fit.changes if c.suspect not in (other, name)]
-    quick = yardstick.fit([*rest, shaped], best.fit, "quick")
+def _both_of(
+    simulations: Simulations, found: Found, everyone: Sequence[Suspect]
+) -> Iterator[tuple[Change, set[Suspect]]]:
+    """What two findings are special cases of, of those that may stand in their place, with these two."""
+    free = [c.suspect for c in found.best.fit.changes if c.free]
+    for a, b in combinations(free, 2):
+        others = [c.suspect for c in found.best.fit.changes if c.suspect not in (a, b)]
+        for suspect in everyone:
+            both = narrower(a, suspect) and narrower(b, suspect)
+            if both and not any(suspect == o or clash(suspect, o) for o in others):
+                yield guess(simulations.problem, suspect), {a, b}
+
+
+def _in_place_of_both(simulations: Simulations, found: Found, one: Change, gone: Collection[Suspect]) -> Found | None:
+    """What was found with one change in the place of two findings; None where that says less."""
+    yardstick, best = found.yardstick, found.best
+    rest = [c for c in best.fit.changes if c.suspect not in gone]
+    quick = yardstick.fit([*rest, one], best.fit, "quick")
     if quick is None or best.evidence - quick.evidence > FAR * found.limit:
         return None
     full = yardstick.refined(quick)
@@ -76,10 +96,11 @@ def _in_place_of_both(simulations: Simulations, found: Found, shaped: Change, ot
         return None
     if not predicted(simulations, found.floors, best.fit.changes, full.fit.changes).worse:
         return None
-    both = {other, name} if other not in found.adjusted else {other}  # what takes the place of a name is one
-    gone = replace(found, adjusted=tuple(s for s in found.adjusted if s not in both))
+    named = any(s not in found.adjusted for s in gone)  # what takes the place of a name is one
+    adjusted = tuple(s for s in found.adjusted if s not in gone)
+    left = replace(found, adjusted=adjusted if named else (*adjusted, one.suspect))
     alone = yardstick.fit(rest, best.fit, "quick")
-    return _renamed(simulations, gone, (other, name), full, alone, [])
+    return _renamed(simulations, left, gone, full, alone, [])
 
 
 def _plain(simulations: Simulations, found: Found, change: Change, everyone: Sequence[Suspect]) -> Scored | None:
