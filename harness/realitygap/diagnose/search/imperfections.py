@@ -46,8 +46,10 @@ EVEN = 0.9
 """Cosine of what a joint answers to both sides, below which a straight line does not say what lies between."""
 SHORTEST = 0.3
 """Standard deviations of all samples together. An imperfection that does less could hide nothing."""
-OTHER = 0.1
-"""What else may be there without being missed, as a delay or an offset, in visible first sizes."""
+OTHER = 0.025
+"""What else may be there without being missed, as a delay or an offset, in visible first sizes. With a tenth of these,
+67 of 82 machines, planted and recorded, were left with a quarter of that or less once all was found, and 7 with more
+than half; and a dead band of half its size passed for it, whose gap went from 6.9 floors to 2.3."""
 
 
 @dataclass(frozen=True)
