@@ -53,7 +53,8 @@ class PidServo(Servo):
     """torque = kp·e + ki·∫e + kd·de/dt, within the URDF's effort and velocity limits.
 
     At the effort limit the integral stands still; over the last 5 % of the velocity limit, torque that drives on falls
-    to zero. A held command that jumps gives an impulse of kd times the jump, spread over two steps.
+    to zero. A held command that jumps gives an impulse of kd times the jump, half of it in the step that ends with the
+    jump and half in the one that begins with it (the rate is a central difference).
     """
 
     kind: Literal["pid"] = Field(description="this kind of servo")

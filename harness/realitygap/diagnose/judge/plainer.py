@@ -91,7 +91,7 @@ def _in_place_of_both(simulations: Simulations, found: Found, one: Change, gone:
     quick = yardstick.fit([*rest, one], best.fit, "quick")
     if quick is None or best.evidence - quick.evidence > FAR * found.limit:
         return None
-    full = yardstick.refined(quick)
+    full = yardstick.fit(quick.fit.changes, quick.fit)  # as if laws were exact, as what it stands for was fitted
     if full is None or best.evidence - full.evidence >= found.limit:
         return None
     if not predicted(simulations, found.floors, best.fit.changes, full.fit.changes).worse:
