@@ -97,13 +97,27 @@ def _shift(first: Windowed, run: Windowed) -> float | None:
         return None
     if _told(a) != _told(b):
         return None
-    a, b = _led(a), _led(b)
-    late = delay(a, b)
-    if first.window != run.window:
-        length = min(first.window[1] - first.window[0], run.window[1] - run.window[0])
-        if not abs(first.window[0] + late - run.window[0]) <= 0.1 * length:
-            return None
-    return late if same_motion(a, b, late) else None
+    ways = [(a, b)] if _told(a) else [(_led(a), _led(b)), *([(a, b)] if _free(a) and _free(b) else [])]
+    for one, other in ways:
+        late = delay(one, other)
+        if _same_window(first.window, run.window, late) and same_motion(one, other, late):
+            return late
+    return None
+
+
+def _same_window(first: tuple[float, float], other: tuple[float, float], late: float) -> bool:
+    """Whether two windows are the same part of a motion that comes `late` seconds later on the other clock."""
+    length = min(first[1] - first[0], other[1] - other[0])
+    return first == other or abs(first[0] + late - other[0]) <= 0.1 * length
+
+
+def _free(recording: Recording) -> bool:
+    """Whether nothing brought its joints to a place: efforts were told, or servos were off, so that a motion may forget
+    how it began.
+    """
+    return recording.command_kind in ("effort", "duty") or (
+        recording.command_kind is not None and not np.isfinite(recording.command).any()
+    )
 
 
 def _told(recording: Recording) -> bool:
@@ -133,7 +147,7 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     """Whether two runs are one motion, the other one `late` seconds later on its clock.
 
     Their commands agree within 5 % of their standard deviation over at least nine tenths of the shorter run; where
-    nothing was commanded, their measured positions within 10 %, in which joints that are told efforts start alike, too.
+    nothing was commanded, their measured positions within 10 %, in which joints that nothing holds start alike, too.
     Bodies without joints start alike (2°, 10 mm) and are recorded equally long within a tenth.
     """
     a, b = reference.trace, other.trace
@@ -151,12 +165,12 @@ def same_motion(reference: Recording, other: Recording, late: float) -> bool:
     y = held_at(other.command_time, other.command, time + late)
     if np.mean(np.isnan(x) != np.isnan(y)) > 0.02:  # the servos are off at other times
         return False
+    if _free(reference) and not _start_near(a, b, start, late):
+        return False
     if not moving.any() and reference.command_kind is not None:
         moving = _stirring(reference) | _stirring(other)
     if not moving.any():
         return bool(np.nanmax(np.abs(x - y), initial=0.0) < MOVING)
-    if reference.command_kind == "effort" and not _start_near(a, b, start, late):
-        return False
     spread = float(np.sqrt(np.nanvar(reference.command[:, moving], axis=0).mean()))
     share = SAME_MOVE if reference.command_kind is None else SAME_COMMAND
     return bool(np.sqrt(command_difference(reference, other, moving, late)) <= share * spread)
