@@ -144,6 +144,15 @@ def test_efforts_make_the_same_motion_from_the_same_place_alone_however_small_th
     assert [g.indices for g in group_repetitions(runs)] == [(0, 1), (2,), (3,)]
 
 
+def test_a_joint_that_is_told_efforts_and_never_seen_starts_anywhere() -> None:
+    def unseen(name: str) -> Recording:
+        run = swung(name, 0.6, told=lambda t: 0.2 * np.sin(t))
+        return replace(run, trace=replace(run.trace, position=np.full((800, 1), np.nan)))
+
+    runs = [Run(name, unseen(name)) for name in ("one", "two")]
+    assert [g.indices for g in group_repetitions(runs)] == [(0, 1)]
+
+
 def test_a_hold_is_the_same_motion_where_the_robot_stays() -> None:
     still = [recording(name, goal=np.zeros_like) for name in ("one", "two")]
     pushed = recording("pushed", goal=np.zeros_like)

@@ -181,7 +181,8 @@ def _start_near(a: Trace, b: Trace, start: float, late: float) -> bool:
     if a.position is None or b.position is None:
         return True
     one, other = held_at(a.time, a.position, np.array([start])), held_at(b.time, b.position, np.array([start + late]))
-    spread = np.sqrt(np.nanvar(a.position, axis=0).mean())
+    seen = np.isfinite(a.position).any(axis=0)
+    spread = np.sqrt(np.nanvar(a.position[:, seen], axis=0).mean()) if seen.any() else np.inf
     return bool(np.nanmax(np.abs(one - other), initial=0.0) <= SAME_MOVE * spread)
 
 
