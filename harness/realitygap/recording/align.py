@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from realitygap.recording.commands import held_at
-from realitygap.recording.delay import MOVING, Mask, command_difference, delay, moving_commands
+from realitygap.recording.delay import MOVING, Mask, command_difference, command_range, delay, moving_commands
 from realitygap.recording.frames import angle_between, unit_quaternions, vertical
 from realitygap.recording.quantum import quantum
 from realitygap.recording.recording import Recording
@@ -127,12 +127,7 @@ def _told(recording: Recording) -> bool:
 
 def _stirring(recording: Recording) -> Mask:
     """Which joints are commanded over more than a few of the command's own steps, however small. Shape (n,)."""
-    command = recording.command
-    if not len(command):
-        return np.zeros(command.shape[1], dtype=bool)
-    known = np.isfinite(command)
-    low, high = np.where(known, command, np.inf).min(axis=0), np.where(known, command, -np.inf).max(axis=0)
-    return np.asarray(high - low > STILL * quantum(command))
+    return np.asarray(command_range(recording) > STILL * quantum(recording.command))
 
 
 def _led(recording: Recording) -> Recording:

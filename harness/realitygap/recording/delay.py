@@ -48,11 +48,16 @@ def delay(reference: Recording, other: Recording) -> float:
 
 def moving_commands(recording: Recording) -> Mask:
     """Which joints are commanded over more than 0.5° (0.0087 of the command's unit). Shape (n,)."""
+    return np.asarray(command_range(recording) > MOVING)
+
+
+def command_range(recording: Recording) -> Array:
+    """The range that each joint is commanded over, in the command's unit; -inf where it never is. Shape (n,)."""
     command = recording.command
     known = np.isfinite(command)
     low = np.where(known, command, np.inf).min(axis=0, initial=np.inf)
     high = np.where(known, command, -np.inf).max(axis=0, initial=-np.inf)
-    return np.asarray(high - low > MOVING)
+    return np.asarray(high - low)
 
 
 def command_difference(reference: Recording, other: Recording, joints: Mask, late: float) -> float:

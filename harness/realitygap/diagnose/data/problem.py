@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,19 +127,25 @@ FAST = 0.99
 
 def reached(cases: Sequence[Case]) -> Array:
     """How fast each joint went in any motion [rad/s or m/s], 0 for one that was not recorded. Shape (n,)."""
-    every = []
-    for case in cases:
-        time, position, velocity = case.measured.time, case.value("position"), case.measured.velocity
-        speed = np.abs(np.gradient(position, time, axis=0) if velocity is None else velocity)
-        finite = [v[np.isfinite(v)] for v in speed.T]
-        every.append([float(np.quantile(v, FAST)) if len(v) else 0.0 for v in finite])
-    return np.asarray(np.max(every, axis=0))
+    return _most([_speed(case) for case in cases], lambda speed: np.quantile(speed, FAST))
 
 
 def travelled(cases: Sequence[Case]) -> Array:
     """The widest range that each joint moved over in one motion [rad or m], 0 where none was recorded. Shape (n,)."""
-    every = []
-    for case in cases:
-        finite = [p[np.isfinite(p)] for p in case.value("position").T]
-        every.append([float(np.ptp(p)) if len(p) else 0.0 for p in finite])
-    return np.asarray(np.max(every, axis=0))
+    return _most([case.value("position") for case in cases], np.ptp)
+
+
+def _speed(case: Case) -> Array:
+    """How fast each joint went. Shape (t, n)."""
+    velocity = case.measured.velocity
+    if velocity is None:
+        velocity = np.gradient(case.value("position"), case.measured.time, axis=0)
+    return np.abs(velocity)
+
+
+def _most(motions: Sequence[Array], of: Callable[[Array], Any]) -> Array:
+    """The most of a figure of what is known of each joint in a motion, of all motions (t, n); 0 where nothing is known
+    of it. Shape (n,).
+    """
+    known = [[column[np.isfinite(column)] for column in values.T] for values in motions]
+    return np.asarray(np.max([[float(of(v)) if len(v) else 0.0 for v in joints] for joints in known], axis=0))
