@@ -69,6 +69,31 @@ def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_
     assert told.adjusted == (() if named else (dry.suspect,))
 
 
+def test_what_other_values_may_take_over_is_no_more_than_laws_are_off_by(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dry friction does more than twice that where those of load and speed stay as they are."""
+    bare = demo_problem()
+    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
+    load = guess(bare, suspect_of(bare, "load_dependent_friction", "elbow")).at({"coefficient": 0.3})
+    viscous = guess(bare, suspect_of(bare, "viscous_friction", "elbow")).at({"coefficient": 0.4})
+    problem = planted(dry, load, viscous)
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [dry, load, viscous])
+        best, without = yardstick.fit([dry, load, viscous]), yardstick.fit([load, viscous])
+        assert best is not None
+        assert without is not None
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect, load.suspect, viscous.suspect]))
+        best, without = yardstick.score(best.fit), yardstick.score(without.fit)
+        cautious = yardstick.cautious(best.fit)
+        found = Found(without, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(dry.suspect,))
+        does = all_done(simulations, found)[dry.suspect]
+        apart = float(np.linalg.norm(yardstick.stood(without.fit.residual - best.fit.residual)))
+        monkeypatch.setattr(Yardstick, "typical", lambda *_: does.whole / 2.2)
+        told = told_after_all(simulations, found, {})
+    assert apart < 0.6 * does.whole
+    assert best.evidence - without.evidence > 20.0, "it is plain to see"
+    assert told.adjusted == (dry.suspect,)
+
+
 @pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])
 def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(wide: bool) -> None:
     bare = demo_problem()

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 from demo_problem import demo_problem, planted, suspect_of
-from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.responses import respond
 from realitygap.diagnose.judge.plainer import joined, plainer
+from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
 
@@ -45,6 +47,33 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert [r.suspect for r in told.rivals[dry]] == [sides]
 
 
+def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place() -> None:
+    """As straight lines beside it tell: no list says of which it is a special case."""
+    bare = demo_problem()
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    problem = planted(guess(bare, sides).at({"forward": 0.55, "backward": 0.55}))
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [guess(bare, sides)])
+        best = yardstick.fit([guess(bare, sides)])
+        assert best is not None
+        blocks = yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
+        yardstick.stand_at(best.fit, blocks)
+        best = yardstick.score(best.fit)
+        (dry_block,) = respond(
+            simulations,
+            best.fit.changes,
+            starts(problem, dry),
+            yardstick.train,
+            yardstick.floors.coarse,
+            yardstick.channels,
+        )
+        found = Found(best, best, best, 6.0, {sides: 7.0}, yardstick.floors, yardstick, blocks=[*blocks, dry_block])
+        told = plainer(simulations, found, [], [])
+    (change,) = told.best.fit.changes
+    assert change.suspect == dry
+    assert change.parameters["torque"] == pytest.approx(0.55, rel=0.03)
+
+
 @pytest.mark.parametrize("adjusted", [False, True], ids=["both named", "the spring adjusted"])
 def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted: bool) -> None:
     bare = demo_problem()
@@ -78,22 +107,38 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
     mass, inertia, load = (
         guess(bare, suspect_of(bare, e, "forearm")) for e in ("link_mass", "link_inertia", "payload")
     )
-    problem = planted(load.at({"mass": 0.12, "x": 0.0, "y": 0.0, "z": -0.3}))
+    friction = guess(bare, suspect_of(bare, "coulomb_friction", "shoulder"))
+    problem = planted(load.at({"mass": 0.12, "x": 0.0, "y": 0.0, "z": -0.3}), friction)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [mass, inertia])
-        best = yardstick.fit([mass, inertia])
+        yardstick = Yardstick(simulations, [friction, mass, inertia])
+        best = yardstick.fit([friction, mass, inertia])
         assert best is not None
         yardstick.stand_at(
             best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target in ("forearm", "elbow")])
         )
         best = yardstick.score(best.fit)
-        least = {mass.suspect: 9.0, inertia.suspect: 8.0}
-        found = Found(best, best, best, 6.0, least, yardstick.floors, yardstick)
+        least = {friction.suspect: 7.0, mass.suspect: 9.0, inertia.suspect: 8.0}
+        gains = {friction.suspect: 10.0}
+        found = Found(best, best, best, 6.0, least, yardstick.floors, yardstick, gains)
         kept = joined(simulations, found, suspects(problem), [mass.suspect])
         told = joined(simulations, found, suspects(problem), [])
+        blocks = respond(
+            simulations,
+            best.fit.changes,
+            starts(problem, load.suspect),
+            yardstick.train,
+            yardstick.floors.coarse,
+            yardstick.channels,
+        )
+        two = [c for c in best.fit.changes if c.suspect != friction.suspect]
+        lines = in_place(yardstick, best.fit, two, blocks)
     assert kept is found, "what the recordings tell by themselves"
-    (change,) = told.best.fit.changes
+    (same, change) = told.best.fit.changes
+    assert same.suspect == friction.suspect
     assert change.suspect == load.suspect
     assert change.parameters["mass"] == pytest.approx(0.12, rel=0.1)
     assert change.parameters["z"] == pytest.approx(-0.3, rel=0.1)
-    assert list(told.gains) == [load.suspect]
+    assert told.gains == {s: told.best.evidence - other.evidence for s, other in told.without.items()}
+    assert set(told.gains) == {friction.suspect, load.suspect}, "the others are asked anew beside it"
+    assert lines is not None
+    assert lines.promise(0).change.parameters["z"] < 0.0, "straight lines lead to where the link lies"

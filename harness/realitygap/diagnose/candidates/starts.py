@@ -80,6 +80,12 @@ class Start:
         zero, values = dict(self.zero), self.tries[number].parameters
         return [p.name for p in sized(self.first) if values[p.name] != zero[p.name]]
 
+    @property
+    def stiffness(self) -> float:
+        """Of a try of one limit or stiffness, its value."""
+        (name,) = self.moved(0)
+        return self.tries[0].parameters[name]
+
     def simulated(self, number: int) -> Change:
         """What is simulated for a try: `share` of it."""
         zero, try_ = dict(self.zero), self.tries[number]
@@ -171,7 +177,8 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         return [Start(first, (t,), known, "whole") for t in tries]
     if {"mass", "x", "y", "z"} <= set(first.free):
         arm = max(math.hypot(*(size[n] for n in "xyz")), SHORTEST)
-        at = [first.at({n: arm * (n == axis) for n in "xyz"}) for axis in ("", "x", "y", "z")]
+        ends = {n: math.copysign(arm, first.parameters[n]) for n in "xyz"}  # a link's mass lies where the link does
+        at = [first.at({n: ends[n] * (n == axis) for n in "xyz"}) for axis in ("", "x", "y", "z")]
         return [Start(first, tuple(at), known, "load")]
     if "periods" in first.free:
         train, joint = problem.of("train")[: len(residual)], suspect.indices[0]
@@ -203,9 +210,21 @@ def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, fl
     """One limit or stiffness alone, the others as if there were none: the first guess, and a try of several sizes."""
     others = [n for n in hard if n != name]
     alone = replace(first.at({n: zero[n] for n in others}), free=tuple(n for n in first.free if n not in others))
-    kind = first.suspect.kind
-    swings = kind.sits_at == "joint" and any(p.name == "damping" for p in kind.parameters)
-    return [(alone, alone.at({name: first.parameters[name] * k})) for k in (SWINGS if swings else SOFTER)]
+    shares = SWINGS if swings(first.suspect) else SOFTER
+    return [(alone, alone.at({name: first.parameters[name] * k})) for k in shares]
+
+
+def swings(suspect: Suspect) -> bool:
+    """Whether it is a spring that lets its link swing."""
+    kind = suspect.kind
+    return kind.sits_at == "joint" and any(p.name == "damping" for p in kind.parameters)
+
+
+def softer(start: Start) -> list[Start]:
+    """Springs that are softer than that of a start, by as much as the first ones differ among each other."""
+    (name,), (try_,) = start.moved(0), start.tries
+    least = start.suspect.kind.parameter(name).low
+    return [replace(start, tries=(try_.at({name: k}),)) for s in SWINGS[1:] if (k := s * start.stiffness) > least]
 
 
 def signed(effect: Effect) -> bool:

@@ -222,18 +222,18 @@ def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Co
     if best is None:
         raise RuntimeError(f"the model without {suspect} cannot be simulated")
     found = replace(found, best=best, floors=measure(simulations, best.fit.changes), gains={}, without={})
-    return _besides(found, asked, "compared")
+    return besides(found, asked, "compared")
 
 
 def _completed(found: Found, keep: Collection[Suspect]) -> Found:
     """What was found without what was dropped, also without each finding that was not asked again."""
     others = {c.suspect for c in found.best.fit.changes}.difference(keep, found.without)
-    found = _besides(found, others, "quick")
+    found = besides(found, others, "quick")
     rivals = {s: rivals for s, rivals in found.rivals.items() if s in found.without}
     return replace(found, rivals=rivals)
 
 
-def _besides(found: Found, asked: Collection[Suspect], care: Care) -> Found:
+def besides(found: Found, asked: Collection[Suspect], care: Care) -> Found:
     """The same with the best model fitted without each finding that is asked as well."""
     best, without = found.best, dict(found.without)
     for change in best.fit.changes:

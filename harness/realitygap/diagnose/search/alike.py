@@ -8,14 +8,18 @@ straight: what the finding does there, a rival that cannot be told from it does 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import islice
 
 import numpy as np
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
+from realitygap.diagnose.search.yardstick import Yardstick
 
 MOST = 0.8
 """Those are told that do more than this share of what the finding does, in squares, as if laws were exact: what laws
@@ -31,23 +35,24 @@ FEW, FEW_OF_THE_LAW = 2, 4
 
 
 def alike(round_: Round, *findings: Change) -> dict[Suspect, Change]:
+    """Suspects that do most of what findings do at the model of a round (`same`)."""
+    return same(round_.yardstick, round_.now.fit, findings, round_.blocks)
+
+
+def same(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> dict[Suspect, Change]:
     """Suspects that stand beside a finding, or several, and do most of what these do, and how much of each does: the
     best few.
 
     Args:
-        round_: of the search, at the model with the findings.
+        yardstick: of the search.
+        fit: of the model with the findings.
         findings: changes of it, which are all of one law at the same joints.
+        blocks: responses there of the suspects.
     """
-    fit, plant = round_.now.fit, round_.simulations.problem.plant
-    known = {c.suspect: c for c in findings}
-    own = np.array([fit.changes[i].suspect in known for i, _ in fit.names], dtype=bool)
-    of = [(known[fit.changes[i].suspect], n) for (i, n), o in zip(fit.names, own, strict=True) if o]
-    away = np.array([c.parameters[n] - neutral(plant, c.suspect)[n] for c, n in of])
-    blocks = [b for b in round_.blocks if b.start.kind != "whole"]
-    if not np.isfinite(away).all() or not away.any() or not blocks:
-        return {}  # a limit or a stiffness, which is not undone by a straight line
-    does = fit.slope[:, own] @ (away / fit.size[own])
-    lines = Linear(round_.yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
+    blocks = [b for b in blocks if b.start.kind != "whole"]
+    lines = in_place(yardstick, fit, findings, blocks)
+    if lines is None:
+        return {}
     whole = 0.5 * float(lines.gram[0, 0])
     done = [lines.gain([i]) for i in range(len(blocks))]
     most: dict[Suspect, Change] = {}
@@ -59,6 +64,25 @@ def alike(round_: Round, *findings: Change) -> dict[Suspect, Change]:
         elif done[i] > OF_THE_LAW * whole and _of_the_law(suspect, findings[0].suspect):
             of_the_law.setdefault(suspect, lines.promise(i).change)
     return dict([*islice(most.items(), FEW), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
+
+
+def in_place(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> Linear | None:
+    """Straight lines of what could stand in the place of findings, beside them; None where there are none.
+
+    Args:
+        yardstick: of the search.
+        fit: of the model with the findings.
+        findings: changes of it.
+        blocks: responses there of what could.
+    """
+    plant, known = yardstick.problem.plant, {c.suspect: c for c in findings}
+    own = np.array([fit.changes[i].suspect in known for i, _ in fit.names], dtype=bool)
+    of = [(known[fit.changes[i].suspect], n) for (i, n), o in zip(fit.names, own, strict=True) if o]
+    away = np.array([c.parameters[n] - neutral(plant, c.suspect)[n] for c, n in of])
+    if not np.isfinite(away).all() or not away.any() or not blocks:
+        return None  # a limit or a stiffness, which is not undone by a straight line
+    does = fit.slope[:, own] @ (away / fit.size[own])
+    return Linear(yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
 
 
 def _of_the_law(suspect: Suspect, finding: Suspect) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from realitygap.diagnose.candidates.starts import starts
+from realitygap.diagnose.candidates.starts import Start, softer, starts, swings
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
@@ -18,8 +18,11 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.imperfections import SHARE, Imperfections, imperfections, nearer
+from realitygap.diagnose.search.linear import Linear
 from realitygap.robot.drive import Array
 
+PROMISING = 3.0
+"""What the softest spring of a joint promises in evidence, at least, for softer ones to be tried: odds of 20 : 1."""
 ELSEWHERE = (0.8, 1.25)
 """The fit of a body without joints is tried again from these multiples of its values: contacts, of which all is made
 that it does, make it rough."""
@@ -68,7 +71,30 @@ class Yardstick:
         beside = [s for s in self.possible(at, everyone) if not any(clash(s, a) for a in accepted)]
         found = self.simulations.side_by_side(lambda s: starts(self.problem, s, self._of_joint(at, s)), beside)
         tried = [start for of in found for start in of]
+        return self._softer(at, self._respond(at, tried))
+
+    def _respond(self, at: Fit, tried: Sequence[Start]) -> list[Block]:
         return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
+
+    def _softer(self, at: Fit, blocks: list[Block]) -> list[Block]:
+        """Responses with those of softer springs of a joint, as long as its softest promises most of them.
+
+        What a motor is rated for says little of how stiff its joint is: of a tilting head that weighs a hundredth of
+        that the softest spring that was tried swung at 21 Hz, and the one that was there at 12.
+        """
+        metric, asked = self.plain(at).metric, blocks
+        while asked:
+            springs = dict.fromkeys(b.suspect for b in asked if b.start.kind == "inverse" and swings(b.suspect))
+            softest = list[Block]()
+            for suspect in springs:
+                own = sorted((b for b in blocks if b.suspect == suspect), key=lambda b: b.start.stiffness)
+                lines = Linear(metric, at.residual, at.slope, own)
+                gains = [lines.gain([i]) for i in range(len(own))]
+                if gains[0] > max(PROMISING, *gains[1:]):
+                    softest.append(own[0])
+            asked = self._respond(at, [s for b in softest for s in softer(b.start)])
+            blocks = [*blocks, *asked]
+        return blocks
 
     def possible(self, at: Fit, everyone: Sequence[Suspect]) -> list[Suspect]:
         """The suspects that could act in the model of a fit."""
