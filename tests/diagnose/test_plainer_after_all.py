@@ -1,8 +1,10 @@
 """What a search had no time to ask: whether a plainer name says as much, on the bundled demo (synthetic)."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
+import recorded_joint
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import suspects
@@ -12,6 +14,7 @@ from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.scenario.schema import EffectSpec
 
 
 @pytest.mark.parametrize(("forward", "backward"), [(0.60, 0.61), (0.35, 0.85)])
@@ -47,31 +50,30 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert [r.suspect for r in told.rivals[dry]] == [sides]
 
 
-def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place() -> None:
-    """As straight lines beside it tell: no list says of which it is a special case."""
-    bare = demo_problem()
-    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
-    problem = planted(guess(bare, sides).at({"forward": 0.55, "backward": 0.55}))
+def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """As straight lines beside it tell: a load on a turntable does what its rotor does."""
+    monkeypatch.setattr(recorded_joint, "LINK", recorded_joint.LINK.replace('axis xyz="0 1 0"', 'axis xyz="0 0 1"'))
+    servo = {"kind": "pid", "kp": 30.0, "kd": 1.5, "armature": 0.05}
+    problem = recorded_joint.recorded(tmp_path, servo, EffectSpec(effect="rotor_inertia", target="*", armature=0.09))
+    of = {s.effect: s for s in suspects(problem)}
+    load = guess(problem, of["payload"]).at({"mass": 1.0, "x": 0.2, "y": 0.0, "z": 0.0})
+    load = replace(load, free=("mass", "x"))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [guess(bare, sides)])
-        best = yardstick.fit([guess(bare, sides)])
+        yardstick = Yardstick(simulations, [load])
+        best = yardstick.fit([load])
         assert best is not None
-        blocks = yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
-        yardstick.stand_at(best.fit, blocks)
+        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
         best = yardstick.score(best.fit)
-        (dry_block,) = respond(
-            simulations,
-            best.fit.changes,
-            starts(problem, dry),
-            yardstick.train,
-            yardstick.floors.coarse,
-            yardstick.channels,
-        )
-        found = Found(best, best, best, 6.0, {sides: 7.0}, yardstick.floors, yardstick, blocks=[*blocks, dry_block])
-        told = plainer(simulations, found, [], [])
+        found = Found(best, best, best, 6.0, {load.suspect: 7.0}, yardstick.floors, yardstick)
+        told = plainer(simulations, found, suspects(problem), [])
     (change,) = told.best.fit.changes
-    assert change.suspect == dry
-    assert change.parameters["torque"] == pytest.approx(0.55, rel=0.03)
+    same = {of["rotor_inertia"], of["link_inertia"]}
+    assert change.suspect in same
+    assert told.best.evidence > best.evidence, "a value less"
+    rivals = [r.suspect for r in told.rivals[change.suspect]]
+    assert set(rivals) >= {*same, load.suspect} - {change.suspect}
 
 
 @pytest.mark.parametrize("adjusted", [False, True], ids=["both named", "the spring adjusted"])

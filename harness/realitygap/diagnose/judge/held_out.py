@@ -58,6 +58,11 @@ class Verdict:
         return self.least < 0.0
 
     @property
+    def better(self) -> bool:
+        """Whether held-out runs do speak for it, by more than what changes nothing there may seem to gain."""
+        return self.least > 2.0 * NOTHING
+
+    @property
     def least(self) -> float:
         """What they gain at least (95 %, one-sided)."""
         return self.gain - ERRORS * self.error + NOTHING

@@ -26,6 +26,10 @@ from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.simpler import narrower
 
+SAME = 4
+"""So many that do most of what a finding does, with fewer values, are asked: one of them is told, with three others
+that it cannot be told from. On an arm's first joint a mass, an inertia and a rotor may do the same."""
+
 
 def told_plainly(
     simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]
@@ -45,7 +49,7 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
     for change in found.best.fit.changes:
         if change.suspect not in {*keep, *found.adjusted}:
             plain = _plain(simulations, found, change, everyone)
-            found = found if plain is None else _said_plainly(simulations, found, change.suspect, plain)
+            found = _said_plainly(simulations, found, change.suspect, plain) if plain else found
     return found
 
 
@@ -128,7 +132,7 @@ def _in_place_of_both(
     within = all(narrower(s, one.suspect) for s in gone) and yardstick.alike(best.fit, full.fit, one.suspect)
     if not within and best.evidence - full.evidence >= found.limit:
         return None
-    if not within and not predicted(simulations, found.floors, best.fit.changes, full.fit.changes).worse:
+    if not within and predicted(simulations, found.floors, best.fit.changes, full.fit.changes).better:
         return None
     named = any(s not in found.adjusted for s in gone)  # what takes the place of a name is one
     adjusted = tuple(s for s in found.adjusted if s not in gone)
@@ -142,34 +146,38 @@ def _without(changes: Sequence[Change], gone: Collection[Suspect]) -> list[Chang
     return [c for c in changes if c.suspect not in gone]
 
 
-def _plain(simulations: Simulations, found: Found, change: Change, everyone: Sequence[Suspect]) -> Scored | None:
-    """The likeliest model with a plainer name that says as much in the place of a finding, the plain name last."""
+def _plain(simulations: Simulations, found: Found, change: Change, everyone: Sequence[Suspect]) -> list[Scored]:
+    """The models with a plainer name that says as much in the place of a finding, the plain name last; the likeliest
+    first.
+    """
     yardstick, best = found.yardstick, found.best
     rest = _without(best.fit.changes, {change.suspect})
     said = list[Scored]()
-    for plain in _plainer_names(found, change, everyone):
-        if any(clash(plain.suspect, c.suspect) for c in rest):
+    for suspect, begun in _plainer_names(found, change, everyone).items():
+        if any(clash(suspect, c.suspect) for c in rest):
             continue
-        quick = yardstick.fit([*rest, plain], best.fit, "quick")
-        if quick is None or best.evidence - quick.evidence > FAR * found.limit:
-            continue
-        full = yardstick.refined(quick)
+        fits = (yardstick.fit([*rest, plain], best.fit, "quick") for plain in begun)
+        near = next((f for f in fits if f is not None and best.evidence - f.evidence <= FAR * found.limit), None)
+        full = None if near is None else yardstick.refined(near)
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
-    return max(said, key=lambda scored: scored.evidence, default=None)
+    return sorted(said, key=lambda scored: -scored.evidence)
 
 
-def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) -> list[Change]:
-    """Special cases of a finding, and what does most of the same with fewer values, as straight lines beside it tell.
+def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) -> dict[Suspect, list[Change]]:
+    """Special cases of a finding, and what of its law does most of the same with fewer values, as straight lines beside
+    it tell; each as it is begun: a first guess, and as much of it as the finding does, which straight lines overdo
+    where that grows with two of its values.
 
     A load on the axis of an arm's second joint turns about the first, and does nothing else there: of an arm whose
     first rotor was heavier it was told with four values, the search having had no time to ask for its name.
     """
     yardstick, suspect = found.yardstick, change.suspect
-    special = {s: guess(yardstick.problem, s) for s in everyone if narrower(s, suspect)}
-    fewer = [b for b in found.blocks if len(fitted(b.suspect.kind)) < len(change.free)]
-    does = same(yardstick, found.best.fit, [change], fewer)
-    return list((does | special).values())
+    special = [s for s in everyone if narrower(s, suspect)]
+    fewer = [s for s in everyone if s.kind.law == suspect.kind.law != "" and len(fitted(s.kind)) < len(change.free)]
+    blocks = yardstick.responses(found.best.fit, [s for s in fewer if s not in special])
+    does = same(yardstick, found.best.fit, [change], blocks, SAME)
+    return {s: [guess(yardstick.problem, s), *([does[s]] if s in does else [])] for s in [*special, *does]}
 
 
 def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plain: Scored) -> bool:
@@ -179,15 +187,20 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     best, yardstick, name = found.best, found.yardstick, plain.fit.changes[-1].suspect
     within = narrower(name, suspect) and yardstick.alike(best.fit, plain.fit, suspect)
     likely = best.evidence - plain.evidence < ODDS or within
-    return likely and predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).worse
+    return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
 
-def _said_plainly(simulations: Simulations, found: Found, before: Suspect, plain: Scored) -> Found:
-    """What was found with a plainer name in the place of a finding, from which the richer one may not be told."""
-    name, known = plain.fit.changes[-1].suspect, found.rivals.get(before, [])
-    richer = Rival(before, found.best, *compare(found.yardstick.channels, plain, found.best))
-    others = [r for r in known if name not in r.suspects]
-    return _renamed(simulations, found, [before], plain, found.without.get(before), [richer, *others])
+def _said_plainly(simulations: Simulations, found: Found, before: Suspect, plain: Sequence[Scored]) -> Found:
+    """What was found with the likeliest plainer name in the place of a finding, from which the others and the richer
+    one may not be told.
+    """
+    best, known = plain[0], found.rivals.get(before, [])
+    others = [(other.fit.changes[-1].suspect, other) for other in plain[1:]]
+    instead = [Rival(s, m, *compare(found.yardstick.channels, best, m)) for s, m in [*others, (before, found.best)]]
+    instead.sort(key=lambda rival: rival.behind)
+    named = {best.fit.changes[-1].suspect, *(r.suspect for r in instead)}
+    rest = [r for r in known if not named.intersection(r.suspects)]
+    return _renamed(simulations, found, [before], best, found.without.get(before), [*instead, *rest])
 
 
 def _renamed(

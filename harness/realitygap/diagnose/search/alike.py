@@ -39,7 +39,9 @@ def alike(round_: Round, *findings: Change) -> dict[Suspect, Change]:
     return same(round_.yardstick, round_.now.fit, findings, round_.blocks)
 
 
-def same(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> dict[Suspect, Change]:
+def same(
+    yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block], few: int = FEW
+) -> dict[Suspect, Change]:
     """Suspects that stand beside a finding, or several, and do most of what these do, and how much of each does: the
     best few.
 
@@ -48,6 +50,7 @@ def same(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Seq
         fit: of the model with the findings.
         findings: changes of it, which are all of one law at the same joints.
         blocks: responses there of the suspects.
+        few: how many of those that do most of it.
     """
     blocks = [b for b in blocks if b.start.kind != "whole"]
     lines = in_place(yardstick, fit, findings, blocks)
@@ -63,7 +66,7 @@ def same(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Seq
             most.setdefault(suspect, lines.promise(i).change)
         elif done[i] > OF_THE_LAW * whole and _of_the_law(suspect, findings[0].suspect):
             of_the_law.setdefault(suspect, lines.promise(i).change)
-    return dict([*islice(most.items(), FEW), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
+    return dict([*islice(most.items(), few), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
 
 
 def in_place(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> Linear | None:
