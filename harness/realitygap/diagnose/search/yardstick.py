@@ -79,8 +79,8 @@ class Yardstick:
     def _softer(self, at: Fit, blocks: list[Block]) -> list[Block]:
         """Responses with those of softer springs of a joint, as long as its softest promises most of them.
 
-        What a motor is rated for says little of how stiff its joint is: of a tilting head that weighs a hundredth of
-        that the softest spring that was tried swung at 21 Hz, and the one that was there at 12.
+        What a motor is rated for says little of how stiff its joint is: of a light head, tilted by one of 20 N·m, the
+        softest spring that was tried swung at 21 Hz, and the one that was there at 12.
         """
         metric, asked = self.plain(at).metric, blocks
         while asked:
