@@ -6,10 +6,9 @@ from pathlib import Path
 import pytest
 import recorded_joint
 from demo_problem import demo_problem, planted, suspect_of
-from realitygap.diagnose.candidates.starts import guess, starts
+from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import respond
 from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.search import Found
@@ -124,14 +123,7 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
         found = Found(best, best, best, 6.0, least, yardstick.floors, yardstick, gains)
         kept = joined(simulations, found, suspects(problem), [mass.suspect])
         told = joined(simulations, found, suspects(problem), [])
-        blocks = respond(
-            simulations,
-            best.fit.changes,
-            starts(problem, load.suspect),
-            yardstick.train,
-            yardstick.floors.coarse,
-            yardstick.channels,
-        )
+        blocks = yardstick.responses(best.fit, [load.suspect])
         two = [c for c in best.fit.changes if c.suspect != friction.suspect]
         lines = in_place(yardstick, best.fit, two, blocks)
     assert kept is found, "what the recordings tell by themselves"

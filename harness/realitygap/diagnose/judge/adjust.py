@@ -22,8 +22,7 @@ from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.imperfections import SHARE
-from realitygap.diagnose.search.linear import Promise
-from realitygap.diagnose.search.round import linear_at
+from realitygap.diagnose.search.linear import Promise, linear_at
 from realitygap.diagnose.search.search import Found
 
 

@@ -11,11 +11,10 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
-from realitygap.diagnose.candidates.starts import guess, starts
+from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import fitted, many_joints
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import respond
 from realitygap.diagnose.judge.held_out import as_wide, besides, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.alike import in_place, same
@@ -34,19 +33,17 @@ that it cannot be told from. On an arm's first joint a mass, an inertia and a ro
 def told_plainly(
     simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]
 ) -> Found:
-    """What was found in as few and as plain names as say as much: `joined`, then `plainer`. With many joints, of which
-    each fit costs many simulations, only the search asks for plain names.
-    """
-    found = joined(simulations, found, everyone, keep)
-    return found if many_joints(simulations.problem) else plainer(simulations, found, everyone, keep)
+    """What was found in as few and as plain names as say as much: `joined`, then `plainer`."""
+    return plainer(simulations, joined(simulations, found, everyone, keep), everyone, keep)
 
 
 def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Found:
     """What was found with the plainest name for each finding that says as much, all values fitted anew: likelier than
     the richer one, or as likely, or of the same law and apart from it by no more than such laws are off by. `keep`
-    stays, and what held-out runs speak for. The richer name is told as one that cannot be told from it.
+    stays, and what held-out runs speak for. The richer name is told as one that cannot be told from it. With many
+    joints, of which each fit costs many simulations, only the search asks.
     """
-    for change in found.best.fit.changes:
+    for change in () if many_joints(simulations.problem) else found.best.fit.changes:
         if change.suspect not in {*keep, *found.adjusted}:
             plain = _plain(simulations, found, change, everyone)
             found = _said_plainly(simulations, found, change.suspect, plain) if plain else found
@@ -63,7 +60,7 @@ def joined(simulations: Simulations, found: Found, everyone: Sequence[Suspect], 
     2.1 kg was a mass and another centre of it, 25 ahead, and apart from the load by an eighth of what loads are off by.
     """
     shaped = () if many_joints(simulations.problem) else _shaped(simulations, found, keep)
-    ways = [*shaped, *_both_of(simulations, found, everyone, keep)]
+    ways = [*shaped, *_both_of(found, everyone, keep)]
     said = [_in_place_of_both(simulations, found, way, gone) for way, gone in ways]
     best = max((f for f in said if f is not None), key=lambda f: f.best.evidence, default=None)
     if best is None:
@@ -80,22 +77,20 @@ def _shaped(simulations: Simulations, found: Found, keep: Collection[Suspect]) -
     """Every finding with its shape freed, with another one at its joints in whose place it may stand, too; without what
     a quick fit tells is far behind.
     """
-    yardstick, best = found.yardstick, found.best
-    for change in best.fit.changes:
+    changes = found.best.fit.changes
+    for change in changes:
         shaped = with_shape(simulations.problem.plant, change, 1.0)
-        for other in best.fit.changes if change.free and shaped is not change else ():
-            if other.free and set(other.suspect.joints) <= set(change.suspect.joints) and other is not change:
-                gone = {change.suspect, other.suspect}
-                if other.suspect in keep:
-                    continue
-                quick = yardstick.fit([*_without(best.fit.changes, gone), shaped], best.fit, "quick")
-                if quick is not None and best.evidence - quick.evidence <= FAR * found.limit:
-                    yield list(quick.fit.changes), gone
+        for other in changes if change.free and shaped is not change else ():
+            if other is change or not other.free or other.suspect in keep:
+                continue
+            gone = {change.suspect, other.suspect}
+            within = set(other.suspect.joints) <= set(change.suspect.joints)
+            quick = _near(found, [*_without(changes, gone), shaped]) if within else None
+            if quick is not None:
+                yield list(quick.fit.changes), gone
 
 
-def _both_of(
-    simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]
-) -> Iterator[Way]:
+def _both_of(found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Iterator[Way]:
     """What two findings are special cases of, of those that may stand in their place, with these two."""
     changes = found.best.fit.changes
     for a, b in combinations([c.suspect for c in changes if c.free and c.suspect not in keep], 2):
@@ -103,21 +98,20 @@ def _both_of(
         for suspect in everyone:
             both = narrower(a, suspect) and narrower(b, suspect)
             if both and not any(suspect == c.suspect or clash(suspect, c.suspect) for c in rest):
-                yield [*rest, _like(simulations, found, suspect, {a, b})], {a, b}
+                yield [*rest, _like(found, suspect, {a, b})], {a, b}
 
 
-def _like(simulations: Simulations, found: Found, suspect: Suspect, gone: Collection[Suspect]) -> Change:
+def _like(found: Found, suspect: Suspect, gone: Collection[Suspect]) -> Change:
     """A suspect as it does most like two findings, as straight lines beside them tell; a first guess where none does.
 
     From a first guess the load of a forearm that had been taken for its mass and its inertia was fitted 450 to 15,000
     behind these, its centre far from where it is.
     """
     yardstick, fit = found.yardstick, found.best.fit
-    tried = list(starts(simulations.problem, suspect))
-    blocks = respond(simulations, fit.changes, tried, yardstick.train, found.floors.coarse, yardstick.channels)
+    blocks = yardstick.responses(fit, [suspect])
     lines = in_place(yardstick, fit, [c for c in fit.changes if c.suspect in gone], blocks)
     if lines is None:
-        return guess(simulations.problem, suspect)
+        return guess(yardstick.problem, suspect)
     return lines.promise(max(range(len(blocks)), key=lambda i: lines.gain([i]))).change
 
 
@@ -141,6 +135,12 @@ def _in_place_of_both(
     return _renamed(simulations, left, gone, full, alone, [])
 
 
+def _near(found: Found, changes: Sequence[Change]) -> Scored | None:
+    """A model that is fitted quickly; None where it is far behind what was found."""
+    quick = found.yardstick.fit(changes, found.best.fit, "quick")
+    return quick if quick is not None and found.best.evidence - quick.evidence <= FAR * found.limit else None
+
+
 def _without(changes: Sequence[Change], gone: Collection[Suspect]) -> list[Change]:
     """The changes of all other suspects."""
     return [c for c in changes if c.suspect not in gone]
@@ -150,15 +150,13 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
     """The models with a plainer name that says as much in the place of a finding, the plain name last; the likeliest
     first.
     """
-    yardstick, best = found.yardstick, found.best
-    rest = _without(best.fit.changes, {change.suspect})
+    rest = _without(found.best.fit.changes, {change.suspect})
     said = list[Scored]()
     for suspect, begun in _plainer_names(found, change, everyone).items():
         if any(clash(suspect, c.suspect) for c in rest):
             continue
-        fits = (yardstick.fit([*rest, plain], best.fit, "quick") for plain in begun)
-        near = next((f for f in fits if f is not None and best.evidence - f.evidence <= FAR * found.limit), None)
-        full = None if near is None else yardstick.refined(near)
+        near = next((quick for plain in begun if (quick := _near(found, [*rest, plain])) is not None), None)
+        full = None if near is None else found.yardstick.refined(near)
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
     return sorted(said, key=lambda scored: -scored.evidence)
@@ -177,7 +175,8 @@ def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) ->
     fewer = [s for s in everyone if s.kind.law == suspect.kind.law != "" and len(fitted(s.kind)) < len(change.free)]
     blocks = yardstick.responses(found.best.fit, [s for s in fewer if s not in special])
     does = same(yardstick, found.best.fit, [change], blocks, SAME)
-    return {s: [guess(yardstick.problem, s), *([does[s]] if s in does else [])] for s in [*special, *does]}
+    first = {s: [guess(yardstick.problem, s)] for s in [*special, *does]}
+    return first | {s: [*first[s], like] for s, like in does.items()}
 
 
 def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plain: Scored) -> bool:

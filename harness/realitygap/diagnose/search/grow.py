@@ -12,9 +12,10 @@ from realitygap.diagnose.candidates.suspects import begun_again, everyday, riche
 from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
+from realitygap.diagnose.search.linear import linear_at
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.rivals import FAR, LOOSER
-from realitygap.diagnose.search.round import Round, linear_at, told_change
+from realitygap.diagnose.search.round import Round, told_change
 from realitygap.robot.plant import Plant
 
 TRIED = 4

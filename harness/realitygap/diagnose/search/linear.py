@@ -18,6 +18,7 @@ from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.fit.space import SLAB, against
 from realitygap.diagnose.likelihood.metric import Metric
+from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 
 LOOKED = 8
@@ -220,3 +221,8 @@ class Linear:
             high = np.where(fixed, high + 1e-9, high)
             x = bounded(factor.T, right, low, high)
         return np.asarray(x)
+
+
+def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
+    """The straight-line model around a fit, in its own metric."""
+    return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)

@@ -18,7 +18,7 @@ from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored, stretches
 from realitygap.diagnose.search.imperfections import SHARE, WORST, known_to
-from realitygap.diagnose.search.linear import Linear, Promise
+from realitygap.diagnose.search.linear import Promise, linear_at
 from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
@@ -325,11 +325,6 @@ class Round:
             if id(p) not in best or gain > best[id(p)].gain:
                 best[id(p)] = Promise(block, (1.0,), gain)
         return sorted(best.values(), key=lambda p: -p.gain)
-
-
-def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
-    """The straight-line model around a fit, in its own metric."""
-    return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)
 
 
 def told_change(change: Change) -> str:

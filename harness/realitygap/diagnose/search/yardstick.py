@@ -18,7 +18,7 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.imperfections import SHARE, Imperfections, imperfections, nearer
-from realitygap.diagnose.search.linear import Linear
+from realitygap.diagnose.search.linear import linear_at
 from realitygap.robot.drive import Array
 
 PROMISING = 3.0
@@ -82,19 +82,18 @@ class Yardstick:
         What a motor is rated for says little of how stiff its joint is: of a light head, tilted by one of 20 N·m, the
         softest spring that was tried swung at 21 Hz, and the one that was there at 12.
         """
-        metric, asked = self.plain(at).metric, blocks
-        while asked:
-            springs = dict.fromkeys(b.suspect for b in asked if b.start.kind == "inverse" and swings(b.suspect))
-            softest = list[Block]()
-            for suspect in springs:
-                own = sorted((b for b in blocks if b.suspect == suspect), key=lambda b: b.start.stiffness)
-                lines = Linear(metric, at.residual, at.slope, own)
-                gains = [lines.gain([i]) for i in range(len(own))]
-                if gains[0] > max(PROMISING, *gains[1:]):
-                    softest.append(own[0])
-            asked = self._respond(at, [s for b in softest for s in softer(b.start)])
-            blocks = [*blocks, *asked]
-        return blocks
+        out, springs = blocks, [b for b in blocks if b.start.kind == "inverse" and swings(b.suspect)]
+        while springs:
+            lines, tried = linear_at(self.plain(at), springs), list[Start]()
+            for suspect in dict.fromkeys(b.suspect for b in springs):
+                gains = {b.start: lines.gain([i]) for i, b in enumerate(springs) if b.suspect == suspect}
+                softest = min(gains, key=lambda start: start.stiffness)
+                if max(gains, key=lambda start: gains[start]) is softest and gains[softest] > PROMISING:
+                    tried += softer(softest)
+            asked = self._respond(at, tried) if tried else []
+            out = [*out, *asked]
+            springs = [b for b in springs if b.suspect in {a.suspect for a in asked}] + asked
+        return out
 
     def possible(self, at: Fit, everyone: Sequence[Suspect]) -> list[Suspect]:
         """The suspects that could act in the model of a fit."""
@@ -114,9 +113,7 @@ class Yardstick:
         self.take_facts(at.residual)
         self._stood = metric = self.plain(at).metric
         near = nearer(self.problem, at, blocks, metric)
-        answers = respond(
-            self.simulations, at.changes, list(near.values()), self.train, self.floors.coarse, self.channels
-        )
+        answers = self._respond(at, list(near.values()))
         of = {start: number for number, start in near.items()}
         again = {of[b.start]: b for b in answers}
         self.wrong = imperfections(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
