@@ -21,6 +21,7 @@ from one_joint import (
     everywhere,
     pendulum,
     run,
+    solves_exactly,
     wheel,
 )
 from realitygap.robot.drive import LOG, STATE
@@ -94,6 +95,21 @@ def test_backlash_rests_in_its_dead_zone_and_lands_at_its_end(engine: str) -> No
     free = (out.time > 0.2 + 3 * H) & (out.time < 0.2 + back - 3 * H)
     assert np.ptp(out.velocity[free, 0]) < 1e-6
     assert out.velocity[int(np.searchsorted(out.time, 0.2 + back)) + 3, 0] < out.velocity[free, 0].min() - 0.1
+
+
+@everywhere
+def test_a_link_that_runs_away_from_its_rotor_is_free_across_the_play(engine: str) -> None:
+    """The motor still drives towards the end that its rotor lies at, and a load pulls the link away faster."""
+    width, torque, load = 0.1, 0.5, 0.6
+    plant = added(added(effort_servo(wheel()), "backlash", angle=width), "constant_effort", effort=load)
+    t = np.arange(2000) * 1e-3
+    out = run(plant, np.where(t < 0.1, 3.0, torque), 0.3, engine=engine)
+    close = 1e-6 if solves_exactly(engine) else 3e-3
+    crossing = np.sqrt(2 * width / (load / LINK - torque / ARMATURE))
+    free = (out.time > 0.1 + 3 * H) & (out.time < 0.1 + crossing - 3 * H)
+    assert_allclose(np.diff(out.velocity[free, 0]) / H, load / LINK, rtol=close)
+    together = out.time > 0.1 + crossing + 3 * H
+    assert_allclose(np.diff(out.velocity[together, 0]) / H, (load + torque) / (LINK + ARMATURE), rtol=close)
 
 
 def test_play_takes_energy_and_keeps_momentum() -> None:

@@ -64,6 +64,17 @@ def spring(d, s, q, w, inertia, h):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def foreseen(d, s, w, inertia, h):  # type: ignore[no-untyped-def]
+    """The speed of a link after the step if its rotor lets go: accelerated as before, but for what the rotor gave.
+
+    A rotor that a motor drives on is no reason to hold a link that runs away from it faster.
+    """
+    if s.begun < 2:
+        return w
+    return 2.0 * w - s.velocity - h * s.transmitted / max(inertia - d.armature, 1e-9)
+
+
+@compiled
 def backlash(d, s, q, w, change, inertia, h):  # type: ignore[no-untyped-def]
     """Write the torque on the link across the dead zone; returns the friction that the engine has to hold there.
 
@@ -81,7 +92,7 @@ def backlash(d, s, q, w, change, inertia, h):  # type: ignore[no-untyped-def]
             give = d.give_damping * late
         free = slowed(s.momentum - h * (base - give * w), h * s.bound) / (s.mass + h * give)
         twist = s.rotor - q
-        after = twist + h * (free - w)
+        after = twist + h * (free - foreseen(d, s, w, inertia, h))
         if abs(after) < 0.5 * d.backlash:
             coupled(s, base, give, w, h)
             return 0.0
