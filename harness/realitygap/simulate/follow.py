@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import realitygap_engines as engines
 from realitygap_engines import Physics, State
 from realitygap_engines.law.dynamics import Dynamics
 from scipy.special import erf
@@ -16,6 +15,7 @@ from realitygap.robot.effort_map import packed
 from realitygap.robot.law.effort_map import map_along
 from realitygap.robot.plant import Plant
 from realitygap.simulate.inertia import inertias, times
+from realitygap.simulate.opened import opened
 from realitygap.simulate.rollout import Rollout, sensed
 from realitygap.simulate.smooth import Smoothed, smooth
 from realitygap.trace.trace import Array, Trace
@@ -123,7 +123,7 @@ def taken(engine: str, plant: Plant, followed: Followed, start: State) -> Taken:
     reading, velocity, acceleration = motion.value
     position = reading + plant.drive["offset"]
     model = plant.machine().with_armature(np.zeros(n))
-    with engines.load(engine).open(model, Physics()) as simulation:
+    with opened(engine, model, Physics()) as simulation:
         load = simulation.inverse_dynamics(start, position, velocity, acceleration)
         settings = dict(simulation.settings)
     driven = load - plant.given(motion.time)
