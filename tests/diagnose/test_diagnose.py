@@ -75,8 +75,11 @@ def test_the_mended_model_runs_and_has_no_gap_left(diagnosed: tuple[Path, dict[s
 
 
 def test_a_search_that_has_no_time_proves_what_it_found_first() -> None:
-    """The friction is found in the first round; what would be lost without it is told, and that more may be missing."""
-    problem = build_problem(load_scenario(DEMO), "mujoco")
+    """The friction is found in the first round; what would be lost without it is told, and that more may be missing.
+
+    Without the effort, by which it is found before that round.
+    """
+    problem = build_problem(load_scenario(DEMO).override({"recordings.effort": "none"}), "mujoco")
     with Simulations(problem, 2) as simulations:
         found = search(simulations, suspects(problem), [], lambda _: None, Patience(steps=0.0))
     assert found.cut
