@@ -38,8 +38,8 @@ def test_it_holds_the_fitted_motions_and_what_the_servos_say_of_their_joints() -
         assert_allclose(case.noise["effort"], whole.noise["effort"])
         for field in ("armature", "coulomb", "viscous", "static"):
             assert_allclose(case.experiment.plant.drive[field], whole.experiment.plant.drive[field])
-        masses = ([link.mass for link in c.experiment.plant.model.links] for c in (case, whole))
-        assert_allclose(*masses)
+        mine, own = ([link.mass for link in c.experiment.plant.model.links] for c in (case, whole))
+        assert_allclose(mine, own)
 
 
 def test_the_true_model_takes_the_effort_that_was_recorded() -> None:

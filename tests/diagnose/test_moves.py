@@ -7,15 +7,18 @@ import pytest
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess, starts
 from realitygap.diagnose.candidates.suspects import LATER, bounds
-from realitygap.diagnose.fit.fit import secant
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.demanded import demanded
+from realitygap.diagnose.fit.fit import Fit, secant
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.grow import with_shape
-from realitygap.diagnose.search.linear import Linear
+from realitygap.diagnose.search.linear import Linear, linear_at
 from realitygap.diagnose.search.rivals import LOOSER
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap_engines.model.robot import Sphere
 
 
@@ -116,3 +119,16 @@ def test_a_load_that_ran_away_from_its_link_is_none(place: float, load: bool) ->
     problem = demo_problem()
     change = guess(problem, suspect_of(problem, "payload", "forearm"))
     assert change.at({"mass": 1.0, "x": 0.0, "y": place, "z": 0.1}).absurd(problem.plant) == (not load)
+
+
+def test_a_load_lies_at_the_frame_of_its_link_along_an_axis_of_which_no_motion_tells() -> None:
+    """Two parallel axes: it was begun with halfway to where it was tried along them."""
+    problem = demo_problem()
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [])
+        nothing = Fit((), demanded(simulations, (), yardstick.train))
+        blocks = yardstick.responses(nothing, [suspect_of(problem, "payload", "forearm")])
+    place = linear_at(yardstick.plain(nothing), blocks).promise(0).change.parameters
+    (silent,) = np.flatnonzero(problem.plant.model.joints[1].axis)
+    tried = blocks[0].start.tries[1 + silent].parameters
+    assert abs(place["xyz"[silent]]) < 0.01 * abs(tried["xyz"[silent]])

@@ -21,6 +21,9 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 
+NOWHERE, BESIDE = 1e-9, 1e-6
+"""The curvature that every amount has at least, and that of a load's mass beside its link's frame: along an axis of
+which no motion tells where a load is, it lies at the frame, and not halfway to where it was tried."""
 LOOKED = 8
 """Blocks whose gain beside others is worked out within all bounds, of those that gain most roughly."""
 
@@ -62,6 +65,8 @@ class Linear:
         self.places = [np.arange(a, b) for a, b in pairwise(ends)]
         reach = [b.start.reach(k) for b in blocks for k in range(b.columns.shape[1])]
         self.low, self.high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
+        loads = [b.start.kind == "load" and k > 0 for b in blocks for k in range(b.columns.shape[1])]
+        self.least = np.where(loads, BESIDE, NOWHERE)
         self._clashes: dict[int, Array] = {}
 
     def promise(self, number: int) -> Promise:
@@ -207,7 +212,7 @@ class Linear:
             return np.zeros(0)
         at = np.concatenate([self.places[i] for i in numbers])
         low, high = self.low[at - 1], self.high[at - 1]
-        g = self.gram[np.ix_(at, at)] + 1e-9 * np.eye(len(at))
+        g = self.gram[np.ix_(at, at)] + np.diag(self.least[at - 1])
         beside = np.zeros(0, dtype=int) if tried is None else self.places[tried]
         left = self.gram[at, 0] + self.gram[np.ix_(at, beside)].sum(axis=1)
         try:
