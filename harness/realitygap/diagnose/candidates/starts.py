@@ -41,9 +41,12 @@ shows only at a visible size."""
 FURTHEST = 12.0
 """How many first sizes a straight line is followed at most."""
 LIGHTEST = 0.05
-"""A load whose point masses add up to less than this many of its first sizes is taken as so much: it has no centre."""
+"""A load whose point masses, or a spring whose parts, add up to less than this many of their first sizes is taken as so
+much: it has no centre."""
 SHORTEST = 0.05
 """How far from its link's frame a load is tried at least [m]."""
+NARROWEST = 0.1
+"""How far from zero a spring's rest is tried at least [rad or m]."""
 PERIODS = (2.0, 5.0, 12.0)
 """Periods of a ripple that are tried where no residual shows any."""
 
@@ -57,8 +60,8 @@ class Start:
         tries: changes at a visible size.
         zero: the neutral values.
         kind: `linear`: a parameter moves from neutral by the amount; `inverse`: a stiffness, twice as much is half of
-            it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave; `load`: point
-            masses at several places, whose sum is one mass at their centre.
+            it; `whole`: as it is or not at all; `wave`: two tries are sine and cosine of one wave; `centre`: masses at
+            several places, or springs that rest at several angles, whose sum is one at their centre.
         share: of each try that is simulated; the response is taken as many times.
         within: the least and the largest value of each parameter at the target, of a linear start.
     """
@@ -66,7 +69,7 @@ class Start:
     first: Change
     tries: tuple[Change, ...]
     zero: tuple[tuple[str, float], ...]
-    kind: Literal["linear", "inverse", "whole", "wave", "load"]
+    kind: Literal["linear", "inverse", "whole", "wave", "centre"]
     share: float = 1.0
     within: tuple[tuple[str, tuple[float, float]], ...] = ()
 
@@ -103,11 +106,12 @@ class Start:
             size = self.tries[0].parameters[wave.name] * math.hypot(sine, cosine)
             return self.tries[0].at({wave.name: min(size, wave.high), "phase": math.atan2(cosine, sine)})
         zero, values = dict(self.zero), {}
-        if self.kind == "load":
+        if self.kind == "centre":
+            (weight,) = (p.name for p in sized(self.first))
             total = max(sum(amounts), LIGHTEST)
-            masses = [(a, t.parameters) for a, t in zip(amounts, self.tries, strict=True)]
-            place = {n: sum(a * at[n] for a, at in masses) / total for n in "xyz"}
-            return self.first.at({"mass": total * self.tries[0].parameters["mass"], **place})
+            shares = [(a, t.parameters) for a, t in zip(amounts, self.tries, strict=True)]
+            place = {n: sum(a * at[n] for a, at in shares) / total for n in self.first.free if n != weight}
+            return self.first.at({weight: total * self.tries[0].parameters[weight], **place})
         for k, amount in enumerate(amounts):
             for name in self.moved(k):
                 (low, high), tried = self._within(name), self.tries[k].parameters[name]
@@ -121,7 +125,7 @@ class Start:
         """The least and the largest amount of a try within the bounds of its parameters."""
         if self.kind == "whole":
             return 1.0, 1.0
-        if self.kind in ("wave", "load"):
+        if self.kind in ("wave", "centre"):
             return -FURTHEST, FURTHEST
         if self.kind == "inverse":
             return 0.0, FURTHEST
@@ -179,7 +183,7 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
         arm = max(math.hypot(*(size[n] for n in "xyz")), SHORTEST)
         ends = {n: math.copysign(arm, first.parameters[n]) for n in "xyz"}  # a link's mass lies where the link does
         at = [first.at({n: ends[n] * (n == axis) for n in "xyz"}) for axis in ("", "x", "y", "z")]
-        return [Start(first, tuple(at), known, "load")]
+        return [Start(first, tuple(at), known, "centre")]
     if "periods" in first.free:
         train, joint = problem.of("train")[: len(residual)], suspect.indices[0]
         angles = [problem.cases[c].value("position")[:, joint] for c in train]
@@ -203,7 +207,22 @@ def starts(problem: Problem, suspect: Suspect, residual: Sequence[Array] = ()) -
             group.append(first.at(still | {n: zero[n] + (step if inside else -step)}))
         near = not problem.plant.model.floating and all(abs(zero[n]) >= size[n] for n in named)
         out.append(Start(first, tuple(group), known, "linear", NEARBY if near else 1.0, tuple(within.items())))
+    if {"stiffness", "rest"} == set(zero) and not zero["stiffness"]:
+        out.append(_elsewhere(problem, first, known))
     return out
+
+
+def _elsewhere(problem: Problem, first: Change, known: tuple[tuple[str, float], ...]) -> Start:
+    """A spring that rests anywhere: one at zero, and one as far away as its joint moved.
+
+    By its stiffness alone one that rests elsewhere hardly shows: of 2 N·m/rad about 0.5 rad it promised 3 in evidence
+    where both promise 87, and another centre of mass had the name.
+    """
+    moved = problem.plant.travelled
+    away = 0.0 if moved is None else float(moved[first.suspect.indices[0]])
+    angle = max(away, NARROWEST)
+    tries = (first.at({"rest": 0.0}), first.at({"rest": angle}))
+    return Start(replace(first, free=("stiffness", "rest")), tries, known, "centre")
 
 
 def _softer(first: Change, name: str, hard: Sequence[str], zero: Mapping[str, float]) -> list[tuple[Change, Change]]:

@@ -44,7 +44,8 @@ def along_the_motion(problem: Problem) -> Problem | None:
     except InputError:  # as where a link comes to the ground
         return None
     followed, plant = ways[id(scenario)]
-    plant.reached, plant.travelled = problem.plant.reached, problem.plant.travelled
+    known = problem.plant
+    plant.reached, plant.travelled, plant.exerted = known.reached, known.travelled, known.exerted
     file = ScenarioFile(problem.file.path, followed, problem.file.raw)
     return replace(problem, file=file, plant=plant, cases=cases, split="", notes=())
 

@@ -17,7 +17,7 @@ from realitygap.diagnose.data.split import split
 from realitygap.diagnose.data.windowed import windowed
 from realitygap.files.errors import InputError
 from realitygap.recording.frames import rotation_vector
-from realitygap.robot.drive import Array
+from realitygap.robot.drive import EFFORT, Array
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile
@@ -117,7 +117,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     cases, said = split(file, cases_of(found), found)
     cases, notes = windowed(cases, found, engine)
     train = [c for c in cases if c.use == "train"]
-    plant.reached, plant.travelled = reached(train), travelled(train)
+    plant.reached, plant.travelled, plant.exerted = reached(train), travelled(train), exerted(train)
     return Problem(file, plant, tuple(cases), engine, judged, said, tuple(notes))
 
 
@@ -133,6 +133,21 @@ def reached(cases: Sequence[Case]) -> Array:
 def travelled(cases: Sequence[Case]) -> Array:
     """The widest range that each joint moved over in one motion [rad or m], 0 where none was recorded. Shape (n,)."""
     return _most([case.value("position") for case in cases], np.ptp)
+
+
+def exerted(cases: Sequence[Case]) -> Array:
+    """The most that each joint's motor gave in any motion [N·m or N], as measured or told; 0 where neither is known.
+    Shape (n,).
+    """
+    return _most([_effort(case) for case in cases], lambda effort: np.max(effort))
+
+
+def _effort(case: Case) -> Array:
+    """How much the motors gave, NaN where it is not known. Shape (t, n)."""
+    commands, drive = case.experiment.commands.value, case.experiment.plant.drive
+    if "effort" in case.noise:
+        return np.abs(case.value("effort"))
+    return np.where(drive["meaning"] == EFFORT, np.abs(commands), np.nan)
 
 
 def _speed(case: Case) -> Array:

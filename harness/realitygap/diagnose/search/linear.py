@@ -22,8 +22,8 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 
 NOWHERE, BESIDE = 1e-9, 1e-6
-"""The curvature that every amount has at least, and that of a load's mass beside its link's frame: along an axis of
-which no motion tells where a load is, it lies at the frame, and not halfway to where it was tried."""
+"""The curvature that every amount has at least, and that of what is beside the origin of a centre: along an axis of
+which no motion tells where a load is, it lies at its link's frame, and not halfway to where it was tried."""
 LOOKED = 8
 """Blocks whose gain beside others is worked out within all bounds, of those that gain most roughly."""
 
@@ -65,8 +65,8 @@ class Linear:
         self.places = [np.arange(a, b) for a, b in pairwise(ends)]
         reach = [b.start.reach(k) for b in blocks for k in range(b.columns.shape[1])]
         self.low, self.high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
-        loads = [b.start.kind == "load" and k > 0 for b in blocks for k in range(b.columns.shape[1])]
-        self.least = np.where(loads, BESIDE, NOWHERE)
+        away = [b.start.kind == "centre" and k > 0 for b in blocks for k in range(b.columns.shape[1])]
+        self.least = np.where(away, BESIDE, NOWHERE)
         self._clashes: dict[int, Array] = {}
 
     def promise(self, number: int) -> Promise:

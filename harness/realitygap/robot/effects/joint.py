@@ -108,14 +108,22 @@ def has_rotor(plant: Plant, index: int) -> str | None:
     return None
 
 
+AMPLE = 10.0
+"""How many times what a motor gave it is rated for at most: URDFs state 1000 N·m of a joint that nobody asked about,
+and a ripple of a fiftieth of that says nothing of one of 0.13 N·m at a pendulum."""
+
+
 def effort_scale(plant: Plant, index: int) -> float:
-    """The effort that the joint is rated for [N·m or N]; where none is stated, what holds its link against gravity."""
+    """The effort that the joint is rated for [N·m or N], as far as what it gave bears that out; where none is stated,
+    what holds its link against gravity.
+    """
     d = plant.drive[index]
     if d["kind"] == DC:
         supply = SUPPLY if d["recorded_supply"] else float(d["supply"])
         return float(d["torque_constant"] / d["resistance"] * d["duty_limit"]) * supply
     if math.isfinite(d["effort_limit"]):
-        return float(d["effort_limit"])
+        given = 0.0 if plant.exerted is None else float(plant.exerted[index])
+        return min(float(d["effort_limit"]), AMPLE * given) if given > 0.0 else float(d["effort_limit"])
     joint, link = plant.model.joints[index], plant.model.links[index + 1]
     arm = 1.0 if joint.prismatic else max(float((link.com @ link.com) ** 0.5), 0.05)
     return 3.0 * GRAVITY * link.mass * arm
