@@ -1,5 +1,6 @@
 """What every reader gets and gives: the streams of one recording, each on its own clock."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -62,7 +63,10 @@ class Streams:
 
 @dataclass(frozen=True)
 class Request:
-    """What a scenario asks of a recording: `supply` is a topic or column, `base` whether a base pose is of use."""
+    """What a scenario asks of a recording: `supply` is a topic or column, `base` whether a base pose is of use.
+
+    `limits` are the lower and the upper one [rad] of joints that turn, by their names.
+    """
 
     file: Path
     recordings: Recordings
@@ -70,6 +74,7 @@ class Request:
     joints: tuple[str, ...]
     supply: str | None = None
     base: bool = True
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -114,7 +119,12 @@ class Request:
         return None if effort == "none" else np.ones(len(self.joints))
 
 
-def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Request:
+def request_of(
+    scenario: Scenario,
+    joints: tuple[str, ...],
+    file: Path,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> Request:
     """What a scenario asks of its recordings.
 
     Raises:
@@ -129,4 +139,4 @@ def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Reque
         found = ", ".join(sorted(named))
         raise InputError(f"{file}: servos: the supply is recorded in {found}; expected one topic or column for all")
     base = scenario.robot.base != "fixed"
-    return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base)
+    return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base, limits or {})
