@@ -95,6 +95,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         streams.episode,
         streams.files,
         tuple(lacking),
+        streams.dated,
     )
 
 

@@ -40,7 +40,7 @@ class Samples:
 class Streams:
     """The streams of one recording on one origin of time; what was not asked for or not recorded is None. `files` are
     those that were read of a larger whole, `episode` which one of a data set, `dropped` the samples that are in the
-    recording and not in the streams.
+    recording and not in the streams, `dated` whether the times are dates.
     """
 
     state: Samples | None = None
@@ -54,6 +54,7 @@ class Streams:
     dropped: tuple[Lack, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
+    dated: bool = False
 
     def all(self) -> list[Samples]:
         """The streams that are there."""
