@@ -39,6 +39,8 @@ def test_what_cannot_be_expanded_is_one_sentence(robot: Path) -> None:
     with pytest.raises(ModelError, match=r"robot.urdf.xacro: package r_description was not found; say") as e:
         read_model(robot, floating=False)
     assert str(e.value).count("r_description") == 1
+    assert "a scenario does under robot: packages:, and `init`, which writes" in str(e.value)
+    assert str(e.value).endswith("takes --package NAME=DIR")
     robot.write_text(ROBOT.replace("$(find r_description)/link.xacro", "${nothing}"))
     with pytest.raises(ModelError, match=r"cannot be expanded .*'nothing' is not defined") as e:
         read_model(robot, floating=False)

@@ -38,3 +38,26 @@ def test_where_it_is_and_what_is_likely(tmp_path: Path, text: str, where: str, l
     assert likely in said
     assert "\n" not in said
     assert "block" not in said
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"\x0e\x0e(\xde\x19y", "no text in UTF-8, as line 1 shows; expected UTF-8: save it with this encoding"),
+        ("name: a\n".encode("utf-16"), "text in UTF-16; expected UTF-8: save it with this encoding"),
+        ("name: a\n# 5 °\n".encode("latin-1"), "no text in UTF-8, as line 2 shows; expected UTF-8"),
+    ],
+)
+def test_what_is_no_text_in_utf_8_is_said_to_be_none(data: bytes, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "scenario.yaml"
+    path.write_bytes(data)
+    with pytest.raises(InputError) as caught:
+        load_yaml(path)
+    assert str(caught.value).startswith(f"{path}: is not valid YAML: {said}")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_lines_end_as_any_editor_ends_them(end: str, tmp_path: Path) -> None:
+    path = tmp_path / "scenario.yaml"
+    path.write_bytes(f"name: a{end}base: fixed{end}".encode())
+    assert load_yaml(path) == {"name": "a", "base": "fixed"}

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from first_scenario import read_all
 from realitygap.check import check
+from realitygap.check.observed import observe
 from realitygap.init.draft import init
 from realitygap.scenario.file import load_scenario
 from signals import Signals, there
@@ -67,6 +68,26 @@ def test_every_signal_is_drafted_in_its_own_unit(
     assert all("divided by 57.3" in line or "times" in line for line in said)
     units = there(there(load_scenario(draft.path).scenario.recordings).columns.units)
     assert {s for s in ANGLES if getattr(units, s) == "deg"} == set(turned)
+
+
+@pytest.mark.parametrize("turned", [s for s in SUBSETS if "position" in s], ids="+".join)
+def test_so_is_an_angle_that_begins_again_after_360(turned: tuple[str, ...], team: Team, tmp_path: Path) -> None:
+    """No angle in rad does so, and no encoder counts to 360."""
+    every = list(range(len(team.joints)))
+    paths = tables(team, tmp_path, ".csv", dict.fromkeys(turned, every))
+    for path in paths:
+        frame = pd.read_csv(path)
+        for column in (c for c in map(str, frame) if c.startswith(tuple({"position", "command"} & set(turned)))):
+            frame[column] = np.mod(frame[column], 360.0)
+        frame.to_csv(path, index=False)
+    draft = init(tmp_path / "robot.urdf", paths, tmp_path / "out")
+    file = load_scenario(draft.path)
+    assert check(file) == []
+    units = there(there(file.scenario.recordings).columns.units)
+    assert {s for s in ANGLES if getattr(units, s) == "deg"} == set(turned)
+    for o, table in zip(observe(file), team.tables.values(), strict=True):
+        np.testing.assert_allclose(Signals(o.recording.trace).position, table.position, atol=1e-9)
+        np.testing.assert_allclose(o.recording.command, table.command, atol=1e-9)
 
 
 @pytest.mark.parametrize("joint", [0, 1])

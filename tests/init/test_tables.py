@@ -56,6 +56,18 @@ def test_columns_as_people_name_them(time: str, position: str, command: str, eff
     assert draft.told[0] == "not used: temperature_0, temperature_1"
 
 
+@pytest.mark.parametrize("signals", [("position", "command"), ("effort", "velocity", "position", "command")])
+def test_the_columns_of_a_joint_that_is_not_the_robots_are_all_told(signals: tuple[str, ...], tmp_path: Path) -> None:
+    clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")
+    frame = pd.DataFrame({"time": clock, "supply_voltage": 12.0})
+    for joint in (*joints, "gripper"):
+        for signal in signals:
+            frame[f"{signal}_{joint}"] = goal(clock)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", joints), [tmp_path / "run.csv"], tmp_path / "out")
+    assert draft.told[0] == f"not used: {', '.join(f'{signal}_gripper' for signal in signals)}"
+
+
 def test_columns_of_all_joints_that_are_not_understood_are_told_with_their_key(tmp_path: Path) -> None:
     """As a scenario writes it: what is told is read so."""
     clock, joints = np.arange(100) * 0.01, ("shoulder", "elbow")

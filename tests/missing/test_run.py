@@ -69,7 +69,7 @@ def test_its_effects_close_the_gap_where_they_were_not_fitted(folder: Path) -> N
 
 
 def test_the_library_tells_the_same() -> None:
-    found = rg.missing_effort(SCENARIO, runs=["sines"])
+    found = rg.missing_effort(SCENARIO, runs="sines")
     assert found.shape("elbow").terms[0].variables == ("speed",)
     with pytest.raises(rg.InputError, match=r"joint: found elbo; expected .*elbow; did you mean elbow\?"):
         found.shape("elbo")

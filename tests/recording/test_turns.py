@@ -24,11 +24,18 @@ def swinging(late: float = 0.0) -> Any:
     return 2.9 + 0.8 * np.sin(3.0 * (TIME - late)) + np.random.default_rng(0).normal(scale=1e-3, size=len(TIME))
 
 
-def read(tmp_path: Path, position: Any, command: Any = None, time: Any = TIME, unit: str = "rad") -> Recording:
+def read(
+    tmp_path: Path,
+    position: Any,
+    command: Any = None,
+    time: Any = TIME,
+    unit: str = "rad",
+    limits: tuple[float, float] | None = None,
+) -> Recording:
     columns = {"time": time, "position_a": position, **({} if command is None else {"command_a": command})}
     pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
     asked = scenario(None, None, columns={"units": {"position": unit, "command": unit}})
-    return read_recording(tmp_path / "run.csv", asked, ["a"], file=FILE)
+    return read_recording(tmp_path / "run.csv", asked, ["a"], file=FILE, limits={"a": limits} if limits else None)
 
 
 def told(recording: Recording) -> list[str]:
@@ -80,6 +87,93 @@ def test_a_command_to_turn_once_is_none_of_an_encoder(tmp_path: Path) -> None:
     recording = read(tmp_path, q, asked)
     np.testing.assert_array_equal(Signals(recording.trace).command[:, 0], asked)
     np.testing.assert_array_equal(Signals(recording.trace).position[:, 0], q)
+    assert told(recording) == []
+
+
+def stepping(*levels: float) -> tuple[Any, Any]:
+    """A command that steps every second, and an angle that gets there within a few tenths."""
+    asked = np.array(levels)[np.minimum((TIME + 1e-9).astype(int), len(levels) - 1)]
+    q = np.empty_like(asked)
+    q[0] = asked[0]
+    for k in range(1, len(q)):
+        q[k] = q[k - 1] + 0.1 * (asked[k - 1] - q[k - 1])
+    return q, asked
+
+
+@pytest.mark.parametrize("low", [-np.pi, 0.0])
+@pytest.mark.parametrize(("position", "command"), [(True, True), (True, False), (False, True)])
+def test_steps_across_the_end_of_a_turn_go_on(position: bool, command: bool, low: float, tmp_path: Path) -> None:
+    """Such a step jumps by far less than a turn, or by more."""
+    q, asked = stepping(3.0, 3.9, 2.4, 3.3, 4.6, 2.6)
+    q, asked = q + low + np.pi - 3.0, asked + low + np.pi - 3.0
+
+    def by_encoder(angle: Any) -> Any:
+        return low + np.mod(angle - low, TURN)
+
+    trace = Signals(read(tmp_path, by_encoder(q) if position else q, by_encoder(asked) if command else asked).trace)
+    whole = TURN * np.rint((trace.position[0, 0] - q[0]) / TURN)
+    np.testing.assert_allclose(trace.position[:, 0], q + whole, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked + whole, atol=1e-9)
+
+
+def test_a_long_step_within_a_turn_stays_so(tmp_path: Path) -> None:
+    """By more than half a turn, in an encoder's range, of a joint that passes the end of it later."""
+    q, asked = stepping(0.5, 5.5, 0.6, 5.0, 6.1, 6.6)
+    trace = Signals(read(tmp_path, np.mod(q, TURN), np.mod(asked, TURN)).trace)
+    np.testing.assert_allclose(trace.position[:, 0], q, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
+
+
+def test_a_joint_that_does_not_get_there_is_told_within_its_limits(tmp_path: Path) -> None:
+    """The other end of its range is nearer to it by the way that it cannot go."""
+    q, asked = stepping(0.3, -0.3, -2.5, 2.5, -2.5, 2.5)
+    q = np.where(TIME < 3.0, q, -2.5)  # it is stuck there
+    trace = Signals(read(tmp_path, np.mod(q, TURN), np.mod(asked, TURN), limits=(-2.6, 2.6)).trace)
+    np.testing.assert_allclose(trace.position[:, 0], q, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
+
+
+def test_steps_of_several_turns_are_left(tmp_path: Path) -> None:
+    """Of a winch that takes longer for one than the next takes to come, and of which an encoder counts the turns."""
+    asked = np.array([0.0, 2 * TURN, 0.0, TURN, 0.0, TURN])[np.minimum((TIME + 1e-9).astype(int), 5)]
+    q = np.empty_like(asked)
+    q[0] = asked[0]
+    for k in range(1, len(q)):
+        q[k] = q[k - 1] + np.clip(asked[k - 1] - q[k - 1], -0.03, 0.03)
+    for position in (q, wrapped(q)):
+        trace = Signals(read(tmp_path, position, asked).trace)
+        np.testing.assert_allclose(trace.position[:, 0], q, atol=1e-9)
+        np.testing.assert_array_equal(trace.command[:, 0], asked)
+
+
+@pytest.mark.parametrize("turn", [-1, 1])
+def test_a_joint_is_read_within_its_limits(turn: int, tmp_path: Path) -> None:
+    """An encoder that never passes the end of its turn may be a whole one off, and so may be the command."""
+    q = 0.5 * np.sin(3.0 * TIME)
+    recording = read(tmp_path, q + turn * TURN, q + turn * TURN, limits=(-2.6, 2.6))
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], q, atol=1e-9)
+    np.testing.assert_allclose(Signals(recording.trace).command[:, 0], q, atol=1e-9)
+    above, lower = ("above", "lower") if turn > 0 else ("below", "higher")
+    assert told(recording) == [
+        f"the position of a was read a whole turn {above} its limits -2.6 and 2.6: taken a turn {lower}"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("position", "limits"),
+    [
+        (2.0 + np.sin(TIME), (-2.6, 2.6)),  # past a limit
+        (6.0 + np.sin(TIME), (-0.3, 0.3)),  # no turn brings all of it there
+        (4.0 + np.sin(TIME), (-4.0, 4.0)),  # most of it is there
+        (57.3 * 0.5 * np.sin(TIME), (-2.6, 2.6)),  # in degrees
+    ],
+)
+def test_what_no_turn_brings_within_the_limits_is_left(
+    position: Any, limits: tuple[float, float], tmp_path: Path
+) -> None:
+    recording = read(tmp_path, position, position, limits=limits)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], position, rtol=1e-12)
+    np.testing.assert_allclose(Signals(recording.trace).command[:, 0], position, rtol=1e-12)
     assert told(recording) == []
 
 

@@ -88,6 +88,16 @@ def test_a_long_name_of_a_column_stays_beside_its_value_on_a_phone(shared: chrom
     shared.resize(1280, 900)
 
 
+def test_a_long_name_in_a_sentence_is_broken_on_a_phone(shared: chromium.Browser, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    said = f"<main><p>The missing effort at {'front_shoulder_' * 5}joint depends on the speed.</p></main>"
+    page.write_text(f"<!doctype html>{VIEW}<style>{style()}</style>{said}", encoding="utf-8")
+    shared.resize(390, 900)
+    shared.open(page)
+    assert shared.run("document.documentElement.scrollWidth") <= 390
+    shared.resize(1280, 900)
+
+
 @pytest.mark.usefixtures("shared")
 def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
     grounds = []

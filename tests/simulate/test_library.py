@@ -104,3 +104,25 @@ def test_a_scenario_without_recordings_has_one_motion(tmp_path: Path) -> None:
         rg.simulate(file, "mujoco", run="a")
     with pytest.raises(rg.InputError, match="found none; expected a recording to read"):
         rg.read_run(file)
+
+
+def test_one_effect_is_as_good_as_a_list_of_it(demo: rg.ScenarioFile) -> None:
+    one = rg.effects.coulomb_friction("elbow", torque=0.6)
+    alone, listed = (rg.simulate(demo, "mujoco", run="chirp_1", effects=e) for e in (one, [one]))
+    np.testing.assert_array_equal(alone.to_frame(), listed.to_frame())
+    told = {"effect": "coulomb_friction", "target": "elbow", "torque": 0.6}
+    np.testing.assert_array_equal(
+        rg.simulate(demo, "mujoco", run="chirp_1", effects=told).to_frame(), listed.to_frame()
+    )
+
+
+@pytest.mark.parametrize("none", [3, "backlash", None])
+def test_what_is_no_effect_is_said_to_be_none(none: Any, demo: rg.ScenarioFile) -> None:
+    with pytest.raises(rg.InputError, match=r"effects: found .*; expected effects, as rg.effects makes them"):
+        rg.simulate(demo, "mujoco", run="chirp_1", effects=none)
+
+
+@pytest.mark.parametrize("verb", [rg.compare, rg.diagnose])
+def test_a_list_of_no_engines_is_not_all_of_them(verb: Any, demo: rg.ScenarioFile) -> None:
+    with pytest.raises(rg.InputError, match="engines: found an empty list; expected names of engines, or None for all"):
+        verb(demo, engines=[])

@@ -114,6 +114,12 @@ class Model:
         return {joint.name: joint.mimic for joint in self.joints if joint.mimic is not None}
 
     @property
+    def limits(self) -> dict[str, tuple[float, float]]:
+        """The lower and upper limit [rad] of the joints that turn and have both, by their names."""
+        ends = {j.name: (j.lower, j.upper) for j in self.joints if not j.prismatic}
+        return {name: both for name, both in ends.items() if np.isfinite(both).all()}
+
+    @property
     def mass(self) -> float:
         """Total mass [kg]."""
         return sum(link.mass for link in self.links)

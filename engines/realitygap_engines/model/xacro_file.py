@@ -39,7 +39,10 @@ def expanded(path: Path, packages: Mapping[str, Path]) -> bytes:
             if place.is_dir():
                 return str(place)
         if importlib.util.find_spec("ament_index_python") is None:
-            raise ModelError(f"{path}: package {name} was not found; say where it lies under robot: packages:")
+            raise ModelError(
+                f"{path}: package {name} was not found; say where it lies: a scenario does under robot: packages:, "
+                "and `init`, which writes a first one, takes --package NAME=DIR"
+            )
         from ament_index_python.packages import get_package_share_directory
 
         return str(get_package_share_directory(name))

@@ -31,7 +31,7 @@ ENOUGH = 0.97
 
 
 def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
-    """Times that are a thousand or a million times too long or too short.
+    """Times that are a thousand or a million times too long or too short, or so coarse that most rows repeat one.
 
     The travel by the reported velocity over the travel of the position is then that factor, at all joints (n,) that are
     judged.
@@ -39,6 +39,9 @@ def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
     slopes = travel_slopes(o, judged)
     by_velocity = float(np.median(np.abs(slopes))) if len(slopes) else 1.0  # a sign is another mistake
     key = f"{o.key}.path"
+    if o.period >= SLOW and (coarse := _coarse(o)):
+        certain = o.period >= CERTAIN_SLOW
+        return [Mistake("coarse_times", "certain" if certain else "likely", o.joints, coarse, key, (o.name,))]
     for factor, name in ((1e3, "ms"), (1e6, "µs"), (1e9, "ns")):
         seen = f"; the velocities confirm it: they sum up to {by_velocity:.3g} times the positions' travel"
         fits = factor / 3.0 < by_velocity < factor * 3.0
@@ -59,6 +62,20 @@ def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
         )
         return [Mistake("milliseconds", "certain", o.joints, sentence, key, (o.name,))]
     return []
+
+
+def _coarse(o: Observed) -> str:
+    """What is said of times that lack fractions of a second: most rows repeat one, or they are dates, which are in no
+    other unit; "" of others.
+    """
+    same = max((lack for lack in o.recording.absent if lack.kind == "repeats"), key=lambda m: m.part, default=None)
+    wanted = "; expected times with fractions of a second: log them so"
+    if same is not None and same.part > 0.5:
+        told = f"the times of {o.name} have a resolution of {o.period:.3g} s: {same.text}"
+        return f"{told}{wanted}, or number the rows in steps of their period where they came evenly"
+    if o.recording.dated:
+        return f"the samples of {o.name} are {o.period:.3g} s apart, as those of no recorded motion{wanted}"
+    return ""
 
 
 def no_overlap(o: Observed) -> list[Mistake]:

@@ -10,14 +10,13 @@ from realitygap.check.mistake import Certainty, Mistake
 from realitygap.check.observed import Observed
 from realitygap.check.servo import supply
 from realitygap.check.words import FACTORS, wide
+from realitygap.recording.turns import LEEWAY, within_limits, without_turns
 from realitygap.robot.drive import DC
 from realitygap.robot.plant import Plant
 from realitygap.trace.trace import Array
 
 DEGREES = FACTORS["degrees"]
 TURN = 2.0 * np.pi
-LEEWAY = 0.35
-"""rad: a zero may be this far off, and a stop is not where the URDF has it."""
 POSITION = {
     "bag": ("recordings.state", ""),
     "table": ("recordings.columns.position", ", or `units: {position: deg}` under recordings.columns"),
@@ -58,9 +57,11 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
         q, fast = o.position[:, j], float(np.quantile(np.abs(speed[:, j]), 0.95))
         free = _free_speed(o, j)
         beyond = _beyond(joint, q)
-        rad = q / DEGREES
+        turns, rad = _in_degrees(o, j)
         fits = _beyond(joint, rad) <= LEEWAY
-        if beyond > max(TURN, joint.upper - joint.lower) and fits:
+        if fits and turns:
+            told = f"jumps by 360 {turns} time{'s' * (turns > 1)}, as an angle that begins again after a turn"
+        elif beyond > max(TURN, joint.upper - joint.lower) and fits:
             told = f"lies up to {beyond:.4g} rad beyond its limits {joint.lower:.4g} and {joint.upper:.4g}"
         elif fits and free < fast / TOO_FAST and fast / DEGREES < free and seen[j] > TURN / 2:
             told = f"moves at {fast:.4g} rad/s, and its servo at {free:.3g} rad/s at most"
@@ -82,6 +83,17 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
         key, or_say = POSITION[o.holder]
         out.append(Mistake("degrees", "certain", (joint.name,), sentence + or_say, key, (o.name,)))
     return out
+
+
+def _in_degrees(o: Observed, j: int) -> tuple[int, Array]:
+    """A joint's positions (t,) as if they were in degrees [rad], with their turns counted, and how many of these are
+    seen: as it is read, an angle in rad jumps by one and not by 57.
+    """
+    position, joint = o.recording.trace.position, o.plant.model.joints[j]
+    assert position is not None
+    smooth, turned, _ = without_turns(o.recording.trace.time, position[:, [j]] / DEGREES)
+    limits = np.array([[joint.lower, joint.upper]])
+    return len(turned[0]), within_limits(smooth, limits)[0][:, 0]
 
 
 def _turned(joint: Joint) -> Joint:

@@ -11,6 +11,7 @@ KINDS: dict[str, str] = {
     "counts": "an angle in encoder counts, or in another unit that is none of angles, where radians are expected",
     "thousandths": "a length in mm (an angle in mrad) where m (rad) is expected, or the other way round",
     "milliseconds": "times in ms or µs where seconds are expected, or the other way round",
+    "coarse_times": "times without the fractions of a second that tell the samples of a motion apart",
     "milliamperes": "an effort a thousand times too large or too small, as from a current in mA",
     "grams": "masses in g or inertias in kg·mm² where kg and kg·m² are expected, or the other way round",
     "flipped_sign": "a command, a state or an effort counts the other way round",

@@ -224,7 +224,8 @@ def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
     for case in file.cases():
         plant = _plant(file, case, plants)
         if (model := plant.model).joints:
-            recording = read(case.path, case.scenario, model.joint_names, file=file.path, mimics=model.mimics)
+            told = {"mimics": model.mimics, "limits": model.limits}
+            recording = read(case.path, case.scenario, model.joint_names, file=file.path, **told)
             out.append(Observed(case.name, case.key, case.scenario, plant, recording, case.run))
     return out
 

@@ -73,7 +73,7 @@ def _do(procedure: Callable[[Path, Path], Summary], file: Path, out: Path | None
     from realitygap.bench.page import write_page
     from realitygap.files.result_folder import written_whole
 
-    folder = folder_for(out, named_after(file))
+    folder = folder_for(out, named_after(file), "bench")
     with written_whole(folder) as aside:
         summary = procedure(file, aside)
         page = write_page(summary, f"{file.resolve().parent.name} {file.stem}", aside)

@@ -38,10 +38,11 @@ Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker pr
 
 def folder_for(out: Path | None, name: str = "", command: str | None = None) -> Path:
     """The folder to write to, checked before the work: `--out`, or one below results/runs; with a `command`, also that
-    it holds no other one's result.
+    it holds nothing but an earlier result of this one under the names that it writes.
 
-    What a command left there that was killed is removed.
+    What a command left there that was killed is removed, or, where it was whole, put in its place.
     """
+    from realitygap.files.result_folder import settle
     from realitygap.files.result_kind import check_free
     from realitygap.files.unfinished import sweep
     from realitygap.files.whole import check_writable
@@ -49,6 +50,7 @@ def folder_for(out: Path | None, name: str = "", command: str | None = None) -> 
     folder = out or Path(RUNS) / name
     check_writable(folder)
     if command is not None:
+        settle(folder)
         check_free(folder, command)
     sweep(folder)
     return folder

@@ -9,7 +9,7 @@ from realitygap.compare.comparison import Comparison, motions_of
 from realitygap.compare.comparison import compare as compare_one
 from realitygap.compare.table import means, table
 from realitygap.files.progress import Progress
-from realitygap.scenario.engine_names import engine_names
+from realitygap.scenario.engine_names import engine_names, given_engines
 from realitygap.scenario.file import ScenarioFile, Source, load_scenario
 from realitygap.trace.trace import Trace
 
@@ -55,12 +55,14 @@ def _motion(comparison: Comparison) -> str:
     return comparison.cell.recording or comparison.cell.scenario
 
 
-def compare(scenario: Source, engines: Sequence[str] = (), *, floors: bool = True, progress: bool = False) -> Compared:
+def compare(
+    scenario: Source, engines: str | Sequence[str] | None = None, *, floors: bool = True, progress: bool = False
+) -> Compared:
     """Every motion of a scenario in every engine, compared with what was measured.
 
     Args:
         scenario: a scenario, the path of one, or a dict that says the same.
-        engines: their names; none: all that are installed.
+        engines: their names, or one; None: all that are installed.
         floors: whether to simulate again with half the step for the numerical floor, which takes twice as long again.
         progress: whether to tell on standard error how far it is.
 
@@ -68,7 +70,7 @@ def compare(scenario: Source, engines: Sequence[str] = (), *, floors: bool = Tru
         InputError, ModelError: for whatever is wrong with the scenario, its files, or an engine's name. What an engine
             cannot express and a simulation that blows up are outcomes in the table.
     """
-    names = engine_names([engines] if isinstance(engines, str) else engines, "engines")
+    names = engine_names(given_engines(engines), "engines")
     file = load_scenario(scenario)
     motions = motions_of(file)
     done = []

@@ -13,6 +13,7 @@ from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.files.result_kind import check_free
 from realitygap.files.whole import check_writable
+from realitygap.scenario.engine_names import given_engines
 from realitygap.scenario.file import Source, load_scenario
 from realitygap.scenario.schema import EffectSpec
 
@@ -143,7 +144,7 @@ class Diagnosed:
 
 def diagnose(
     scenario: Source,
-    engines: Sequence[str] = (),
+    engines: str | Sequence[str] | None = None,
     *,
     workers: int | None = None,
     progress: bool = False,
@@ -153,7 +154,7 @@ def diagnose(
 
     Args:
         scenario: a scenario, the path of one, or a dict that says the same.
-        engines: the first one searches, all confirm; none: MuJoCo searches and all that are installed confirm.
+        engines: the first one searches, all confirm; None: MuJoCo searches and all that are installed confirm.
         workers: processes; None for one per core.
         progress: whether to tell on standard error what is being done.
         minutes: by the clock, after which nothing more is looked for, infinite for to the end; what was found by then
@@ -163,7 +164,7 @@ def diagnose(
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.
     """
-    names = [engines] if isinstance(engines, str) else engines
+    names = given_engines(engines)
     result = diagnosed(load_scenario(scenario), names, Progress(quiet=not progress), workers, minutes=minutes)
     return Diagnosed(result, result.to_json())
 

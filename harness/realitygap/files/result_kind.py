@@ -13,6 +13,16 @@ WRITTEN = {
     "propose": ("proposal.json", "motions"),
 }
 """By command: a file that it writes, and a key of that; a matrix writes what a run does."""
+TABLES = {
+    "run": ("gaps.csv", "timings.csv", "missing_effort.json", "missing_effort.yaml"),
+    "rehearse": ("rehearsal.csv",),
+}
+"""By command: files that it writes beside that one."""
+PAGE = "report.html"
+TITLE = b"reality gap</title>"
+"""How the title of every page of ours ends, near its beginning."""
+HEAD = 4096
+"""Bytes in which that stands."""
 
 
 def held_results(folder: Path) -> list[str]:
@@ -27,7 +37,8 @@ def held_scenario(folder: Path) -> str | None:
 
 
 def check_free(folder: Path, command: str, option: str = "--out") -> None:
-    """Make sure that a folder holds no other command's result: each writes its own `report.html`.
+    """Make sure that a folder holds nothing that a command would write over: no other command's result, as each writes
+    its own page, and no file of somebody else's under a name that it writes.
 
     Raises:
         InputError: where it does.
@@ -35,6 +46,31 @@ def check_free(folder: Path, command: str, option: str = "--out") -> None:
     others = [held for held in held_results(folder) if held != command]
     if others:
         raise InputError(
-            f"{option}: {folder} holds the result of `{others[0]}`, whose report.html `{command}` would write over; "
+            f"{option}: {folder} holds the result of `{others[0]}`, whose {PAGE} `{command}` would write over; "
             "expected another folder"
         )
+    foreign = _foreign(folder, command)
+    if foreign:
+        raise InputError(
+            f"{option}: {folder} holds {', '.join(foreign)}, which no `{command}` has written and this one would write "
+            "over; expected another folder"
+        )
+
+
+def _foreign(folder: Path, command: str) -> list[str]:
+    """The files of somebody else's that have names of files which a command writes."""
+    found = []
+    if command in WRITTEN:
+        name, key = WRITTEN[command]
+        if key not in content(folder / name):
+            found = [n for n in (name, *TABLES.get(command, ())) if (folder / n).exists()]
+    page = folder / PAGE
+    return [*found, PAGE] if page.exists() and not _our_page(page) else found
+
+
+def _our_page(page: Path) -> bool:
+    try:
+        with page.open("rb") as file:
+            return TITLE in file.read(HEAD)
+    except OSError:
+        return False

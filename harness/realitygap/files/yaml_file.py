@@ -73,7 +73,7 @@ def load_yaml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: is nested too deeply; expected a mapping of keys") from None
     except yaml.MarkedYAMLError as error:
         raise InputError(f"{path}: is not valid YAML{yaml_mistake(read_written(path), error)}") from None
-    except (ValueError, yaml.YAMLError) as error:  # not UTF-8, a control character, a date that does not exist
+    except (ValueError, yaml.YAMLError) as error:  # a control character, a date that does not exist
         raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
     if not isinstance(data, dict):
         raise InputError(f"{path}: holds {kind_of(data)}, expected a mapping of keys")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.init.probe import Contents, probe
-from realitygap.init.roles import COMMAND, CURRENT, Roles, other_states, roles_of, why_no_state
+from realitygap.init.roles import COMMAND, CURRENT, Roles, other_states, roles_of, unfit_commands, why_no_state
 from realitygap.init.sections import (
     AS_FOLLOWED,
     COMMANDS_BY,
@@ -157,8 +157,12 @@ def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
     spare = [f"{topic} ({kind})" for topic, kind in sorted(contents.kinds.items()) if topic not in chosen]
     told = [f"not used: {', '.join(spare)}"] if spare else []
     if joints and roles.command is None:
-        told.append(NOTHING_DRIVES.format("topic") if roles.effort is None else AS_FOLLOWED.format("topic"))
-        told.append(COMMANDS_BY.format("topic", COMMAND.pattern.replace("|", ", ")))
+        unfit = {} if roles.state is None else unfit_commands(contents, roles.state.stream)
+        what = "fitting topic" if unfit else "topic"
+        told.append(NOTHING_DRIVES.format(what) if roles.effort is None else AS_FOLLOWED.format(what))
+        told += [f"{topic} says by its name that it holds commands, but {why}" for topic, why in unfit.items()]
+        if not unfit:
+            told.append(COMMANDS_BY.format("topic", COMMAND.pattern.replace("|", ", ")))
     if roles.effort is not None and _current(roles):
         name = roles.effort.stream.topic
         told.append(current_told(f"topic {name}", f"topic: {quoted(name)}, ", "A", followed=_followed(roles)))

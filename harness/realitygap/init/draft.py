@@ -120,7 +120,7 @@ def _read(path: Path, first: Path, scenario: Scenario, model: Model, target: Pat
         InputError: for a recording that cannot be read, or that does not hold what the first one does.
     """
     try:
-        return read_recording(path, scenario, model.joint_names, file=target, mimics=model.mimics)
+        return read_recording(path, scenario, model.joint_names, file=target, mimics=model.mimics, limits=model.limits)
     except InputError as error:
         lacking = str(error).removeprefix(f"{target}: ")
         if lacking == str(error):

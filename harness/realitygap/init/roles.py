@@ -150,6 +150,28 @@ def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Rol
     return None
 
 
+def unfit_commands(contents: Contents, state: JointStream) -> dict[str, str]:
+    """Why topics that are commands by their names, and whose values name no joints, are none for those of a state, and
+    how a scenario takes them, by topic.
+    """
+    out = {}
+    for stream in contents.unnamed:
+        if not COMMAND.search(stream.topic):
+            continue
+        count, joints = stream.signals["position"].shape[1], state.joints
+        if count == len(joints):
+            out[stream.topic] = "it has no values from the time in which the joints were measured"
+            continue
+        named = [*joints, *(["NAME"] * (count - len(joints)))] if count > len(joints) else joints[:count]
+        meaning = next((f", as: {m}" for m, name in TOLD.items() if name.search(stream.topic)), "")
+        out[stream.topic] = (
+            f"it holds {count} value{'s' * (count > 1)} that name no joints, for {len(joints)} that were measured; "
+            f"`motion: {{recorded: {stream.topic}{meaning}, joints: [{', '.join(named)}]}}` takes it, where joints has "
+            "a name for every value, in their order"
+        )
+    return out
+
+
 def lead(command: JointStream, state: JointStream) -> float | None:
     """The time [s] by which one stream of positions comes before another; None where that cannot be told."""
     if len(command.time) < 2 or len(state.time) < 2:

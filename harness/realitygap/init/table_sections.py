@@ -197,11 +197,9 @@ def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence
     for name in (*columns.values(), Columns().temperature):  # by joint, it is called by their names
         stems = _labels(name)
         used |= {form.format(stem, joint) for stem in stems for joint in joints for form in FORMS} | set(stems)
-    expected = Columns().model_dump(exclude={*DEFAULTS, "base_angular_axes", "temperature"}).values()
+    expected = Columns().model_dump(exclude={*DEFAULTS, "units", "base_angular_axes", "temperature"}).values()
     known = {name for names in expected for name in ([names] if isinstance(names, str) else names)}
-    spare = [
-        label for label in labels if label not in used and not any(re.match(rf"{name}(_|$)", label) for name in known)
-    ]
+    spare = [label for label in labels if label not in used | known]
     return [f"not used: {', '.join(spare)}{_way_to_use(spare, columns, joints)}"] if spare else []
 
 

@@ -39,11 +39,12 @@ class Reader:
         *,
         file: Path,
         mimics: Mapping[str, Mimic] | None = None,
+        limits: Mapping[str, tuple[float, float]] | None = None,
     ) -> Recording:
         """As `read_recording`."""
-        key = repr((path, request_of(scenario, tuple(joints), file), mimics))
+        key = repr((path, request_of(scenario, tuple(joints), file), mimics, limits))
         if key not in self._known:
-            self._known[key] = read_recording(path, scenario, joints, file=file, mimics=mimics)
+            self._known[key] = read_recording(path, scenario, joints, file=file, mimics=mimics, limits=limits)
         return self._known[key]
 
 

@@ -1,8 +1,7 @@
 """The missing effort as a library: of every recording of a scenario, and what it depends on."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import pandas as pd
 
@@ -10,7 +9,7 @@ from realitygap.files.errors import InputError, did_you_mean
 from realitygap.missing.effort import MissingEffort, missing_of
 from realitygap.missing.shape import Shape, shape_of
 from realitygap.missing.words import sentence
-from realitygap.scenario.added_effects import added_effects
+from realitygap.scenario.added_effects import Effect, added_effects
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import Source, load_scenario
 from realitygap.scenario.schema import EffectSpec
@@ -83,15 +82,15 @@ def missing_effort(
     scenario: Source,
     engine: str = "mujoco",
     *,
-    runs: Sequence[str] = ("*",),
-    effects: Sequence[EffectSpec | Mapping[str, Any]] = (),
+    runs: str | Sequence[str] = ("*",),
+    effects: Effect | Sequence[Effect] = (),
 ) -> Missing:
     """The effort that would have to be added to every joint for the model to follow the recordings.
 
     Args:
         scenario: a scenario, the path of one, or a dict that says the same.
         engine: whose dynamics the model has.
-        runs: names of recordings, or patterns over them.
+        runs: names of recordings, or patterns over them; or one.
         effects: physics that is added to the scenario's own.
 
     Raises:
@@ -101,7 +100,8 @@ def missing_effort(
     (name,) = engine_names([engine], "engine")
     file = load_scenario(scenario)
     added = added_effects(file, effects)
-    found = experiments(file, only=list(runs), effects=added)
+    runs = [runs] if isinstance(runs, str) else list(runs)
+    found = experiments(file, only=runs, effects=added)
     if not found:
         raise InputError(f"{file.path}: runs: {', '.join(runs)} matches no recording")
     return Missing(file.scenario.name, tuple(missing_of(e, name) for e in found))

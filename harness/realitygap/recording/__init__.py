@@ -65,7 +65,13 @@ def reader_of(path: Path) -> str:
 
 
 def read_recording(
-    path: Path, scenario: Scenario, joints: Sequence[str], *, file: Path, mimics: Mapping[str, Mimic] | None = None
+    path: Path,
+    scenario: Scenario,
+    joints: Sequence[str],
+    *,
+    file: Path,
+    mimics: Mapping[str, Mimic] | None = None,
+    limits: Mapping[str, tuple[float, float]] | None = None,
 ) -> Recording:
     """What was measured in one recording.
 
@@ -76,6 +82,8 @@ def read_recording(
         joints: the joints to keep, which is the order of all joint columns, whatever the order in the recording.
         file: the scenario file, for messages.
         mimics: the joints that follow others: what was not recorded of them is told from those.
+        limits: lower and upper [rad] of the joints that turn and have both: of the turns that an angle may be of, it is
+            the one within them.
 
     Raises:
         InputError: for a file that cannot be read, a topic, column or joint that is not there, or values that make no
@@ -90,7 +98,7 @@ def read_recording(
     module = import_module(f"realitygap.recording.readers.{reader}")
 
     def read(of: Sequence[str]) -> Recording:
-        request = request_of(scenario, tuple(of), file)
+        request = request_of(scenario, tuple(of), file, limits)
         streams: Streams = module.read(path, request)
         return part_of(assemble(path, streams, request), request)
 

@@ -7,14 +7,23 @@ import numpy as np
 
 from realitygap.files.errors import InputError
 from realitygap.recording.absent import holes, without_absent
+from realitygap.recording.command_turns import command_without_turns
 from realitygap.recording.commands import held_at, in_force, usual_period
+from realitygap.recording.delay import Mask
 from realitygap.recording.frames import unit_quaternions
 from realitygap.recording.lack import Lack
 from realitygap.recording.merged import on_one_clock
 from realitygap.recording.outliers import told, without_outliers
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import COMMAND_SIGNAL, Request, Samples, Streams
-from realitygap.recording.turns import command_without_turns, told_pauses, told_turns, without_turns
+from realitygap.recording.turns import (
+    NO_LIMITS,
+    told_limits,
+    told_pauses,
+    told_turns,
+    within_limits,
+    without_turns,
+)
 from realitygap.trace.trace import Array, Trace
 
 JUMP = 60.0
@@ -32,7 +41,8 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
             scenario asks for and that was not recorded.
     """
     zero = min(float(s.time[0]) for s in streams.all())
-    streams, turned, counted = _counted(_from(zero, streams))
+    limits = np.array([request.limits.get(joint, NO_LIMITS) for joint in request.joints]).reshape(-1, 2)
+    streams, wraps, counted = _counted(_from(zero, streams), limits)
     streams, merged = _merged(streams)
     clock = streams.state or streams.pose
     if clock is None:
@@ -59,7 +69,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
                 notes.append(ITSELF)
         if kind == "position":
             measured = Trace(clock.time, request.joints, position=signals["position"])
-            command, taken = command_without_turns(command_time, command, measured, turned)
+            command, taken = command_without_turns(command_time, command, measured, wraps, limits)
             lacking += told_turns(request.joints, "command", taken)
         signals["command"] = held_at(command_time, command, clock.time)
         notes += found
@@ -85,6 +95,7 @@ def assemble(path: Path, streams: Streams, request: Request) -> Recording:
         streams.episode,
         streams.files,
         tuple(lacking),
+        streams.dated,
     )
 
 
@@ -107,15 +118,22 @@ def _from(zero: float, streams: Streams) -> Streams:
     )
 
 
-def _counted(streams: Streams) -> tuple[Streams, list[Array], list[Lack]]:
-    """The streams with the turns of encoders counted, when those of each joint were [s], and what is told of it."""
+def _counted(streams: Streams, limits: Array) -> tuple[Streams, Mask, list[Lack]]:
+    """The streams with the turns of encoders counted, from one within the joints' limits (n, 2) on; which joints had
+    such turns (n,), and what is told of it.
+    """
     state = streams.state
     if state is None or "position" not in state.signals:
-        return streams, [], []
+        return streams, np.zeros(len(limits), dtype=bool), []
     position, turned, unknown = without_turns(state.time, state.signals["position"])
-    told = [*told_turns(state.joints, "position", turned), *told_pauses(state.joints, unknown)]
+    position, moved = within_limits(position, limits)
+    told = [
+        *told_turns(state.joints, "position", turned),
+        *told_pauses(state.joints, unknown),
+        *told_limits(state.joints, moved, limits),
+    ]
     state = replace(state, signals={**state.signals, "position": position})
-    return replace(streams, state=state), turned, told
+    return replace(streams, state=state), np.array([len(at) > 0 for at in turned], dtype=bool) | (moved != 0), told
 
 
 def _merged(streams: Streams) -> tuple[Streams, list[str]]:

@@ -32,6 +32,7 @@ class Recording:
         files: what was read, where that is not all of the path.
         absent: the samples and readings that are absent or were dropped, and what else is not as it should be; notes
             tell them, too.
+        dated: whether its times are dates, which are in no unit.
     """
 
     path: Path
@@ -47,6 +48,7 @@ class Recording:
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
     absent: tuple[Lack, ...] = field(default=())
+    dated: bool = False
 
     @property
     def source(self) -> tuple[Path, int | None]:

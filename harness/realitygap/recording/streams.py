@@ -1,5 +1,6 @@
 """What every reader gets and gives: the streams of one recording, each on its own clock."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -39,7 +40,7 @@ class Samples:
 class Streams:
     """The streams of one recording on one origin of time; what was not asked for or not recorded is None. `files` are
     those that were read of a larger whole, `episode` which one of a data set, `dropped` the samples that are in the
-    recording and not in the streams.
+    recording and not in the streams, `dated` whether the times are dates.
     """
 
     state: Samples | None = None
@@ -53,6 +54,7 @@ class Streams:
     dropped: tuple[Lack, ...] = field(default=())
     episode: int | None = None
     files: tuple[Path, ...] = field(default=())
+    dated: bool = False
 
     def all(self) -> list[Samples]:
         """The streams that are there."""
@@ -62,7 +64,10 @@ class Streams:
 
 @dataclass(frozen=True)
 class Request:
-    """What a scenario asks of a recording: `supply` is a topic or column, `base` whether a base pose is of use."""
+    """What a scenario asks of a recording: `supply` is a topic or column, `base` whether a base pose is of use.
+
+    `limits` are the lower and the upper one [rad] of joints that turn, by their names.
+    """
 
     file: Path
     recordings: Recordings
@@ -70,6 +75,7 @@ class Request:
     joints: tuple[str, ...]
     supply: str | None = None
     base: bool = True
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -114,7 +120,12 @@ class Request:
         return None if effort == "none" else np.ones(len(self.joints))
 
 
-def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Request:
+def request_of(
+    scenario: Scenario,
+    joints: tuple[str, ...],
+    file: Path,
+    limits: Mapping[str, tuple[float, float]] | None = None,
+) -> Request:
     """What a scenario asks of its recordings.
 
     Raises:
@@ -129,4 +140,4 @@ def request_of(scenario: Scenario, joints: tuple[str, ...], file: Path) -> Reque
         found = ", ".join(sorted(named))
         raise InputError(f"{file}: servos: the supply is recorded in {found}; expected one topic or column for all")
     base = scenario.robot.base != "fixed"
-    return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base)
+    return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base, limits or {})

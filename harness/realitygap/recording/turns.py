@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter
 from realitygap.recording.absent import BRIDGED
 from realitygap.recording.lack import Lack
 from realitygap.recording.outliers import USUAL
-from realitygap.trace.trace import Array, Trace
+from realitygap.trace.trace import Array
 
 TURN = 2.0 * np.pi
 FASTER = 2.0
@@ -24,6 +24,11 @@ CLEAR = 2.0
 """How many times further than it can move a joint must have jumped."""
 ABOUT = 0.05 * TURN
 """A jump across a pause that is this near to a turn may be one, and may be a motion."""
+NO_LIMITS = (-np.inf, np.inf)
+LEEWAY = 0.35
+"""rad: a zero may be this far off, and a stop is not where the URDF has it."""
+MOST, ALL = 0.5, 0.99
+"""The parts of a joint's readings that tell where it is; the rest are outliers, and motions past a limit."""
 ROUNDED = 1e-6
 """rad: angles in a file are rounded."""
 LISTED = 3
@@ -73,47 +78,30 @@ def _turns(time: Array, angle: Array) -> tuple[Array, NDArray[np.bool_]]:
     return np.where(counted, turns, 0.0), np.asarray(one & ~going & (left < ABOUT))
 
 
-def command_without_turns(
-    time: Array, command: Array, trace: Trace, turned: Sequence[Array]
-) -> tuple[Array, list[Array]]:
-    """Commanded angles that go on as the measured ones do.
+def within_limits(value: Array, limits: Array) -> tuple[Array, Array]:
+    """Angles of which most are beyond their joints' limits, and all but outliers within them a turn up or down.
 
-    A command may jump as far as it likes, so that its turns are taken out only where it is nearer to the measured
-    position then. Where either had turns, the command is that of as many whole turns as bring it nearest.
+    An encoder from 0 to 2π reads a joint that stands below its zero a turn too high.
 
     Args:
-        time: Shape (m,) [s].
-        command: Shape (m, n) [rad], NaN where there is none.
-        trace: what was measured, without the turns of its encoders.
-        turned: for n joints the times of these.
+        value: Shape (t, n) [rad], NaN where it is unknown.
+        limits: the lower and the upper one. Shape (n, 2) [rad].
 
     Returns:
-        The commands (m, n), and of every joint the times [s] of the turns that were taken out.
+        The angles there (t, n), and the turns that each joint's went up (n,).
     """
-    smooth, at, _ = without_turns(time, command)
-    out, taken = command, [np.empty(0)] * len(trace.joints)
-    assert trace.position is not None
-    for j in range(len(trace.joints)):
-        if not len(at[j]) and not len(turned[j]):
-            continue
-        position = np.interp(time, trace.time, trace.position[:, j])
-        read, went_on = (_nearest(c[:, j], position) for c in (command, smooth))
-        nearer = _distance(went_on, position) < _distance(read, position)
-        out = out.copy() if out is command else out
-        out[:, j] = went_on if nearer else read
-        taken[j] = at[j] if nearer else taken[j]
-    return out, taken
+    moved = np.zeros(value.shape[1])
+    for j, column in enumerate(value.T):
+        known = column[np.isfinite(column)]
+        if len(known) and _inside(known, limits[j]) < MOST:
+            fitting = [turn for turn in (-1.0, 1.0) if _inside(known + turn * TURN, limits[j]) > ALL]
+            moved[j] = fitting[0] if fitting else 0.0
+    return (value + TURN * moved if moved.any() else value), moved
 
 
-def _nearest(angle: Array, other: Array) -> Array:
-    """An angle (t,) with as many whole turns off as bring it nearest to another one, in the median."""
-    away = (angle - other)[np.isfinite(angle - other)]
-    return np.asarray(angle - TURN * np.rint(np.median(away) / TURN)) if len(away) else angle
-
-
-def _distance(angle: Array, other: Array) -> float:
-    away = np.abs(angle - other)
-    return float(away[np.isfinite(away)].mean()) if np.isfinite(away).any() else np.inf
+def _inside(angle: Array, limits: Array) -> float:
+    """The part of known angles (t,) that is within limits (2,), or as good as that."""
+    return float(((angle >= limits[0] - LEEWAY) & (angle <= limits[1] + LEEWAY)).mean())
 
 
 def told_turns(joints: Sequence[str], signal: str, at: Sequence[Array]) -> list[Lack]:
@@ -141,6 +129,20 @@ def told_pauses(joints: Sequence[str], at: Sequence[Array]) -> list[Lack]:
         )
         for joint, times in zip(joints, at, strict=True)
         if len(times)
+    ]
+
+
+def told_limits(joints: Sequence[str], moved: Array, limits: Array) -> list[Lack]:
+    """A sentence for every joint of which the angles went up or down by a turn (n,), to limits (n, 2)."""
+    return [
+        Lack(
+            "turns",
+            f"the position of {joint} was read a whole turn {'above' if turn < 0 else 'below'} its limits "
+            f"{low:.4g} and {high:.4g}: taken a turn {'lower' if turn < 0 else 'higher'}",
+            1.0,
+        )
+        for joint, turn, (low, high) in zip(joints, moved, limits, strict=True)
+        if turn
     ]
 
 

@@ -3,11 +3,12 @@
 import io
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from realitygap.files.whole import write_whole
 from realitygap.page.script import any_script
@@ -38,6 +39,10 @@ DASHES = (
     (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
 )
 INK = "#1d2126"
+INCH = 72.0
+"""Points in an inch."""
+WIDE = 0.7
+"""How wide a letter is, at most, in the mean of a bold line, of its size: 0.69 in names and numbers."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +86,14 @@ def draw_boxes(path: Path, sets: list[BoxSet], signal: str, units: str, title: s
         for row, one in enumerate(sets):
             axes = panels[0] if single else panels[row]
             _boxes(axes, one, signal, joints, row if single else 0)
-            axes.set_ylabel(f"{joints[0]} [{units}]" if single else f"{one.label}\n[{units}]")
+            beside = in_lines(f"{joints[0]} [{units}]", figure.get_figheight() / rows, STYLE["font.size"])
+            axes.set_ylabel(beside if single else f"{one.label}\n[{units}]")
             axes.set_ylim(bottom=0)
             axes.set_xlim(-0.6, len(names) - 0.4)
         tilt = len(names) > 6
         style: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if tilt else {}
         panels[-1].set_xticks(range(len(names)), names, **style)
-        figure.suptitle(f"{SIGNALS[signal].capitalize()}: |simulated − measured|, {title}", fontsize=10)
+        head(figure, f"{SIGNALS[signal].capitalize()}: |simulated − measured|, {title}", fontsize=10)
         return save(figure, path)
 
 
@@ -139,15 +145,26 @@ def draw_curves(
                 top.plot(curve.time, curve.joints[joint], label=curve.label, **style)
                 if joint in measured:
                     grid[1, column].plot(curve.time, curve.joints[joint] - measured[joint], **style)
-            top.set_title(joint, fontsize=9)
+            top.set_title(in_lines(joint, figure.get_figwidth() / len(joints), 9.0), fontsize=9)
             top.set_ylabel(f"{SIGNALS[signal]} [{unit_label(units[joint])}]")
             if rows == 2:
                 grid[1, column].set_ylabel(f"difference [{unit_label(units[joint])}]")
             grid[-1, column].set_xlabel("time [s]")
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 6), frameon=False)
-        figure.suptitle(f"{SIGNALS[signal].capitalize()}, {title}", fontsize=10)
+        head(figure, f"{SIGNALS[signal].capitalize()}, {title}", fontsize=10)
         return save(figure, path)
+
+
+def head(figure: Figure | SubFigure, text: str, fontsize: float, **style: Any) -> None:
+    """Write a title above a figure, in as many lines as it takes."""
+    width = figure.bbox.width / figure.get_figure(root=True).dpi
+    figure.suptitle(in_lines(text, width, fontsize), fontsize=fontsize, **style)
+
+
+def in_lines(text: str, width: float, fontsize: float) -> str:
+    """Text in lines that are no wider than this [in], of letters that are `WIDE`; a word that is goes over several."""
+    return fill(text, max(int(INCH * width / (WIDE * fontsize)), 1), break_on_hyphens=False)
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from realitygap.missing.effort import BAND, MissingEffort
 from realitygap.missing.words import depends
 from realitygap.page.style import quantity
-from realitygap.report.draw import INK, STYLE, save
+from realitygap.report.draw import INK, STYLE, head, save
 from realitygap.robot.law.effort_map import TURNING
 from realitygap.trace.trace import Array
 
@@ -102,7 +102,7 @@ def _over_time(figure: Any, run: MissingEffort, j: int, joint: str, unit: str) -
     size, load = (np.sqrt(np.mean(v[:, j] ** 2)) for v in (run.effort, run.variables["load"]))
     text = f"{quantity(size, unit, 2)} rms, where gravity and inertia ask for {quantity(load, unit, 2)}"
     bottom.set_title(text, loc="left", fontsize=9)
-    figure.suptitle(f"{joint}: what the model lacks to follow {run.name}", fontsize=11, fontweight="bold")
+    head(figure, f"{joint}: what the model lacks to follow {run.name}", fontsize=11, fontweight="bold")
 
 
 def _part(run: MissingEffort, j: int) -> Array:

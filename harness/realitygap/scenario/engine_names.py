@@ -30,3 +30,17 @@ def engine_names(names: Sequence[str], where: str = OPTION) -> list[str]:
         if name not in engines.available():
             raise InputError(f"{where}: {name} is not installed; install it with: {engines.ENGINES[name].install}")
     return list(dict.fromkeys(names)) or engines.available()
+
+
+def given_engines(engines: str | Sequence[str] | None) -> list[str]:
+    """The engines that a program asks for; none where it leaves them out, which stands for all.
+
+    Raises:
+        InputError: for a list of none, as of a filter that nothing passed: it stands for nothing.
+    """
+    if engines is None:
+        return []
+    names = [engines] if isinstance(engines, str) else list(engines)
+    if not names:
+        raise InputError("engines: found an empty list; expected names of engines, or None for all that are installed")
+    return names

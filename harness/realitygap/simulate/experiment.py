@@ -180,7 +180,8 @@ def _prepare(
     plant = plants[id(scenario)]
     recording, notes = None, list[str]()
     if case is not None:
-        recording = read(case.path, scenario, plant.model.joint_names, file=file.path, mimics=plant.model.mimics)
+        told = {"mimics": plant.model.mimics, "limits": plant.model.limits}
+        recording = read(case.path, scenario, plant.model.joint_names, file=file.path, **told)
         check_supply(file, scenario, recording)
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)

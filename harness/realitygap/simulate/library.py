@@ -1,12 +1,11 @@
 """Simulation as a library: one motion of a scenario in one engine, and what was measured of it."""
 
 import glob
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.recording.recording import Recording
-from realitygap.scenario.added_effects import added_effects
+from realitygap.scenario.added_effects import Effect, added_effects
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, Source, load_scenario
 from realitygap.scenario.schema import EffectSpec
@@ -19,7 +18,7 @@ def simulate(
     engine: str,
     *,
     run: str | None = None,
-    effects: Sequence[EffectSpec | Mapping[str, Any]] = (),
+    effects: Effect | Sequence[Effect] = (),
     step_rate: float | None = None,
 ) -> Trace:
     """One motion of a scenario in one engine, at the full step rate and on the recording's clock.

@@ -26,6 +26,7 @@ class Cells:
         self.path = path
         self.frame = frame
         self.request = request
+        self.dated = False
 
     def _time(self, name: str) -> Array:
         """A column of numbers or dates as times [s], of dates from the first one."""
@@ -34,6 +35,7 @@ class Cells:
             column = self.frame[name]
             if (dates := seconds(column)) is not None:
                 self._check_parsed(name, column, np.isnan(dates), DATES)
+                self.dated = True
                 return dates
         return self._column(name, "time", DATES) * SECONDS[self.request.recordings.columns.units.time]
 

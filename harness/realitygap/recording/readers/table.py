@@ -70,6 +70,7 @@ def read(path: Path, request: Request) -> Streams:
             note for note, told in ((APART, apart), (f"{back} rows came out of order and were sorted", back)) if told
         ),
         dropped=tuple(dict.fromkeys(dropped)),
+        dated=table.dated,
     )
 
 
