@@ -51,20 +51,32 @@ WAVES = (((0.4, 0.2), (0.1, 0.7)), ((0.3, 0.5), (0.1, 1.7), (0.04, 3.1)))
 """Amplitudes [rad] and frequencies [Hz]."""
 
 
+TORQUE = 20.0
+"""N·m for each of what is a radian of a position."""
+
+
 def recorded(folder: Path, servo: Mapping[str, Any], *missing: EffectSpec) -> Problem:
-    """The joint with a servo, and recordings of it with what is missing."""
+    """The joint with a servo, which is told angles or, of the kind `effort`, torques, and recordings of it with what is
+    missing.
+    """
     folder.mkdir(exist_ok=True)
     scenario = deepcopy(SCENARIO) | {"servos": [{"joints": "*"} | dict(servo)]}
+    told, scale = SCENARIO["motion"], 1.0
+    if servo["kind"] == "effort":
+        told, scale = {"recorded": "command", "as": "effort"}, TORQUE
+    scenario["motion"] = told
     team = Team(["lift"], {"robot.urdf": LINK}, scenario)
     (folder / "robot.urdf").write_text(LINK)
     plant = place(build_plant(ScenarioFile(folder / "s.yaml", validate(folder, Scenario, scenario), scenario)), missing)
     rng, time = np.random.default_rng(3), np.arange(1000) / 250.0
-    for k, command in enumerate(courses(time)):
-        start = start_state(plant, command[0])
+    for k, course in enumerate(courses(time)):
+        command = scale * course
+        start = start_state(plant, course[0])
         with engines.load("mujoco").open(plant.machine(), Physics(1e-3)) as simulation:
             trace = Signals(rollout(simulation, plant, Commands(time, command), start, time[-1]).trace.at(time))
         noise = rng.standard_normal((3, len(time), 1))
         position = np.round(trace.position / 2e-5 + 0.3 * noise[0]) * 2e-5
         velocity, effort = trace.velocity + 3e-3 * noise[1], trace.effort + 0.3 * noise[2]
         team.tables[str(k)] = Table(time, command, position, velocity, effort)
-    return build_problem(load_scenario(team.write(folder)), "mujoco")
+    file = load_scenario(team.write(folder))
+    return build_problem(file.override({"motion": told}), "mujoco")

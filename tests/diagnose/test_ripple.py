@@ -1,13 +1,21 @@
 """Periods of a ripple are told from the residual over the angle, as far as its samples resolve them."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from demo_problem import suspect_of
 from realitygap.diagnose.candidates.ripple import ORDINARY, PEAKS, periods_of, power, resolved
 from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.fit.demanded import demanded
+from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
+from realitygap.scenario.schema import EffectSpec
+from recorded_joint import recorded
 
 TIME = np.arange(0.0, 8.0, 0.002)
 
@@ -113,3 +121,20 @@ def test_a_ripple_is_none_where_no_motion_saw_a_period_of_it(name: str, problem:
     assert plant.travelled[elbow] == max(np.ptp(a[np.isfinite(a)]) for a in train)
     plant = replace(plant, travelled=None)
     assert effect.absurd(plant, elbow, first | {"periods": 0.5}) is None
+
+
+def test_a_ripple_of_a_motor_that_is_told_torques_shows_in_the_acceleration(tmp_path: Path) -> None:
+    """Angles and speeds drift away from where nothing leads the joint back, and tell slow waves."""
+    servo = {"kind": "effort", "armature": 0.2, "friction": {"coulomb": 0.2, "viscous": 0.5}}
+    ripple = EffectSpec(effect="torque_ripple", target="*", amplitude=0.6, periods=11.0, phase=0.4)
+    problem = recorded(tmp_path, servo, ripple)
+    problem = replace(problem, cases=tuple(replace(c, noise=_without_effort(c.noise)) for c in problem.cases))
+    with Simulations(problem, 2) as simulations:
+        yardstick = Yardstick(simulations, [])
+        nothing = Fit((), demanded(simulations, (), yardstick.train))
+        blocks = yardstick.responses(nothing, [suspect_of(problem, "torque_ripple", "lift")])
+    assert min(abs(b.start.tries[0].parameters["periods"] - 11.0) for b in blocks) < 0.5
+
+
+def _without_effort(noise: dict[str, Array]) -> dict[str, Array]:
+    return {signal: value for signal, value in noise.items() if signal != "effort"}

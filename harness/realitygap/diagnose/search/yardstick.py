@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from realitygap.diagnose.likelihood.whitening import channels, facts, spans
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.imperfections import SHARE, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import linear_at
-from realitygap.robot.drive import Array
+from realitygap.robot.drive import EFFORT, Array
 
 PROMISING = 3.0
 """What the softest spring of a joint promises in evidence, at least, for softer ones to be tried: odds of 20 : 1."""
@@ -290,13 +290,27 @@ class Yardstick:
         return any(change.absurd(self.problem.plant) for change in found.fit.changes)
 
     def _of_joint(self, at: Fit, suspect: Suspect) -> list[Array]:
-        """The residual of a suspect's joint in floors, by training motion: (t, signals)."""
+        """The residual of a suspect's joint in floors, by training motion, for what shows in a spectrum: (t, signals).
+
+        Where efforts are told nothing leads a joint back, and what an effort does adds up twice: it shows in the
+        acceleration, of which the slow rest of the motion has little.
+        """
         if not single(suspect):
             return []
-        column = int(np.sum(self.problem.judged[: suspect.indices[0]]))
-        out: dict[int, list[Array]] = {}
+        joint = suspect.indices[0]
+        column, driven = int(np.sum(self.problem.judged[:joint])), self.problem.plant.drive["meaning"][joint] != EFFORT
+        out: dict[int, dict[str, Array]] = {}
         for channel, span in spans(self.channels):
             if channel.signal in JOINT_SIGNALS and channel.column == column:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
-                out.setdefault(channel.case, []).append(at.residual[span] / floor)
-        return [np.column_stack(out[c]) for c in self.train if c in out]
+                out.setdefault(channel.case, {})[channel.signal] = at.residual[span] / floor
+        seen = [out[c] for c in self.train if c in out]
+        return [np.column_stack(list(of.values() if driven else _accelerations(of))) for of in seen]
+
+
+def _accelerations(of: Mapping[str, Array]) -> list[Array]:
+    """Residuals of a joint's signals at even stamps, with that of its motion as acceleration, up to a factor."""
+    effort = [of["effort"]] if "effort" in of else []
+    if "velocity" in of:
+        return [np.gradient(of["velocity"]), *effort]
+    return [np.gradient(np.gradient(of["position"])), *effort] if "position" in of else effort
