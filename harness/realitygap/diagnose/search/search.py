@@ -196,7 +196,8 @@ def _along(
     ordinary = Patience.of(int(measured.judged.sum()), None, 0.0)
     with Simulations(measured, workers=1) as following:
         say("along the measured motion")
-        both = [s for s in suspects(measured) if s in set(everyone)]
+        allowed = set(everyone)
+        both = [s for s in suspects(measured) if s in allowed]
         found = search(following, both, (), say, replace(patience, steps=ordinary.steps))
     named = [c for c in found.best.fit.changes if c.suspect.table is None]
     new = [c for c in named if not any(clash(c.suspect, t.suspect) for t in nothing.changes)]
