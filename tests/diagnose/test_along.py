@@ -7,6 +7,7 @@ import pytest
 from demo_problem import DEMO, demo_problem, planted, suspect_of
 from numpy.testing import assert_allclose
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.along import along_the_motion
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
@@ -73,6 +74,32 @@ def test_what_single_runs_set_of_their_servos_is_no_hindrance() -> None:
     coulomb = {c.name: c.experiment.plant.drive["coulomb"][0] for c in found.cases}
     assert coulomb["sines_1_rep1"] == 0.5
     assert coulomb["triangle_1"] == 0.2756
+
+
+def test_what_a_scenario_states_stands_there_too_but_for_what_no_followed_motion_shows() -> None:
+    """An unnamed effort over the speed, friction that excludes the servo's, and a gain; none over the error."""
+    table = {
+        "effect": "effort_map",
+        "target": "elbow",
+        "variables": ["speed"],
+        "knots": [[-1.0, 1.0]],
+        "values": [-0.2, 0.2],
+    }
+    friction = {"effect": "stribeck_friction", "target": "elbow", "static": 0.5, "coulomb": 0.3, "velocity": 0.2}
+    gain = {"effect": "controller_gain", "target": "*", "gain": 4.0}
+    file = load_scenario(DEMO).override({"effects": [table, friction, gain]})
+    for case in followed(build_problem(file, "mujoco")).cases:
+        plant = case.experiment.plant
+        assert len(plant.maps) == 1
+        assert plant.drive["coulomb"].tolist() == [0.2756, 0.3]
+    over_error = file.override({"effects": [table | {"variables": ["error"]}]})
+    assert along_the_motion(build_problem(over_error, "mujoco")) is None
+
+
+def test_the_constant_of_a_motor_is_not_told_by_an_effort_that_was_told_as_one() -> None:
+    problem = build_problem(load_scenario(DEMO).override({"recordings.effort": {"measures": "motor"}}), "mujoco")
+    assert "torque_constant" in {s.effect for s in suspects(problem)}
+    assert "torque_constant" not in {s.effect for s in suspects(followed(problem))}
 
 
 @pytest.mark.parametrize("missing", [2.0, 0.0])

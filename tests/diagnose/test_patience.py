@@ -53,3 +53,9 @@ def test_minutes_that_are_asked_for_are_of_the_clock() -> None:
     now = time.monotonic()
     assert not Patience.of(6, 1.0, now).over(1e30)
     assert Patience.of(6, 1.0, now - 61.0).over(0.0)
+
+
+def test_a_part_of_the_time_that_is_left_may_go_into_the_beginning() -> None:
+    now = time.monotonic()
+    assert Patience(1e6, now + 30.0).part(1 / 3, 5.0).until == pytest.approx(now + 10.0, abs=0.5)
+    assert FOREVER.part(1 / 3, 5.0) == Patience(5.0)

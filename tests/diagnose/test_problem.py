@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 from realitygap.compare.comparison import motions_of
 from realitygap.diagnose.data.case import cases_of
-from realitygap.diagnose.data.problem import build_problem, reached
+from realitygap.diagnose.data.problem import build_problem, exerted, reached
 from realitygap.robot.effects.joint import AMPLE, effort_scale
 from realitygap.scenario.file import ScenarioFile, load_scenario
+from recorded_joint import recorded
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
 
@@ -36,6 +37,13 @@ def test_a_joint_is_not_rated_for_far_more_than_it_was_seen_to_give() -> None:
         assert effort_scale(plant, 0) == rated
     plant.exerted = None
     assert effort_scale(plant, 0) == 15.0
+
+
+def test_what_a_motor_is_told_is_in_the_unit_of_its_gain(tmp_path: Path) -> None:
+    problem = recorded(tmp_path, {"kind": "effort", "gain": 3.0})
+    silent = tuple(replace(c, noise={k: v for k, v in c.noise.items() if k != "effort"}) for c in problem.cases)
+    told = max(float(np.abs(c.experiment.commands.value).max()) for c in silent)
+    assert np.allclose(exerted(silent), [3.0 * told])
 
 
 def _most(file: ScenarioFile, joint: int) -> float:

@@ -116,6 +116,16 @@ def test_steps_across_the_end_of_a_turn_go_on(position: bool, command: bool, low
     np.testing.assert_allclose(trace.command[:, 0], asked + whole, atol=1e-9)
 
 
+@pytest.mark.parametrize("decimals", [2, 3, 4, 6])
+def test_a_rounded_command_across_the_end_of_a_turn_goes_on(decimals: int, tmp_path: Path) -> None:
+    """Rounded, it reaches further than a turn by some of its last digits."""
+    asked = np.interp(TIME, [0.0, 2.0, 2.5, 4.0], [2.5, np.pi - 1e-5, np.pi + 1e-5, 4.2])
+    inside = np.round(np.mod(asked + np.pi, TURN) - np.pi, decimals)
+    trace = Signals(read(tmp_path, inside, inside).trace)
+    np.testing.assert_allclose(trace.position[:, 0], asked, atol=10.0**-decimals)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=10.0**-decimals)
+
+
 def test_a_long_step_within_a_turn_stays_so(tmp_path: Path) -> None:
     """By more than half a turn, in an encoder's range, of a joint that passes the end of it later."""
     q, asked = stepping(0.5, 5.5, 0.6, 5.0, 6.1, 6.6)

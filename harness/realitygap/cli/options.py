@@ -38,7 +38,7 @@ Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker pr
 
 def folder_for(out: Path | None, name: str = "", command: str | None = None) -> Path:
     """The folder to write to, checked before the work: `--out`, or one below results/runs; with a `command`, also that
-    it holds nothing but an earlier result of this one under the names that it writes.
+    it holds no manifest, table or page but of an earlier result of this one.
 
     What a command left there that was killed is removed, or, where it was whole, put in its place.
     """

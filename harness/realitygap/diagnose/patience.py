@@ -55,6 +55,11 @@ class Patience:
         """The same beside a round of so many steps that gained so much evidence over what was explained before."""
         return replace(self, steps=self.steps + steps) if gained > AGAIN * explained else self
 
+    def part(self, share: float, steps: float) -> Patience:
+        """For so many steps, and this share of the time that is left."""
+        now = time.monotonic()
+        return Patience(steps, now + share * (self.until - now))
+
     def over(self, steps: float) -> bool:
         """Whether so many steps, or the time, are enough."""
         return steps > self.steps or time.monotonic() > self.until

@@ -38,7 +38,7 @@ def held_scenario(folder: Path) -> str | None:
 
 def check_free(folder: Path, command: str, option: str = "--out") -> None:
     """Make sure that a folder holds nothing that a command would write over: no other command's result, as each writes
-    its own page, and no file of somebody else's under a name that it writes.
+    its own page, and no manifest, table or page of somebody else's.
 
     Raises:
         InputError: where it does.

@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from realitygap.init.probe import Contents, JointStream
@@ -137,7 +138,7 @@ def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Rol
         values, measured = stream.signals["position"], state.signals["position"]
         if values.shape[1] > measured.shape[1] or NOT_POSITION.search(stream.topic):
             continue
-        both = (state.time >= stream.time[0]) & (state.time <= stream.time[-1])
+        both = _shared(stream, state)
         if both.sum() < 2:
             continue
         asked = held_at(stream.time, values, state.time[both])
@@ -150,16 +151,21 @@ def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Rol
     return None
 
 
+def _shared(stream: JointStream, state: JointStream) -> NDArray[np.bool_]:
+    """The samples of a state from the time that a stream has values of. Shape (t,)."""
+    return np.asarray((state.time >= stream.time[0]) & (state.time <= stream.time[-1]))
+
+
 def unfit_commands(contents: Contents, state: JointStream) -> dict[str, str]:
     """Why topics that are commands by their names, and whose values name no joints, are none for those of a state, and
     how a scenario takes them, by topic.
     """
     out = {}
     for stream in contents.unnamed:
-        if not COMMAND.search(stream.topic):
-            continue
         count, joints = stream.signals["position"].shape[1], state.joints
-        if count == len(joints):
+        if not COMMAND.search(stream.topic) or (count == len(joints) and NOT_POSITION.search(stream.topic)):
+            continue
+        if _shared(stream, state).sum() < 2:
             out[stream.topic] = "it has no values from the time in which the joints were measured"
             continue
         named = [*joints, *(["NAME"] * (count - len(joints)))] if count > len(joints) else joints[:count]

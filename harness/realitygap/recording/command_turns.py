@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.recording.commands import held_at
-from realitygap.recording.turns import ABOUT, LEEWAY, ROUNDED, TURN
+from realitygap.recording.turns import ABOUT, LEEWAY, TURN
 from realitygap.trace.trace import Array, Trace
 
 
@@ -36,7 +36,7 @@ def command_without_turns(
             continue
         asked = command[known, j]
         jumps = 1 + np.flatnonzero(np.abs(np.diff(asked)) > ABOUT)
-        if np.ptp(asked) > TURN + ROUNDED:
+        if np.ptp(asked) > TURN + ABOUT:
             jumps = jumps[:0]
         held = held_at(time, command[:, j], trace.time)
         there = np.isfinite(held) & np.isfinite(trace.position[:, j])

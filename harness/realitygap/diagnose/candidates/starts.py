@@ -111,6 +111,7 @@ class Start:
             total = max(sum(amounts), LIGHTEST)
             shares = [(a, t.parameters) for a, t in zip(amounts, self.tries, strict=True)]
             place = {n: sum(a * at[n] for a, at in shares) / total for n in self.first.free if n != weight}
+            place = {n: float(np.clip(value, *self._within(n))) for n, value in place.items()}
             return self.first.at({weight: total * self.tries[0].parameters[weight], **place})
         for k, amount in enumerate(amounts):
             for name in self.moved(k):

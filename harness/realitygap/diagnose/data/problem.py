@@ -17,7 +17,7 @@ from realitygap.diagnose.data.split import split
 from realitygap.diagnose.data.windowed import windowed
 from realitygap.files.errors import InputError
 from realitygap.recording.frames import rotation_vector
-from realitygap.robot.drive import EFFORT, Array
+from realitygap.robot.drive import EFFORT, TORQUE, Array
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile
@@ -147,7 +147,8 @@ def _effort(case: Case) -> Array:
     commands, drive = case.experiment.commands.value, case.experiment.plant.drive
     if "effort" in case.noise:
         return np.abs(case.value("effort"))
-    return np.where(drive["meaning"] == EFFORT, np.abs(commands), np.nan)
+    gain = np.where(drive["kind"] == TORQUE, drive["gain"], 1.0)
+    return np.where(drive["meaning"] == EFFORT, np.abs(gain * commands), np.nan)
 
 
 def _speed(case: Case) -> Array:

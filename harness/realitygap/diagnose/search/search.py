@@ -32,9 +32,12 @@ from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
 from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.files.errors import InputError
 
 LIKELY = 80
 """Suspects that a round looks at again: those that promised most in the one before; all, where none of them helps."""
+AHEAD = 1 / 3
+"""The most of the time that goes into where to begin: on a slow machine simulations have the rest."""
 ROUNDS = 30
 """Rounds at most: more findings than this no page could show."""
 
@@ -190,15 +193,17 @@ def _along(
     """Where to begin: at what explains the measured effort along the measured motion, where that helps a simulation as
     well, and else at the scenario's own model. What is not needed there is dropped as anything else.
     """
-    measured = along_the_motion(simulations.problem)
-    if measured is None:
+    measured, allowed = along_the_motion(simulations.problem), set(everyone)
+    both = [] if measured is None else [s for s in suspects(measured) if s in allowed]
+    if measured is None or not both:
         return nothing
     ordinary = Patience.of(int(measured.judged.sum()), None, 0.0)
+    say("along the measured motion")
     with Simulations(measured, workers=1) as following:
-        say("along the measured motion")
-        allowed = set(everyone)
-        both = [s for s in suspects(measured) if s in allowed]
-        found = search(following, both, (), say, replace(patience, steps=ordinary.steps))
+        try:
+            found = search(following, both, (), say, patience.part(AHEAD, ordinary.steps))
+        except InputError:  # what is followed cannot be told, and what is driven can
+            return nothing
     named = [c for c in found.best.fit.changes if c.suspect.table is None]
     new = [c for c in named if not any(clash(c.suspect, t.suspect) for t in nothing.changes)]
     yardstick = Yardstick(simulations, nothing.changes)

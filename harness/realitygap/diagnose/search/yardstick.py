@@ -300,17 +300,21 @@ class Yardstick:
         joint = suspect.indices[0]
         column, driven = int(np.sum(self.problem.judged[:joint])), self.problem.plant.drive["meaning"][joint] != EFFORT
         out: dict[int, dict[str, Array]] = {}
+        stamps: dict[int, Array] = {}
         for channel, span in spans(self.channels):
             if channel.signal in JOINT_SIGNALS and channel.column == column:
                 floor = max(float(np.hypot(channel.noise, np.median(channel.slow))), 1e-12)
                 out.setdefault(channel.case, {})[channel.signal] = at.residual[span] / floor
-        seen = [out[c] for c in self.train if c in out]
-        return [np.column_stack(list(of.values() if driven else _accelerations(of))) for of in seen]
+                stamps[channel.case] = channel.time
+        seen = [out[c] if driven else _accelerations(stamps[c], out[c]) for c in self.train if c in out]
+        return [np.column_stack(list(of.values())) for of in seen]
 
 
-def _accelerations(of: Mapping[str, Array]) -> list[Array]:
-    """Residuals of a joint's signals at even stamps, with that of its motion as acceleration, up to a factor."""
-    effort = [of["effort"]] if "effort" in of else []
+def _accelerations(time: Array, of: Mapping[str, Array]) -> dict[str, Array]:
+    """Residuals of a joint's signals (t,), with that of its motion as acceleration."""
+    effort = {"effort": of["effort"]} if "effort" in of else {}
     if "velocity" in of:
-        return [np.gradient(of["velocity"]), *effort]
-    return [np.gradient(np.gradient(of["position"])), *effort] if "position" in of else effort
+        return {"acceleration": np.gradient(of["velocity"], time), **effort}
+    if "position" in of:
+        return {"acceleration": np.gradient(np.gradient(of["position"], time), time), **effort}
+    return effort

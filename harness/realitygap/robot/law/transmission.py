@@ -67,7 +67,8 @@ def spring(d, s, q, w, inertia, h):  # type: ignore[no-untyped-def]
 def foreseen(d, s, w, inertia, h):  # type: ignore[no-untyped-def]
     """The speed of a link after the step if its rotor lets go: accelerated as before, but for what the rotor gave.
 
-    A rotor that a motor drives on is no reason to hold a link that runs away from it faster.
+    A rotor that a motor drives on is no reason to hold a link that runs away from it faster. What stops a link at once,
+    as the ground, is no acceleration that goes on: a rotor lands where its link's speed before the step says so, too.
     """
     if s.begun < 2:
         return w
@@ -92,7 +93,9 @@ def backlash(d, s, q, w, change, inertia, h):  # type: ignore[no-untyped-def]
             give = d.give_damping * late
         free = slowed(s.momentum - h * (base - give * w), h * s.bound) / (s.mass + h * give)
         twist = s.rotor - q
-        after = twist + h * (free - foreseen(d, s, w, inertia, h))
+        after, later = twist + h * (free - w), twist + h * (free - foreseen(d, s, w, inertia, h))
+        if abs(later) < abs(after):
+            after = later
         if abs(after) < 0.5 * d.backlash:
             coupled(s, base, give, w, h)
             return 0.0
