@@ -217,7 +217,7 @@ def _elsewhere(problem: Problem, first: Change, known: tuple[tuple[str, float], 
     """A spring that rests anywhere: one at zero, and one as far away as its joint moved.
 
     By its stiffness alone one that rests elsewhere hardly shows: of 2 N·m/rad about 0.5 rad it promised 3 in evidence
-    where both promise 87, and another centre of mass had the name.
+    where both promise 292, and another centre of mass had the name.
     """
     moved = problem.plant.travelled
     away = 0.0 if moved is None else float(moved[first.suspect.indices[0]])

@@ -44,8 +44,8 @@ def along_the_motion(problem: Problem) -> Problem | None:
     except InputError:  # as where a link comes to the ground
         return None
     followed, plant = ways[_robot(scenario)]
-    known = problem.plant
-    plant.reached, plant.travelled, plant.exerted = known.reached, known.travelled, known.exerted
+    driven = problem.plant
+    plant.reached, plant.travelled, plant.exerted = driven.reached, driven.travelled, driven.exerted
     file = ScenarioFile(problem.file.path, followed, problem.file.raw)
     return replace(problem, file=file, plant=plant, cases=cases, split="", notes=())
 
