@@ -22,7 +22,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.robot.drive import Array
 from realitygap.scenario.file import load_scenario
 
@@ -84,7 +84,7 @@ def fit_here(problem: Problem) -> dict[str, float]:
     """The parameters as a diagnosis fits them."""
     known = {s.effect: s for s in suspects(problem)}
     with Simulations(problem, 1) as simulations:
-        found = Yardstick(simulations, []).fit([guess(problem, known[effect]) for effect, _ in EFFECTS.values()])
+        found = Criterion(simulations, []).fit([guess(problem, known[effect]) for effect, _ in EFFECTS.values()])
     assert found is not None
     values = {(c.suspect.effect, name): value for c in found.fit.changes for name, value in c.parameters.items()}
     return {name: values[effect] for name, effect in EFFECTS.items()}

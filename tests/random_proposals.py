@@ -21,7 +21,7 @@ from realitygap.diagnose.propose.files import write_motion
 from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import design
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.files.errors import InputError
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.propose import ProposeSpec
@@ -147,13 +147,13 @@ def left(seed: int, folder: Path, engines: Sequence[str], standing: bool = False
     problem = build_problem(load_scenario(scenario(random, folder, standing)), "mujoco")
     spec = problem.file.scenario.propose or ProposeSpec()
     with Simulations(problem, 1) as simulations:
-        yardstick = Yardstick(simulations, ())
+        criterion = Criterion(simulations, ())
         explanations = []
         for changes in rivals(problem, random):
             fixed = tuple(Change(c.suspect, c.values, ()) for c in changes)
-            now = residual(simulations, fixed, yardstick.train)
+            now = residual(simulations, fixed, criterion.train)
             if now is not None and np.isfinite(now).all():
-                explanations.append(yardstick.plain(Fit(fixed, now)))
+                explanations.append(criterion.plain(Fit(fixed, now)))
         floors = measure(simulations, ())
     labels = [str(e.fit.changes[0].suspect) if e.fit.changes else "nothing" for e in explanations]
     targets = tuple(c.suspect for e in explanations for c in e.fit.changes)

@@ -16,9 +16,9 @@ from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.worsened import Worsened, in_units
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import write_story
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 
 FRICTION = Suspect("coulomb_friction", "elbow", (1,))
 VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (1.0, 1.0), "unexplained": (9.0, 9.0)}
@@ -30,26 +30,26 @@ def judged_demo() -> Any:
     problem = demo_problem()
     change = Change(FRICTION, (("torque", 0.6447), ("onset", 0.0)), ("torque",))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [change])
-        still, done = residual(simulations, [], yardstick.train), yardstick.fit([change])
+        criterion = Criterion(simulations, [change])
+        still, done = residual(simulations, [], criterion.train), criterion.fit([change])
         assert still is not None
         assert done is not None
-        base = yardstick.score(Fit((), still))
+        base = criterion.score(Fit((), still))
         every = range(len(problem.cases))
         signals = [dict(enumerate(simulations.of(c, every))) for c in (list[Change](), done.fit.changes)]
-    return problem, yardstick, base, done, *signals
+    return problem, criterion, base, done, *signals
 
 
 def told_as(judged: Any, verdict: str) -> Diagnosis:
     """The diagnosis that has a verdict; the costs are invented, everything else is not."""
-    problem, yardstick, base, done, before, after = judged
-    floors = yardstick.floors
+    problem, criterion, base, done, before, after = judged
+    floors = criterion.floors
     was, left = (dict.fromkeys(range(len(problem.cases)), cost) for cost in VERDICTS[verdict])
     named = verdict in ("explained", "partly explained")
     best = done if named else base
     rival = Rival(Suspect("viscous_friction", "elbow", (1,)), done, 0.4, 0.6)
     gains, rivals = {FRICTION: 41.0}, {FRICTION: [rival]}
-    found = Found(base, best, best, 6.0, {FRICTION: 6.0}, floors, yardstick, gains=gains, rivals=rivals)
+    found = Found(base, best, best, 6.0, {FRICTION: 6.0}, floors, criterion, gains=gains, rivals=rivals)
     gain = Change(Suspect("controller_gain", "elbow", (1,)), (("gain", 4.0),), ("gain",))
     result = Diagnosis(
         problem=problem,

@@ -15,10 +15,10 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.adjust import _seen, adjusted
 from realitygap.diagnose.judge.gaps import held_out_gap, shown
 from realitygap.diagnose.judge.steps import steps
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.linear import Promise
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
 
 GAIN = 5.048
@@ -29,13 +29,13 @@ def found_in(simulations: Simulations) -> Found:
     """The missing friction, and what stands beside it."""
     problem = simulations.problem
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    yardstick = Yardstick(simulations, [friction])
-    still, best = residual(simulations, [], yardstick.train), yardstick.fit([friction])
+    criterion = Criterion(simulations, [friction])
+    still, best = residual(simulations, [], criterion.train), criterion.fit([friction])
     assert still is not None
     assert best is not None
     beside = [suspect_of(problem, e, j) for e in ("controller_gain", "viscous_friction") for j in ("shoulder", "elbow")]
-    blocks = yardstick.responses(best.fit, beside)
-    return Found(yardstick.score(Fit((), still)), best, best, 6.0, {}, yardstick.floors, yardstick, blocks=blocks)
+    blocks = criterion.responses(best.fit, beside)
+    return Found(criterion.score(Fit((), still)), best, best, 6.0, {}, criterion.floors, criterion, blocks=blocks)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def off(simulations: Simulations) -> Iterator[Found]:
 
 
 def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(off: Found) -> None:
-    simulations, (friction,) = off.yardstick.simulations, off.best.fit.changes
+    simulations, (friction,) = off.criterion.simulations, off.best.fit.changes
     done = adjusted(simulations, off, [])
     gains = [c for c in done.best.fit.changes if c.suspect in done.adjusted]
     assert [(c.suspect.effect, c.suspect.target) for c in gains] == [
@@ -72,29 +72,29 @@ def test_what_laws_are_off_by_is_told_beside_the_findings_and_narrows_the_gap(of
 
 def test_the_mended_models_values_are_fitted_as_if_laws_were_exact(off: Found, monkeypatch: pytest.MonkeyPatch) -> None:
     """As those of the findings are: a model that was compared has its evidence at its best, with values drawn away."""
-    cares, fit = list[Care](), Yardstick.fit
+    cares, fit = list[Care](), Criterion.fit
 
     def told(
-        self: Yardstick, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole"
+        self: Criterion, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole"
     ) -> Scored | None:
         cares.append(care)
         return fit(self, changes, known, care)
 
-    monkeypatch.setattr(Yardstick, "fit", told)
-    assert adjusted(off.yardstick.simulations, off, []).adjusted
+    monkeypatch.setattr(Criterion, "fit", told)
+    assert adjusted(off.criterion.simulations, off, []).adjusted
     assert cares[-1] == "whole"
 
 
 def test_what_was_refused_is_not_adjusted(off: Found) -> None:
-    simulations = off.yardstick.simulations
-    shoulder = suspect_of(off.yardstick.problem, "controller_gain", "shoulder")
+    simulations = off.criterion.simulations
+    shoulder = suspect_of(off.criterion.problem, "controller_gain", "shoulder")
     assert shoulder not in adjusted(simulations, off, [shoulder]).adjusted
 
 
 def test_what_was_left_out_in_the_end_is_adjusted_where_no_straight_line_leads_there(off: Found) -> None:
-    simulations, problem = off.yardstick.simulations, off.yardstick.problem
+    simulations, problem = off.criterion.simulations, off.criterion.problem
     left_out = [suspect_of(problem, "controller_gain", j) for j in ("shoulder", "elbow")]
-    fuller = off.yardstick.fit([*off.best.fit.changes, *(guess(problem, s) for s in left_out)])
+    fuller = off.criterion.fit([*off.best.fit.changes, *(guess(problem, s) for s in left_out)])
     assert fuller is not None
     found = replace(off, blocks=(), fuller=fuller)
     done = adjusted(simulations, found, [])
@@ -107,12 +107,12 @@ def test_what_was_left_out_in_the_end_is_adjusted_where_no_straight_line_leads_t
 
 def test_beside_what_was_left_out_is_adjusted_what_straight_lines_say_there(off: Found) -> None:
     """One gain was found and left out; the other one is what lines from there lead to."""
-    shoulder, elbow = (suspect_of(off.yardstick.problem, "controller_gain", j) for j in ("shoulder", "elbow"))
-    fuller = off.yardstick.fit([*off.best.fit.changes, guess(off.yardstick.problem, elbow)])
+    shoulder, elbow = (suspect_of(off.criterion.problem, "controller_gain", j) for j in ("shoulder", "elbow"))
+    fuller = off.criterion.fit([*off.best.fit.changes, guess(off.criterion.problem, elbow)])
     assert fuller is not None
     own = [b for b in off.blocks if b.suspect == shoulder]
     found = replace(off, blocks=own, fuller=fuller)
-    done = adjusted(off.yardstick.simulations, found, [])
+    done = adjusted(off.criterion.simulations, found, [])
     assert {c.suspect for c in done.best.fit.changes if c.suspect in done.adjusted} == {shoulder, elbow}
 
 
@@ -125,7 +125,7 @@ def test_what_answers_nothing_is_not_fitted(problem: Problem, simulations: Simul
     tilt = suspect_of(problem, "base_tilt", "base")
     still = residual(simulations, [], problem.of("train"))
     assert still is not None
-    (block, *_) = Yardstick(simulations, []).responses(Fit((), still), [tilt])
+    (block, *_) = Criterion(simulations, []).responses(Fit((), still), [tilt])
     assert _seen(Promise(block, (0.1, 0.2), 9.0)).free == ("roll", "pitch")
     deaf = block.columns.copy()
     deaf[:, 0] *= 1e-9

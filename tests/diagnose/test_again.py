@@ -13,8 +13,8 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge import again
 from realitygap.diagnose.judge.again import told_after_all
 from realitygap.diagnose.judge.ordinary import all_done
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @pytest.mark.parametrize("there", [True, False], ids=["missing", "not missing"])
@@ -24,14 +24,14 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
     viscous = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 0.4})
     problem = planted(dry, viscous) if there else planted(dry)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [dry, viscous])
-        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry, viscous])
+        criterion = Criterion(simulations, [dry, viscous])
+        still, best = residual(simulations, [], criterion.train), criterion.fit([dry, viscous])
         assert still is not None
         assert best is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
-        best = yardstick.score(best.fit)
-        base, cautious, s = yardstick.score(Fit((), still)), yardstick.cautious(best.fit), viscous.suspect
-        found = Found(base, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(s,))
+        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        best = criterion.score(best.fit)
+        base, cautious, s = criterion.score(Fit((), still)), criterion.cautious(best.fit), viscous.suspect
+        found = Found(base, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(s,))
         assert told_after_all(simulations, replace(found, adjusted=()), {}).gains == {}, "nothing is adjusted"
         beaten = replace(found, beaten=(s,))
         assert told_after_all(simulations, beaten, {}) is beaten, "an unnamed effort explains that better"
@@ -55,16 +55,16 @@ def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_
     dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
     problem = planted(dry)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [dry])
-        still, best = residual(simulations, [], yardstick.train), yardstick.fit([dry])
+        criterion = Criterion(simulations, [dry])
+        still, best = residual(simulations, [], criterion.train), criterion.fit([dry])
         assert still is not None
         assert best is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect]))
-        base, best = yardstick.score(Fit((), still)), yardstick.score(best.fit)
-        cautious = yardstick.cautious(best.fit)
-        found = Found(base, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(dry.suspect,))
+        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect]))
+        base, best = criterion.score(Fit((), still)), criterion.score(best.fit)
+        cautious = criterion.cautious(best.fit)
+        found = Found(base, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
         does = all_done(simulations, found)[dry.suspect]
-        monkeypatch.setattr(Yardstick, "typical", lambda *_: does.whole / whole)
+        monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / whole)
         told = told_after_all(simulations, found, {})
     assert does.whole > 10.0, "it is plain to see"
     assert told.adjusted == (() if named else (dry.suspect,))
@@ -78,17 +78,17 @@ def test_what_other_values_may_take_over_is_no_more_than_laws_are_off_by(monkeyp
     viscous = guess(bare, suspect_of(bare, "viscous_friction", "elbow")).at({"coefficient": 0.4})
     problem = planted(dry, load, viscous)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [dry, load, viscous])
-        best, without = yardstick.fit([dry, load, viscous]), yardstick.fit([load, viscous])
+        criterion = Criterion(simulations, [dry, load, viscous])
+        best, without = criterion.fit([dry, load, viscous]), criterion.fit([load, viscous])
         assert best is not None
         assert without is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect, load.suspect, viscous.suspect]))
-        best, without = yardstick.score(best.fit), yardstick.score(without.fit)
-        cautious = yardstick.cautious(best.fit)
-        found = Found(without, best, cautious, 6.0, {}, yardstick.floors, yardstick, adjusted=(dry.suspect,))
+        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect, load.suspect, viscous.suspect]))
+        best, without = criterion.score(best.fit), criterion.score(without.fit)
+        cautious = criterion.cautious(best.fit)
+        found = Found(without, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
         does = all_done(simulations, found)[dry.suspect]
-        apart = float(np.linalg.norm(yardstick.stood(without.fit.residual - best.fit.residual)))
-        monkeypatch.setattr(Yardstick, "typical", lambda *_: does.whole / 2.2)
+        apart = float(np.linalg.norm(criterion.stood(without.fit.residual - best.fit.residual)))
+        monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / 2.2)
         told = told_after_all(simulations, found, {})
     assert apart < 0.6 * does.whole
     assert best.evidence - without.evidence > 20.0, "it is plain to see"
@@ -108,17 +108,17 @@ def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(
     viscous = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 0.4})
     problem = planted(dry, viscous)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [dry, viscous])
-        best = yardstick.fit([dry, viscous])
+        criterion = Criterion(simulations, [dry, viscous])
+        best = criterion.fit([dry, viscous])
         assert best is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, [dry.suspect, viscous.suspect]))
-        best = yardstick.score(best.fit)
-        cautious, s = yardstick.cautious(best.fit), viscous.suspect
+        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect, viscous.suspect]))
+        best = criterion.score(best.fit)
+        cautious, s = criterion.cautious(best.fit), viscous.suspect
         of = np.array([best.fit.changes[i].suspect == s for i, _ in best.fit.names])
         if errors is not None:
             cautious = replace(cautious, away=np.where(of, np.abs(best.fit.value / best.fit.size) / errors, 0.0))
         gains = dict.fromkeys((dry.suspect, s), 500.0)
-        found = Found(best, best, cautious, 6.0, {s: 6.0}, yardstick.floors, yardstick, gains=gains)
+        found = Found(best, best, cautious, 6.0, {s: 6.0}, criterion.floors, criterion, gains=gains)
         told, untold = again.untold_after_all(simulations, found, [])
         kept, none = again.untold_after_all(simulations, found, [s])
     assert untold == [s] * (not named)

@@ -10,27 +10,27 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.likelihood.whitening import spans
 from realitygap.diagnose.search.apart import ERRORS, reached, scatter
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 
 
 def test_a_change_reaches_what_is_explained_where_it_acts(problem: Problem, simulations: Simulations) -> None:
     """Changes of one joint each share what is explained among them; one of both reaches no more than all of it."""
-    yardstick = Yardstick(simulations, [])
+    criterion = Criterion(simulations, [])
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow")).at({"torque": FRICTION})
-    bare, told = (residual(simulations, changes, yardstick.train) for changes in ([], [friction]))
+    bare, told = (residual(simulations, changes, criterion.train) for changes in ([], [friction]))
     assert bare is not None
     assert told is not None
-    explained = yardstick.score(Fit((friction,), told)), yardstick.score(Fit((), bare))
+    explained = criterion.score(Fit((friction,), told)), criterion.score(Fit((), bare))
     share = {}
     for joint in (0, 1):
         change = np.zeros(len(bare))
-        for channel, span in spans(yardstick.channels):
+        for channel, span in spans(criterion.channels):
             change[span] = 1.0 if channel.column == joint else 0.0
-        share[joint] = reached(yardstick.channels, explained, change)
-        assert reached(yardstick.channels, explained, -3.0 * change) == pytest.approx(share[joint])
+        share[joint] = reached(criterion.channels, explained, change)
+        assert reached(criterion.channels, explained, -3.0 * change) == pytest.approx(share[joint])
     assert sum(share.values()) == pytest.approx(1.0)
     assert share[1] > share[0]
-    assert share[1] < reached(yardstick.channels, explained, told - bare) <= 1.0
+    assert share[1] < reached(criterion.channels, explained, told - bare) <= 1.0
 
 
 @pytest.mark.parametrize("number", [2, 3, 5, 60])

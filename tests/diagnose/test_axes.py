@@ -17,7 +17,7 @@ from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.fit import Fit, slope, stretched
 from realitygap.diagnose.fit.responses import residual, single
 from realitygap.diagnose.fit.space import Space
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.robot.drive import Array
 from realitygap.scenario.file import load_scenario
 
@@ -31,21 +31,21 @@ def changes(problem: Problem) -> list[Change]:
     return [guess(problem, suspect_of(problem, n, "elbow")) for n in names]
 
 
-def _fitted(yardstick: Yardstick, changes: Sequence[Change]) -> tuple[Fit, Any]:
-    left = residual(yardstick.simulations, changes, yardstick.train)
+def _fitted(criterion: Criterion, changes: Sequence[Change]) -> tuple[Fit, Any]:
+    left = residual(criterion.simulations, changes, criterion.train)
     assert left is not None
-    yardstick.take_facts(left)
+    criterion.take_facts(left)
     found = Fit(tuple(changes), left)
-    return found, yardstick.plain(found).metric
+    return found, criterion.plain(found).metric
 
 
 def test_where_motions_are_smooth_they_are_those_of_each_value_alone(
     problem: Problem, simulations: Simulations, changes: list[Change]
 ) -> None:
-    yardstick = Yardstick(simulations, [])
-    found, metric = _fitted(yardstick, changes)
+    criterion = Criterion(simulations, [])
+    found, metric = _fitted(criterion, changes)
     space = Space(problem, changes)
-    where = yardstick.train, yardstick.floors.coarse
+    where = criterion.train, criterion.floors.coarse
     alone = slope(simulations, space, space.first, *where)
     known = alone * np.array([1.3, 0.8, 1.1])  # what was known from near by is replaced
     told = along_axes(simulations, space, space.first, found.residual, known, metric, *where)
@@ -63,12 +63,12 @@ def test_where_motions_are_rough_they_lead_the_same_way_from_the_same_place() ->
     servos = [s for s in suspects(problem) if s.effect in effects and len(s.indices) == 10]
     shoulders = [suspect_of(problem, "backlash", f"{side}_shoulder_pitch") for side in ("left", "right")]
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [])
+        criterion = Criterion(simulations, [])
         likely = {"torque": 0.35, "coefficient": 0.4, "gain": 7.0, "angle": 0.01}
         starts = [guess(problem, s) for s in [*servos, *shoulders]]
         fitted = [start.at({n: likely[n] for n in start.free}) for start in starts]
-        found, metric = _fitted(yardstick, fitted)
-        space, where = Space(problem, fitted), (yardstick.train, yardstick.floors.coarse)
+        found, metric = _fitted(criterion, fitted)
+        space, where = Space(problem, fitted), (criterion.train, criterion.floors.coarse)
         known = slope(simulations, space, space.first, *where)
         softest = np.linalg.svd(metric(known * space.unit(space.first)), full_matrices=False)[2][-1]
 
@@ -87,18 +87,18 @@ def test_where_motions_are_rough_they_lead_the_same_way_from_the_same_place() ->
 def test_a_fit_is_stretched_from_where_it_began_within_its_bounds(
     problem: Problem, simulations: Simulations, changes: list[Change]
 ) -> None:
-    yardstick = Yardstick(simulations, [])
+    criterion = Criterion(simulations, [])
     friction = changes[0]
     (torque,) = (friction.parameters[n] for n in friction.free)
-    left = residual(simulations, [friction], yardstick.train)
+    left = residual(simulations, [friction], criterion.train)
     assert left is not None
     found = Fit((friction,), left, ((0, friction.free[0]),), np.zeros((len(left), 1)), np.ones(1), np.zeros(1))
     before = [friction.at({friction.free[0]: 0.9 * torque})]
     for times, expected in ((1.0, torque), (2.0, 1.1 * torque), (-20.0, 0.0)):
-        far = stretched(simulations, before, found, times, yardstick.train, yardstick.floors.coarse)
+        far = stretched(simulations, before, found, times, criterion.train, criterion.floors.coarse)
         assert far is not None
         assert far.value[0] == pytest.approx(expected)
-        anew = residual(simulations, far.changes, yardstick.train)
+        anew = residual(simulations, far.changes, criterion.train)
         assert anew is not None
         assert far.residual == pytest.approx(anew, abs=0.05 * float(np.abs(anew).max()))
 
@@ -114,10 +114,10 @@ def test_a_step_that_failed_is_not_simulated_again(monkeypatch: pytest.MonkeyPat
         return simulated(simulations, near, changes, *where)
 
     with Simulations(problem, 1) as simulations:
-        yardstick = Yardstick(simulations, [])
+        criterion = Criterion(simulations, [])
         gains = [guess(problem, s) for s in suspects(problem) if s.effect == "controller_gain" and single(s)]
-        found, metric = _fitted(yardstick, gains)
+        found, metric = _fitted(criterion, gains)
         monkeypatch.setattr(fit_module, "residual_near", noted)
-        fit_module.fit(simulations, gains, yardstick.train, metric, yardstick.floors.coarse, found, "compared")
+        fit_module.fit(simulations, gains, criterion.train, metric, criterion.floors.coarse, found, "compared")
     assert len(tried) > 2
     assert len(set(tried)) == len(tried)

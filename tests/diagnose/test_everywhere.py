@@ -6,8 +6,8 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.ordinary import tolerated
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.effects import EFFECTS
 
 
@@ -19,14 +19,14 @@ def test_a_droop_that_motors_have_anyway_is_adjusted_and_a_large_one_is_named(sa
     missing = guess(bare, suspect).at({"saturation": saturation})
     problem = planted(missing)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [missing])
-        best = yardstick.fit([missing])
+        criterion = Criterion(simulations, [missing])
+        best = criterion.fit([missing])
         assert best is not None
-        yardstick.stand_at(
-            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "shoulder"])
+        criterion.stand_at(
+            best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "shoulder"])
         )
-        best = yardstick.score(best.fit)
-        found = Found(best, best, best, 6.0, {}, yardstick.floors, yardstick, gains={suspect: 500.0})
+        best = criterion.score(best.fit)
+        found = Found(best, best, best, 6.0, {}, criterion.floors, criterion, gains={suspect: 500.0})
         told = tolerated(simulations, found, [])
     assert best.fit.changes[0].parameters["saturation"] == pytest.approx(saturation, rel=0.2)
     assert told.adjusted == (() if named else (suspect,))

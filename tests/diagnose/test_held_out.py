@@ -14,9 +14,9 @@ from realitygap.diagnose.judge.held_out import CHOSE, Against, Verdict, _asked, 
 from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.result.workflow import _against, _against_all
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @pytest.fixture(scope="module")
@@ -26,18 +26,18 @@ def found(problem: Problem, simulations: Simulations) -> Found:
         suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
     )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow")).at({"angle": 0.02})
-    yardstick = Yardstick(simulations, [friction])
+    criterion = Criterion(simulations, [friction])
 
     def scored(*changes: Change) -> Scored:
-        left = residual(simulations, changes, yardstick.train)
+        left = residual(simulations, changes, criterion.train)
         assert left is not None
-        return yardstick.score(Fit(changes, left))
+        return criterion.score(Fit(changes, left))
 
     base, best = scored(), scored(friction, offset)
     without = {friction.suspect: scored(offset), offset.suspect: scored(friction)}
     floors = measure(simulations, best.fit.changes)
     gains = {s: best.evidence - other.evidence for s, other in without.items()}
-    return Found(base, best, best, 6.0, dict.fromkeys(gains, 6.0), floors, yardstick, gains=gains, without=without)
+    return Found(base, best, best, 6.0, dict.fromkeys(gains, 6.0), floors, criterion, gains=gains, without=without)
 
 
 def test_a_finding_that_held_out_runs_speak_against_is_dropped_and_no_other(
@@ -178,9 +178,9 @@ def test_a_finding_is_not_named_where_its_interval_holds_what_the_model_has(
     problem: Problem, simulations: Simulations, found: Found
 ) -> None:
     friction, offset = found.best.fit.changes
-    best = found.yardstick.fit([friction, offset])
+    best = found.criterion.fit([friction, offset])
     assert best is not None
-    vague = replace(found, best=best, cautious=found.yardstick.cautious(best.fit), gains={}, without={})
+    vague = replace(found, best=best, cautious=found.criterion.cautious(best.fit), gains={}, without={})
     left, dropped = certain_of(simulations, vague, [])
     assert dropped == [offset.suspect], "the robot has none"
     assert left.fuller is best, "what it was found beside is adjusted from there"
@@ -190,7 +190,7 @@ def test_a_finding_is_not_named_where_its_interval_holds_what_the_model_has(
 
 def test_an_interval_is_as_wide_as_a_value_moved_by_what_is_not_named(found: Found) -> None:
     friction = found.best.fit.changes[0]
-    own = found.yardstick.fit([friction])
+    own = found.criterion.fit([friction])
     assert own is not None
     elsewhere = replace(own.fit, changes=(own.fit.changes[0].at({"torque": float(own.fit.value[0]) + 0.3}),))
     assert _wider(own, own.fit).deviation[0] <= own.deviation[0] < 0.2

@@ -15,10 +15,10 @@ from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.linear import Linear, linear_at
 from realitygap.diagnose.search.rivals import LOOSER
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap_engines.model.robot import Sphere
 
 
@@ -125,10 +125,10 @@ def test_a_load_lies_at_the_frame_of_its_link_along_an_axis_of_which_no_motion_t
     """Two parallel axes: it was begun with halfway to where it was tried along them."""
     problem = demo_problem()
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [])
-        nothing = Fit((), demanded(simulations, (), yardstick.train))
-        blocks = yardstick.responses(nothing, [suspect_of(problem, "payload", "forearm")])
-    place = linear_at(yardstick.plain(nothing), blocks).promise(0).change.parameters
+        criterion = Criterion(simulations, [])
+        nothing = Fit((), demanded(simulations, (), criterion.train))
+        blocks = criterion.responses(nothing, [suspect_of(problem, "payload", "forearm")])
+    place = linear_at(criterion.plain(nothing), blocks).promise(0).change.parameters
     (silent,) = np.flatnonzero(problem.plant.model.joints[1].axis)
     tried = blocks[0].start.tries[1 + silent].parameters
     assert abs(place["xyz"[silent]]) < 0.01 * abs(tried["xyz"[silent]])

@@ -17,9 +17,9 @@ from realitygap.diagnose.judge.gaps import WORST, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
 from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
 
 GAIN = 5.048
@@ -33,12 +33,12 @@ def found(request: pytest.FixtureRequest) -> tuple[float, Found]:
     problem = build_problem(file, "mujoco")
     with Simulations(problem, 2) as simulations:
         both = [guess(problem, suspect_of(problem, e, "elbow")) for e in ("coulomb_friction", "controller_gain")]
-        yardstick = Yardstick(simulations, both)
-        still, best = residual(simulations, [], yardstick.train), yardstick.fit(both)
+        criterion = Criterion(simulations, both)
+        still, best = residual(simulations, [], criterion.train), criterion.fit(both)
         assert still is not None
         assert best is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
-        found = Found(yardstick.score(Fit((), still)), best, best, 6.0, {}, yardstick.floors, yardstick)
+        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        found = Found(criterion.score(Fit((), still)), best, best, 6.0, {}, criterion.floors, criterion)
         done = list(all_done(simulations, found))
         assert [s.effect for s in done] == ["coulomb_friction", "controller_gain"]
         stay = tolerated(simulations, found, done)
@@ -61,14 +61,14 @@ def test_a_small_limit_has_to_be_missed_on_held_out_runs(
     small: bool, judged: Any, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The same model without it leaves no gap there: what is smaller than laws are off by is adjusted then."""
-    problem, yardstick, bare, best, *_ = judged
+    problem, criterion, bare, best, *_ = judged
     limit = guess(problem, suspect_of(problem, "torque_speed_limit", "elbow"))
     does = Done(whole=20.0, beyond=19.0, ordinary=30.0 if small else 5.0, usual=False)
     monkeypatch.setattr(ordinary, "all_done", lambda *_: {limit.suspect: does})
     floors = measure(simulations, best.fit.changes)
     for without, missed in ((best, False), (bare, True)):
         gains = {limit.suspect: MUCH * 6.0}
-        found = Found(bare, best, best, 6.0, {}, floors, yardstick, gains, without={limit.suspect: without})
+        found = Found(bare, best, best, 6.0, {}, floors, criterion, gains, without={limit.suspect: without})
         told = tolerated(simulations, found, [])
         assert told.adjusted == ((limit.suspect,) if small and not missed else ())
 
@@ -77,12 +77,12 @@ def test_a_small_limit_has_to_be_missed_on_held_out_runs(
 def test_what_all_runs_say_little_for_has_to_show_in_the_gap_of_those_kept_back(
     says: float, shows: bool, judged: Any, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem, yardstick, bare, best, *_ = judged
+    problem, criterion, bare, best, *_ = judged
     suspect = guess(problem, suspect_of(problem, "viscous_friction", "shoulder")).suspect
     monkeypatch.setattr(ordinary, "all_done", lambda *_: {suspect: Done(50.0, 40.0, 10.0, usual=True)})
     monkeypatch.setattr(ordinary, "predicted", lambda *_: Verdict(1.0, 1.0))
     without = bare if shows else best
-    found = Found(bare, best, best, 6.0, {}, measure(simulations, best.fit.changes), yardstick)
+    found = Found(bare, best, best, 6.0, {}, measure(simulations, best.fit.changes), criterion)
     found = replace(found, gains={suspect: says * MUCH * 6.0}, without={suspect: without})
     assert tolerated(simulations, found, []).adjusted == (() if shows or says > 1.0 else (suspect,))
 

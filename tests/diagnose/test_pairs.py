@@ -84,7 +84,7 @@ def test_two_steps_lead_through_what_gains_too_little_alone() -> None:
     with Simulations(planted(*missing), 2) as simulations:
         round_ = stood(simulations, [], [*missing, wrong])
         assert by_two_steps(round_, [], set()) is None, "nothing came near"
-        step, away = (round_.yardstick.fit([c]) for c in (missing[0], wrong))
+        step, away = (round_.criterion.fit([c]) for c in (missing[0], wrong))
         assert step is not None
         assert away is not None
         round_.near = [step]

@@ -11,8 +11,8 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.schema import EffectSpec
 
 
@@ -23,17 +23,17 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     missing = guess(bare, sides).at({"forward": forward, "backward": backward})
     problem = planted(missing)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [missing])
-        best = yardstick.fit([missing])
-        alone = yardstick.fit([])
+        criterion = Criterion(simulations, [missing])
+        best = criterion.fit([missing])
+        alone = criterion.fit([])
         assert best is not None
         assert alone is not None
-        yardstick.stand_at(
-            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
+        criterion.stand_at(
+            best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
         )
-        best, alone = yardstick.score(best.fit), yardstick.score(alone.fit)
+        best, alone = criterion.score(best.fit), criterion.score(alone.fit)
         gains, without = {sides: best.evidence - alone.evidence}, {sides: alone}
-        found = Found(alone, best, best, 6.0, {sides: 7.0}, yardstick.floors, yardstick, gains, without)
+        found = Found(alone, best, best, 6.0, {sides: 7.0}, criterion.floors, criterion, gains, without)
         kept = plainer(simulations, found, suspects(problem), [sides])
         told = plainer(simulations, found, suspects(problem), [])
     assert kept is found, "what the recordings tell by themselves"
@@ -60,12 +60,12 @@ def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place
     load = guess(problem, of["payload"]).at({"mass": 1.0, "x": 0.2, "y": 0.0, "z": 0.0})
     load = replace(load, free=("mass", "x"))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [load])
-        best = yardstick.fit([load])
+        criterion = Criterion(simulations, [load])
+        best = criterion.fit([load])
         assert best is not None
-        yardstick.stand_at(best.fit, yardstick.responses(best.fit, suspects(problem)))
-        best = yardstick.score(best.fit)
-        found = Found(best, best, best, 6.0, {load.suspect: 7.0}, yardstick.floors, yardstick)
+        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        best = criterion.score(best.fit)
+        found = Found(best, best, best, 6.0, {load.suspect: 7.0}, criterion.floors, criterion)
         told = plainer(simulations, found, suspects(problem), [])
     (change,) = told.best.fit.changes
     same = {of["rotor_inertia"], of["link_inertia"]}
@@ -82,14 +82,14 @@ def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted:
     problem = planted(spring.at({"stiffness": 1.0, "rest": 0.6}))
     with Simulations(problem, 2) as simulations:
         two = [spring.at({"stiffness": 1.0}), effort.at({"effort": 0.6})]
-        yardstick = Yardstick(simulations, two)
-        best = yardstick.fit(two)
+        criterion = Criterion(simulations, two)
+        best = criterion.fit(two)
         assert best is not None
-        yardstick.stand_at(
-            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
+        criterion.stand_at(
+            best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
         )
-        best = yardstick.score(best.fit)
-        found = Found(best, best, best, 6.0, {effort.suspect: 9.0}, yardstick.floors, yardstick)
+        best = criterion.score(best.fit)
+        found = Found(best, best, best, 6.0, {effort.suspect: 9.0}, criterion.floors, criterion)
         found = replace(found, adjusted=(spring.suspect,) if adjusted else ())
         kept = joined(simulations, found, [], [effort.suspect])
         told = joined(simulations, found, [], [])
@@ -111,21 +111,21 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
     friction = guess(bare, suspect_of(bare, "coulomb_friction", "shoulder"))
     problem = planted(load.at({"mass": 0.12, "x": 0.0, "y": 0.0, "z": -0.3}), friction)
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [friction, mass, inertia])
-        best = yardstick.fit([friction, mass, inertia])
+        criterion = Criterion(simulations, [friction, mass, inertia])
+        best = criterion.fit([friction, mass, inertia])
         assert best is not None
-        yardstick.stand_at(
-            best.fit, yardstick.responses(best.fit, [s for s in suspects(problem) if s.target in ("forearm", "elbow")])
+        criterion.stand_at(
+            best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target in ("forearm", "elbow")])
         )
-        best = yardstick.score(best.fit)
+        best = criterion.score(best.fit)
         least = {friction.suspect: 7.0, mass.suspect: 9.0, inertia.suspect: 8.0}
         gains = {friction.suspect: 10.0}
-        found = Found(best, best, best, 6.0, least, yardstick.floors, yardstick, gains)
+        found = Found(best, best, best, 6.0, least, criterion.floors, criterion, gains)
         kept = joined(simulations, found, suspects(problem), [mass.suspect])
         told = joined(simulations, found, suspects(problem), [])
-        blocks = yardstick.responses(best.fit, [load.suspect])
+        blocks = criterion.responses(best.fit, [load.suspect])
         two = [c for c in best.fit.changes if c.suspect != friction.suspect]
-        lines = in_place(yardstick, best.fit, two, blocks)
+        lines = in_place(criterion, best.fit, two, blocks)
     assert kept is found, "what the recordings tell by themselves"
     (same, change) = told.best.fit.changes
     assert same.suspect == friction.suspect

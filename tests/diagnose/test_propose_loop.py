@@ -28,7 +28,7 @@ from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.told import Origin, mended, opened
 from realitygap.diagnose.propose.wrong import wrong
 from realitygap.diagnose.result.odds import MOST
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.files.errors import InputError
 from realitygap.files.interrupted import Interrupted
 from realitygap.robot.effects.place import place
@@ -255,11 +255,11 @@ def test_foreseen_odds_are_those_of_the_recording_that_follows(
     noise = 1e-3 * np.random.default_rng(5).standard_normal(moved.shape)
     told = replace(case, measured=replace(case.measured, position=moved + noise), use="train")
     with Simulations(replace(problem, cases=(*problem.cases, told)), 1) as simulations:
-        yardstick = Yardstick(simulations, one.changes)
-        near = yardstick.fit(one.changes)
+        criterion = Criterion(simulations, one.changes)
+        near = criterion.fit(one.changes)
         assert near is not None
-        yardstick.stand_at(near.fit, yardstick.responses(near.fit, suspects(problem)))
-        both = [yardstick.fit(f.changes) for f in (one, other)]
+        criterion.stand_at(near.fit, criterion.responses(near.fit, suspects(problem)))
+        both = [criterion.fit(f.changes) for f in (one, other)]
     found = [b.evidence for b in both if b is not None]
     first = one.changes[0].suspect.effect == "controller_gain"
     expected, realised = (foreseen.one, found[0] - found[1]) if first else (foreseen.other, found[1] - found[0])

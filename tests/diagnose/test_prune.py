@@ -9,31 +9,31 @@ from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.prune import straight_losses, superfluous, untold
-from realitygap.diagnose.search.yardstick import Yardstick
 
 
-def beside_friction(simulations: Simulations, other: Change) -> tuple[Yardstick, Scored]:
+def beside_friction(simulations: Simulations, other: Change) -> tuple[Criterion, Scored]:
     """The elbow's friction and something else, fitted together."""
-    problem, yardstick = simulations.problem, Yardstick(simulations, [])
-    fitted = yardstick.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow")), other])
+    problem, criterion = simulations.problem, Criterion(simulations, [])
+    fitted = criterion.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow")), other])
     assert fitted is not None
-    return yardstick, fitted
+    return criterion, fitted
 
 
 def test_an_interval_tells_what_was_planted_and_not_what_is_as_the_model_has_it(
     problem: Problem, simulations: Simulations
 ) -> None:
     constant = suspect_of(problem, "constant_effort", "elbow")
-    yardstick, fitted = beside_friction(simulations, guess(problem, constant))
+    criterion, fitted = beside_friction(simulations, guess(problem, constant))
     friction = fitted.fit.changes[0].suspect
     losses = straight_losses(problem, fitted)
     limit = 5.0
     assert superfluous(problem, fitted, [], limit) == [constant]
     assert superfluous(problem, fitted, [constant], limit) == []
     assert superfluous(problem, fitted, [], 2.0 * losses[friction]) == [constant, friction]
-    assert untold(problem, yardstick.as_told(fitted.fit)) == {constant}
+    assert untold(problem, criterion.as_told(fitted.fit)) == {constant}
     assert losses[friction] > losses[constant]
 
 
@@ -54,5 +54,5 @@ def test_what_is_sure_by_its_evidence_may_lie_nearer_to_what_the_model_has(
 def test_a_limit_that_may_as_well_be_endless_is_not_told(problem: Problem, simulations: Simulations) -> None:
     profile = guess(problem, suspect_of(problem, "command_profile", "elbow"))
     profile = replace(profile.at({"acceleration": 3e3, "speed": np.inf}), free=("acceleration",))
-    yardstick, fitted = beside_friction(simulations, profile)
-    assert untold(problem, yardstick.as_told(fitted.fit)) == {profile.suspect}
+    criterion, fitted = beside_friction(simulations, profile)
+    assert untold(problem, criterion.as_told(fitted.fit)) == {profile.suspect}

@@ -11,7 +11,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.robot.drive import Array
 from realitygap.robot.effects import EFFECTS
 from realitygap.scenario.schema import EffectSpec
@@ -130,9 +130,9 @@ def test_a_ripple_of_a_motor_that_is_told_torques_shows_in_the_acceleration(tmp_
     problem = recorded(tmp_path, servo, ripple)
     problem = replace(problem, cases=tuple(replace(c, noise=_without_effort(c.noise)) for c in problem.cases))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [])
-        nothing = Fit((), demanded(simulations, (), yardstick.train))
-        blocks = yardstick.responses(nothing, [suspect_of(problem, "torque_ripple", "lift")])
+        criterion = Criterion(simulations, [])
+        nothing = Fit((), demanded(simulations, (), criterion.train))
+        blocks = criterion.responses(nothing, [suspect_of(problem, "torque_ripple", "lift")])
     assert min(abs(b.start.tries[0].parameters["periods"] - 11.0) for b in blocks) < 0.5
 
 

@@ -15,12 +15,12 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.search import prune
 from realitygap.diagnose.search import round as round_module
 from realitygap.diagnose.search.apart import compare
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
 from realitygap.diagnose.search.imperfections import KNOWN, SHARE
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
-from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @pytest.fixture(scope="module")
@@ -35,16 +35,16 @@ def round_(problem: Problem, simulations: Simulations) -> Round:
 
 def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(problem: Problem, round_: Round) -> None:
     friction, more = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "viscous_friction"))
-    best, other = (round_.yardstick.fit(changes) for changes in ([friction], [friction, more]))
+    best, other = (round_.criterion.fit(changes) for changes in ([friction], [friction, more]))
     assert best is not None
     assert other is not None
     away = friction.at({"torque": 1.3 * FRICTION})
-    left = residual(round_.simulations, [away], round_.yardstick.train)
+    left = residual(round_.simulations, [away], round_.criterion.train)
     assert left is not None
     badly = replace(best.fit, changes=(away,), residual=left, here=False)
     now = round_.now
     try:
-        round_.now = round_.yardstick.score(badly)
+        round_.now = round_.criterion.score(badly)
         assert other.evidence > round_.now.evidence + round_.limit
         round_.led(other)
         assert standing(round_.now.fit.changes) == standing([friction])
@@ -116,7 +116,7 @@ def test_moves_that_failed_are_tried_again_where_nothing_else_gains(problem: Pro
 def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Problem, round_: Round) -> None:
     names = ("coulomb_friction", "supply_voltage")
     friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in names)
-    both = round_.yardstick.fit([friction, other])
+    both = round_.criterion.fit([friction, other])
     assert both is not None
     now = round_.now
     try:
@@ -140,19 +140,19 @@ def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
     """Beside the friction that the demo lacks nothing is missing: a supply there is tried, and would go again."""
     friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "supply_voltage"))
     left = residual(simulations, [], problem.of("train"))
-    found = Yardstick(simulations, []).fit([friction])
+    found = Criterion(simulations, []).fit([friction])
     assert left is not None
     assert found is not None
     at = Round(simulations, found.fit, [friction.suspect, other.suspect], needed(2), Fit((), left), print)
     at.promised = []
     assert any(standing(way) == standing([friction, other]) for way, _ in _ways(at))
-    both = at.yardstick.fit([*at.now.fit.changes, other], at.now.fit)
-    without = at.yardstick.fit([other])
+    both = at.criterion.fit([*at.now.fit.changes, other], at.now.fit)
+    without = at.criterion.fit([other])
     assert both is not None
     assert without is not None
     assert not at.earned(both, at.now, at.limit)
     assert at.earned(both, without, at.limit)
-    error = compare(at.yardstick.channels, both, without)[1]
+    error = compare(at.criterion.channels, both, without)[1]
 
     def earned(errors: float, needs: float) -> bool:
         return at.earned(replace(both, evidence=without.evidence + errors * error), without, needs * error)
@@ -171,7 +171,7 @@ def test_what_joints_have_each_of_their_own_gets_one_value_where_that_loses_litt
     left = residual(simulations, [], problem.of("train"))
     assert left is not None
     nothing = Fit((), left)
-    found = Yardstick(simulations, []).fit(alone)
+    found = Criterion(simulations, []).fit(alone)
     assert found is not None
     at = Round(simulations, found.fit, everyone, needed(len(everyone)), nothing, print)
     friction, gain = shared(at)
@@ -192,8 +192,8 @@ def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
     friction, gain = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "controller_gain"))
     everyone = [friction.suspect, gain.suspect, suspect_of(problem, "viscous_friction", "elbow")]
     left = residual(simulations, [], problem.of("train"))
-    yardstick = Yardstick(simulations, [])
-    found, much = yardstick.fit([friction, gain]), yardstick.fit([friction])
+    criterion = Criterion(simulations, [])
+    found, much = criterion.fit([friction, gain]), criterion.fit([friction])
     assert left is not None
     assert found is not None
     assert much is not None
@@ -207,7 +207,7 @@ def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
     assert at.moved(less)
     assert {b.suspect.effect for b in at.blocks} == {"viscous_friction", "controller_gain"}
     assert {p.block.suspect for p in at.straight} == {gain.suspect, everyone[2]}
-    assert at.explained == pytest.approx(less.evidence - at.yardstick.score(Fit((), left)).evidence)
+    assert at.explained == pytest.approx(less.evidence - at.criterion.score(Fit((), left)).evidence)
     assert standing(at.retold().fit.changes) == standing([friction])
 
 
@@ -216,7 +216,7 @@ def test_what_straight_lines_wrongly_call_superfluous_stays_and_the_rest_goes(
 ) -> None:
     """One that is needed among those that are not, wherever it stands: halves are tried until it is alone."""
     names = ("viscous_friction", "coulomb_friction", "controller_gain", "supply_voltage")
-    whole = round_.yardstick.fit([guess(problem, suspect_of(problem, n, "elbow")) for n in names], care="compared")
+    whole = round_.criterion.fit([guess(problem, suspect_of(problem, n, "elbow")) for n in names], care="compared")
     assert whole is not None
     every = [c.suspect for c in whole.fit.changes]
     friction = suspect_of(problem, "coulomb_friction", "elbow")

@@ -14,16 +14,16 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import Block, residual, respond
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored, score, stretches
 from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 
 @pytest.fixture(scope="module")
-def yardstick(simulations: Simulations) -> Yardstick:
-    return Yardstick(simulations, [])
+def criterion(simulations: Simulations) -> Criterion:
+    return Criterion(simulations, [])
 
 
 def test_a_worker_says_what_this_process_says(problem: Problem, simulations: Simulations) -> None:
@@ -45,26 +45,26 @@ def test_what_was_simulated_is_remembered(simulations: Simulations) -> None:
 
 
 def test_the_true_value_has_more_evidence_than_its_neighbours(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
     evidence = {}
     for torque in (0.3, 0.5, FRICTION, 0.8):
-        left = residual(simulations, [friction.at({"torque": torque})], yardstick.train)
+        left = residual(simulations, [friction.at({"torque": torque})], criterion.train)
         assert left is not None
-        evidence[torque] = yardstick.score(Fit((friction.at({"torque": torque}),), left)).evidence
+        evidence[torque] = criterion.score(Fit((friction.at({"torque": torque}),), left)).evidence
     assert max(evidence, key=lambda torque: evidence[torque]) == FRICTION
 
 
-def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations, yardstick: Yardstick) -> None:
+def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations, criterion: Criterion) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    found = yardstick.fit([friction])
+    found = criterion.fit([friction])
     assert found is not None
     assert found.fit.value[0] == pytest.approx(FRICTION, rel=0.04)
     assert found.deviation[0] > 0.0
 
 
-class Astray(Yardstick):
+class Astray(Criterion):
     """Where laws count as imperfect, its likeliest Stribeck friction rises with speed."""
 
     def settled(self, at: Fit, care: Care = "compared") -> Scored:  # noqa: ARG002 - the signature of what it overrides
@@ -82,10 +82,10 @@ def test_values_that_are_no_more_the_effect_are_no_fit(problem: Problem, simulat
     assert astray.fit([friction], care="compared") is None
 
 
-def test_intervals_hold_how_far_the_likeliest_values_are_in_simulation(problem: Problem, yardstick: Yardstick) -> None:
-    found = yardstick.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
+def test_intervals_hold_how_far_the_likeliest_values_are_in_simulation(problem: Problem, criterion: Criterion) -> None:
+    found = criterion.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
     assert found is not None
-    at = yardstick.cautious(found.fit)
+    at = criterion.cautious(found.fit)
     assert at.away is not None
     alone = np.sqrt(np.diag(at.covariance)) * found.fit.size
     np.testing.assert_allclose(at.deviation, np.hypot(alone, at.away * found.fit.size))
@@ -93,25 +93,25 @@ def test_intervals_hold_how_far_the_likeliest_values_are_in_simulation(problem: 
     assert elsewhere.deviation[0] > found.fit.size[0] > at.deviation[0]
 
 
-def test_a_quick_fit_stands_where_a_full_one_has_less_evidence(problem: Problem, yardstick: Yardstick) -> None:
-    found = yardstick.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
+def test_a_quick_fit_stands_where_a_full_one_has_less_evidence(problem: Problem, criterion: Criterion) -> None:
+    found = criterion.fit([guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))])
     assert found is not None
     rich, poor = (replace(found, evidence=found.evidence + e) for e in (100.0, -100.0))
-    assert yardstick.refined(rich) is rich
-    again = yardstick.refined(poor)
+    assert criterion.refined(rich) is rich
+    again = criterion.refined(poor)
     assert again is not None
     assert again.evidence > poor.evidence
 
 
 def test_the_straight_line_promises_most_of_what_is_missing(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
-    left = residual(simulations, [], yardstick.train)
+    left = residual(simulations, [], criterion.train)
     assert left is not None
-    base = yardstick.score(Fit((), left))
+    base = criterion.score(Fit((), left))
     names = ("coulomb_friction", "viscous_friction", "joint_offset", "controller_gain")
     tried = [s for n in names for s in starts(problem, suspect_of(problem, n, "elbow"))]
-    blocks = respond(simulations, [], tried, yardstick.train, yardstick.floors.coarse, yardstick.channels)
+    blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
     linear = Linear(base.metric, left, np.zeros((len(left), 0)), blocks)
     promised = linear.promises()
     assert promised[0].block.suspect.effect == "coulomb_friction"
@@ -122,26 +122,26 @@ def test_the_straight_line_promises_most_of_what_is_missing(
 
 
 def test_what_the_accepted_values_could_do_is_no_gain_of_another(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     """The response of a suspect that is already in promises nothing: it is orthogonalised away."""
-    left = residual(simulations, [], yardstick.train)
+    left = residual(simulations, [], criterion.train)
     assert left is not None
-    base = yardstick.score(Fit((), left))
+    base = criterion.score(Fit((), left))
     tried = starts(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    blocks = respond(simulations, [], tried, yardstick.train, yardstick.floors.coarse, yardstick.channels)
+    blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
     beside = Linear(base.metric, left, blocks[0].columns, blocks).promises()[0]
     alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).promises()[0]
     assert beside.gain < 0.05 * alone.gain
 
 
 def test_a_limit_that_is_too_tight_leads_the_right_way(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     """As it is it is worse than none; a part of it is better, and nothing of what leads away."""
-    left = residual(simulations, [], yardstick.train)
+    left = residual(simulations, [], criterion.train)
     assert left is not None
-    metric = yardstick.score(Fit((), left)).metric
+    metric = criterion.score(Fit((), left)).metric
     tight = starts(problem, suspect_of(problem, "torque_speed_limit", "elbow"))[0]
     blocks = [Block(tight, factor * np.nan_to_num(left)[:, None]) for factor in (-4.0, -0.5, 4.0)]
     lines = Linear(metric, left, np.zeros((len(left), 0)), blocks)
@@ -154,11 +154,11 @@ def test_a_limit_that_is_too_tight_leads_the_right_way(
     assert Linear(metric, left, np.zeros((len(left), 0)), blocks[2:]).limits() == {}
 
 
-def test_stretches_part_motions_and_seconds(yardstick: Yardstick) -> None:
-    number = stretches(yardstick.channels)
+def test_stretches_part_motions_and_seconds(criterion: Criterion) -> None:
+    number = stretches(criterion.channels)
     at = 0
     of: dict[int, set[int]] = {}
-    for channel in yardstick.channels:
+    for channel in criterion.channels:
         n = len(channel.time)
         own = set(number[at : at + n].tolist())
         assert len(own) == int((channel.time[-1] - channel.time[0]) / 1.0) + 1
@@ -169,16 +169,16 @@ def test_stretches_part_motions_and_seconds(yardstick: Yardstick) -> None:
 
 
 def test_a_law_is_off_by_a_share_of_what_the_model_has_of_it(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     """The drive of the elbow as if its gain were off by its share, simulated; a delay, of which the model has none, by
     a share of a visible one."""
-    at = Fit((), _of(simulations, yardstick, []))
+    at = Fit((), _of(simulations, criterion, []))
     gain, delay = (suspect_of(problem, e, "elbow") for e in ("controller_gain", "command_delay"))
-    blocks = yardstick.responses(at, [gain, delay])
-    wrong = imperfections(problem, at, blocks, yardstick.plain(at).metric)
+    blocks = criterion.responses(at, [gain, delay])
+    wrong = imperfections(problem, at, blocks, criterion.plain(at).metric)
     less = guess(problem, gain).at({"gain": neutral(problem.plant, gain)["gain"] * (1.0 - SHARE["drive"])})
-    off = np.nan_to_num(_of(simulations, yardstick, [less]) - at.residual)
+    off = np.nan_to_num(_of(simulations, criterion, [less]) - at.residual)
     drive = np.nan_to_num(wrong.responses[:, wrong.laws.index("drive")])
     assert abs(drive @ off) == pytest.approx(float(off @ off), rel=0.1)
     later = np.nan_to_num(wrong.responses[:, wrong.laws.index("")])
@@ -189,15 +189,15 @@ def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
     problem: Problem, simulations: Simulations
 ) -> None:
     """A supply that sags by a first size is no straight line from one that sags by as much as laws may be off."""
-    yardstick = Yardstick(simulations, [])
-    at = Fit((), _of(simulations, yardstick, []))
+    criterion = Criterion(simulations, [])
+    at = Fit((), _of(simulations, criterion, []))
     sag, gain = (suspect_of(problem, e, "elbow") for e in ("voltage_sag", "controller_gain"))
-    blocks = yardstick.responses(at, [gain, sag])
-    near = nearer(problem, at, blocks, yardstick.plain(at).metric)
-    yardstick.stand_at(at, blocks)
+    blocks = criterion.responses(at, [gain, sag])
+    near = nearer(problem, at, blocks, criterion.plain(at).metric)
+    criterion.stand_at(at, blocks)
     start = next(s for s in near.values() if s.suspect == sag)
     assert start.share < 0.5
-    less = _of(simulations, yardstick, [start.simulated(0)])
+    less = _of(simulations, criterion, [start.simulated(0)])
     off = np.nan_to_num(less - at.residual)
 
     def unlike(wrong: Imperfections) -> float:
@@ -205,8 +205,8 @@ def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
         drive = np.nan_to_num(wrong.responses[:, [law == "drive" for law in wrong.laws]])
         return float(np.linalg.norm(off - drive @ np.linalg.lstsq(drive, off)[0]) / np.linalg.norm(off))
 
-    far = imperfections(problem, at, blocks, yardstick.plain(at).metric)
-    assert unlike(yardstick.wrong) < 0.1 < unlike(far)
+    far = imperfections(problem, at, blocks, criterion.plain(at).metric)
+    assert unlike(criterion.wrong) < 0.1 < unlike(far)
 
 
 def test_play_answers_either_side_in_its_own_way(
@@ -218,35 +218,35 @@ def test_play_answers_either_side_in_its_own_way(
     """
     other = 4.0 * OTHER
     monkeypatch.setattr(sys.modules[Imperfections.__module__], "OTHER", other)
-    yardstick = Yardstick(simulations, [])
+    criterion = Criterion(simulations, [])
     play, offset = (guess(problem, suspect_of(problem, e, "elbow")) for e in ("backlash", "joint_offset"))
     play = play.at({"angle": 0.05})
-    still, coarse = (residual(simulations, [play], yardstick.train, c) for c in (None, yardstick.floors.coarse))
+    still, coarse = (residual(simulations, [play], criterion.train, c) for c in (None, criterion.floors.coarse))
     assert still is not None
     assert coarse is not None
     at = Fit((play,), still)
-    blocks = yardstick.responses(at, [offset.suspect])
+    blocks = criterion.responses(at, [offset.suspect])
     assert {b.start.tries[0].parameters["angle"] > 0 for b in blocks} == {True, False}
-    yardstick.stand_at(at, blocks)
-    done = np.nan_to_num(yardstick.wrong.responses[:, [law == "" for law in yardstick.wrong.laws]])
+    criterion.stand_at(at, blocks)
+    done = np.nan_to_num(criterion.wrong.responses[:, [law == "" for law in criterion.wrong.laws]])
     for block in blocks:
         least = other * block.start.tries[0].parameters["angle"]
         changes = as_read([play, offset.at({"angle": least})], [play], problem.plant)
-        moved = residual(simulations, changes, yardstick.train, yardstick.floors.coarse)
+        moved = residual(simulations, changes, criterion.train, criterion.floors.coarse)
         assert moved is not None
         off = np.nan_to_num(moved - coarse)
         left = off - done @ np.linalg.lstsq(done, off)[0]
         assert np.linalg.norm(left) < 0.01 * np.linalg.norm(off)
 
 
-def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yardstick, problem: Problem) -> None:
+def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(criterion: Criterion, problem: Problem) -> None:
     """Friction that was named is known to a share of itself; the model without it, to a share of its own."""
     friction = suspect_of(problem, "coulomb_friction", "elbow")
     named = guess(problem, friction).at({"torque": 0.6})
-    m = sum(len(c.time) for c in yardstick.channels)
+    m = sum(len(c.time) for c in criterion.channels)
     slope = np.ones((m, 1))
     at = Fit((named,), np.zeros(m), ((0, "torque"),), slope, np.full(1, 0.3), np.zeros(1))
-    wrong = imperfections(problem, at, [], yardstick.plain(at).metric)
+    wrong = imperfections(problem, at, [], criterion.plain(at).metric)
     assert wrong.responses[:, 0] == pytest.approx(SHARE["friction"] * 0.6 / 0.3 * slope[:, 0])
     own = neutral(problem.plant, friction)["torque"]
     assert wrong.shares(at)[0] == 1.0
@@ -254,21 +254,21 @@ def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(yardstick: Yar
 
 
 def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_off_there(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     """A constant effort and a spring are faults of the load, of which each signal shows how much there is; what it does
     not show, it says nothing of. Laws of a kind share faults, so all of them together are compared."""
-    at = Fit((), _of(simulations, yardstick, []))
+    at = Fit((), _of(simulations, criterion, []))
     names = ("rotor_inertia", "constant_effort", "cable_spring")
-    blocks = yardstick.responses(at, [suspect_of(problem, n, "elbow") for n in names])
-    metric = yardstick.plain(at).metric
+    blocks = criterion.responses(at, [suspect_of(problem, n, "elbow") for n in names])
+    metric = criterion.plain(at).metric
     wrong = imperfections(problem, at, blocks, metric)
     parts = metric.whitening.parts
     load = metric(wrong.responses[:, [law == "load" for law in wrong.laws]])[: len(parts)]
     rotor = next(b for b in blocks if b.suspect.effect == "rotor_inertia")
     own = dict(rotor.start.zero)["armature"]
     does = own / (rotor.start.tries[0].parameters["armature"] - own) * metric(rotor.columns[:, 0])[: len(parts)]
-    assert len(np.unique(parts)) == sum(len(problem.signals(case)) for case in yardstick.train)
+    assert len(np.unique(parts)) == sum(len(problem.signals(case)) for case in criterion.train)
     for part in np.unique(parts):
         here = parts == part
         most = max(SHARE["load"] * float(np.linalg.norm(does[here])), UNSEEN)
@@ -285,13 +285,13 @@ def test_an_effort_without_a_law_is_compared_with_whichever_law_may_be_off_by_mo
 
 
 def test_what_laws_of_a_kind_do_alike_counts_once(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick
+    problem: Problem, simulations: Simulations, criterion: Criterion
 ) -> None:
     """Friction of four laws, uneven friction among them, is off by no more in any direction than friction may be."""
-    at = Fit((), _of(simulations, yardstick, []))
+    at = Fit((), _of(simulations, criterion, []))
     names = ("coulomb_friction", "viscous_friction", "direction_friction", "friction_ripple")
-    blocks = yardstick.responses(at, [suspect_of(problem, n, "elbow") for n in names])
-    metric = yardstick.plain(at).metric
+    blocks = criterion.responses(at, [suspect_of(problem, n, "elbow") for n in names])
+    metric = criterion.plain(at).metric
     wrong = imperfections(problem, at, blocks, metric)
     friction = metric(wrong.responses[:, [law == "friction" for law in wrong.laws]])
     assert friction.shape[1] == 6  # one, one, two directions, sine and cosine
@@ -303,32 +303,32 @@ def test_what_laws_of_a_kind_do_alike_counts_once(
 
 
 def test_what_imperfections_do_alike_is_told_by_few(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick, monkeypatch: pytest.MonkeyPatch
+    problem: Problem, simulations: Simulations, criterion: Criterion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A heavier link and its centre of mass do nearly the same, and so do many: fewer responses say what all of them
     do, of the scenario's own model and of one that explains most."""
-    at, elbow = Fit((), _of(simulations, yardstick, [])), suspect_of(problem, "coulomb_friction", "elbow")
+    at, elbow = Fit((), _of(simulations, criterion, [])), suspect_of(problem, "coulomb_friction", "elbow")
     friction = guess(problem, elbow)
-    blocks, metric = yardstick.responses(at, suspects(problem)), yardstick.plain(at).metric
-    found = yardstick.fit([friction.at({"torque": FRICTION})])
+    blocks, metric = criterion.responses(at, suspects(problem)), criterion.plain(at).metric
+    found = criterion.fit([friction.at({"torque": FRICTION})])
     assert found is not None
     few = imperfections(problem, at, blocks, metric)
     monkeypatch.setitem(imperfections.__globals__, "SHORTEST", -1.0)
     every = imperfections(problem, at, blocks, metric)
     assert len(few.laws) < len(every.laws)
     for fit in (at, found.fit):
-        told = [score(yardstick.channels, fit, replace(wrong, facts=every.facts)).evidence for wrong in (few, every)]
+        told = [score(criterion.channels, fit, replace(wrong, facts=every.facts)).evidence for wrong in (few, every)]
         assert told[0] == pytest.approx(told[1], abs=0.1)
 
 
 @pytest.mark.parametrize("times", [0.5, 1.3])
 def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
-    problem: Problem, simulations: Simulations, yardstick: Yardstick, times: float
+    problem: Problem, simulations: Simulations, criterion: Criterion, times: float
 ) -> None:
     friction = guess(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    found = yardstick.fit([friction])
+    found = criterion.fit([friction])
     assert found is not None
-    own = Yardstick(simulations, found.fit.changes)
+    own = Criterion(simulations, found.fit.changes)
     others = [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")]
     own.stand_at(found.fit, own.responses(found.fit, others))
     away = found.fit.changes[0].at({"torque": times * FRICTION})
@@ -339,8 +339,8 @@ def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
     assert settled.fit.value[0] == pytest.approx(FRICTION, rel=0.05)
 
 
-def _of(simulations: Simulations, yardstick: Yardstick, changes: list[Change]) -> Array:
+def _of(simulations: Simulations, criterion: Criterion, changes: list[Change]) -> Array:
     """The residual of the training motions."""
-    found = residual(simulations, changes, yardstick.train)
+    found = residual(simulations, changes, criterion.train)
     assert found is not None
     return found

@@ -13,7 +13,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, as_seen, slope
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.fit.space import Space
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.scenario.file import load_scenario
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "so101" / "scenario.yaml"
@@ -23,16 +23,16 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "so101" / "scenario.yaml"
 def test_slopes_of_all_joints_at_once_are_those_of_each_alone() -> None:
     problem = build_problem(load_scenario(SCENARIO), "mujoco")
     with Simulations(problem, 1) as simulations:
-        yardstick = Yardstick(simulations, [])
+        criterion = Criterion(simulations, [])
         for effect in ("coulomb_friction", "controller_gain"):
             space = Space(problem, [guess(problem, s) for s in suspects(problem) if s.effect == effect and single(s)])
             assert len(space.names) == 6
-            where = simulations, space, space.first, yardstick.train, yardstick.floors.coarse
+            where = simulations, space, space.first, criterion.train, criterion.floors.coarse
             before = simulations.count
-            together = slope(*where, yardstick.channels)
+            together = slope(*where, criterion.channels)
             few = simulations.count - before
             alone = slope(*where)
-            assert simulations.count - before - few == 6 * len(yardstick.train)
+            assert simulations.count - before - few == 6 * len(criterion.train)
             cosine = np.sum(alone * together, 0) / np.linalg.norm(alone, axis=0) / np.linalg.norm(together, axis=0)
             assert np.all(cosine > 0.97)
 

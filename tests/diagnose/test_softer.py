@@ -4,7 +4,7 @@ import pytest
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import SWINGS, guess
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.search.yardstick import Yardstick
+from realitygap.diagnose.search.criterion import Criterion
 
 
 @pytest.mark.parametrize(("share", "softer"), [(0.3 * SWINGS[-1], True), (SWINGS[4], False)])
@@ -14,10 +14,10 @@ def test_softer_springs_are_tried_as_long_as_the_softest_promises_most(share: fl
     stiffness = spring.parameters["stiffness"]
     problem = planted(spring.at({"stiffness": share * stiffness}))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [])
-        bare_model = yardstick.fit([])
+        criterion = Criterion(simulations, [])
+        bare_model = criterion.fit([])
         assert bare_model is not None
-        blocks = yardstick.responses(bare_model.fit, [spring.suspect])
+        blocks = criterion.responses(bare_model.fit, [spring.suspect])
     tried = sorted({b.start.stiffness for b in blocks})
     assert tried[-1] == stiffness
     assert (tried[0] < 0.9 * SWINGS[-1] * stiffness) is softer

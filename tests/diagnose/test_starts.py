@@ -12,8 +12,8 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.linear import linear_at
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.effects import EFFECTS, Effect, Parameter
 from realitygap.robot.effects.place import place
 from realitygap.scenario.schema import EffectSpec
@@ -43,9 +43,9 @@ def test_a_spring_is_begun_with_where_it_rests(stiffness: float, rest: float, tm
     servo = {"kind": "pid", "kp": 300.0, "kd": 25.0, "armature": 0.2}
     problem = recorded(tmp_path, servo, EffectSpec(effect="cable_spring", target="*", stiffness=stiffness, rest=rest))
     with Simulations(problem, 2) as simulations:
-        yardstick = Yardstick(simulations, [])
-        nothing = Fit((), demanded(simulations, (), yardstick.train))
-        blocks = yardstick.responses(nothing, [suspect_of(problem, "cable_spring", "lift")])
-        at_zero, anywhere = (linear_at(yardstick.plain(nothing), blocks).promise(i) for i in range(2))
+        criterion = Criterion(simulations, [])
+        nothing = Fit((), demanded(simulations, (), criterion.train))
+        blocks = criterion.responses(nothing, [suspect_of(problem, "cable_spring", "lift")])
+        at_zero, anywhere = (linear_at(criterion.plain(nothing), blocks).promise(i) for i in range(2))
     assert anywhere.change.parameters == pytest.approx({"stiffness": stiffness, "rest": rest}, rel=0.1)
     assert anywhere.gain > 1.2 * at_zero.gain

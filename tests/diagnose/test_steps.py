@@ -11,8 +11,8 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.gaps import shown
 from realitygap.diagnose.judge.steps import in_steps, steps
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 
 
 @pytest.fixture(scope="module")
@@ -22,14 +22,14 @@ def found(problem: Problem, simulations: Simulations) -> Found:
         suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
     )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow"))
-    yardstick = Yardstick(simulations, [friction])
-    fitted = yardstick.fit([friction, offset])
+    criterion = Criterion(simulations, [friction])
+    fitted = criterion.fit([friction, offset])
     assert fitted is not None
     half, rest = fitted.fit.changes[0].at({"torque": 0.5 * FRICTION}), fitted.fit.changes[1]
-    left = residual(simulations, [half, rest], yardstick.train)
+    left = residual(simulations, [half, rest], criterion.train)
     assert left is not None
-    best = yardstick.score(replace(fitted.fit, changes=(half, rest), residual=left))
-    return Found(best, best, best, 6.0, {}, yardstick.floors, yardstick)
+    best = criterion.score(replace(fitted.fit, changes=(half, rest), residual=left))
+    return Found(best, best, best, 6.0, {}, criterion.floors, criterion)
 
 
 def test_a_step_has_the_values_that_it_has_without_what_comes_after_it(simulations: Simulations, found: Found) -> None:

@@ -14,10 +14,10 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.search.apart import ERRORS, compare
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.rivals import ODDS
 from realitygap.diagnose.search.search import needed, search
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.scenario.file import load_scenario
 
 
@@ -54,12 +54,12 @@ def compared(problem: Problem, open_: Open, questions: Sequence[Question], right
     everyone, out = suspects(problem), []
     with Simulations(problem, 1) as simulations:
         base = open_.explanations[0].fit
-        yardstick = Yardstick(simulations, base.changes)
-        first = residual(simulations, base.changes, yardstick.train)
+        criterion = Criterion(simulations, base.changes)
+        first = residual(simulations, base.changes, criterion.train)
         assert first is not None
-        yardstick.take_facts(first)
+        criterion.take_facts(first)
         asked = sorted({n for q in questions for n in (q.one, q.other)})
-        near = {n: _refitted(yardstick, open_.explanations[n].fit.changes) for n in asked}
+        near = {n: _refitted(criterion, open_.explanations[n].fit.changes) for n in asked}
         stood: dict[int, dict[int, Scored | None]] = {}
         for q in questions:
             pair = {n: s for n in (q.one, q.other) if (s := near[n]) is not None}
@@ -67,13 +67,13 @@ def compared(problem: Problem, open_: Open, questions: Sequence[Question], right
             if len(pair) == 2:
                 at = min(pair, key=lambda n: (len(pair[n].fit.changes), -pair[n].evidence))
                 if at not in stood:
-                    yardstick.stand_at(pair[at].fit, yardstick.responses(pair[at].fit, everyone))
+                    criterion.stand_at(pair[at].fit, criterion.responses(pair[at].fit, everyone))
                     alike = {n for p in questions for n in (p.one, p.other) if at in (p.one, p.other)}
-                    stood[at] = {n: _refitted(yardstick, s.fit.changes) for n in alike if (s := near[n]) is not None}
+                    stood[at] = {n: _refitted(criterion, s.fit.changes) for n in alike if (s := near[n]) is not None}
                 true, false = (q.one, q.other) if sides(q)[0] == right else (q.other, q.one)
                 one, other = stood[at][true], stood[at][false]
                 if one is not None and other is not None:
-                    odds, error = compare(yardstick.channels, one, other)
+                    odds, error = compare(criterion.channels, one, other)
             nested = len(open_.explanations[q.one].fit.changes) != len(open_.explanations[q.other].fit.changes)
             least = needed(len(everyone)) if nested else max(ODDS, ERRORS * (error or 0.0))
             settled = odds is not None and odds > least
@@ -81,11 +81,11 @@ def compared(problem: Problem, open_: Open, questions: Sequence[Question], right
     return out
 
 
-def _refitted(yardstick: Yardstick, changes: Sequence[Change]) -> Scored | None:
+def _refitted(criterion: Criterion, changes: Sequence[Change]) -> Scored | None:
     if changes:
-        return yardstick.fit(changes, care="compared")
-    still = residual(yardstick.simulations, (), yardstick.train)
-    return None if still is None else yardstick.score(Fit((), still))
+        return criterion.fit(changes, care="compared")
+    still = residual(criterion.simulations, (), criterion.train)
+    return None if still is None else criterion.score(Fit((), still))
 
 
 def sides(question: Question) -> list[str]:

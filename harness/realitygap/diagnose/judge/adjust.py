@@ -60,7 +60,7 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     return replace(
         found,
         best=replace(fitted, fit=as_seen(simulations.problem, fitted.fit)),
-        cautious=as_wide(found.yardstick.cautious(fitted.fit), found.cautious),
+        cautious=as_wide(found.criterion.cautious(fitted.fit), found.cautious),
         floors=shown,
         adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),
     )
@@ -81,8 +81,8 @@ def _likelier(found: Found, refused: Collection[Suspect]) -> Scored | None:
         fuller = [*(known.get(c.suspect, c) for c in named), *left_out]
         begun += [fuller, [*fuller, *_faults(found, found.fuller, {*refused, *known})]]
     fitted = [s for changes in begun if (s := _beside(found, changes)) is not None]
-    likeliest = max(fitted, key=lambda s: found.yardstick.plain(s.fit).evidence, default=None)
-    return None if likeliest is None else found.yardstick.fit(likeliest.fit.changes, likeliest.fit)
+    likeliest = max(fitted, key=lambda s: found.criterion.plain(s.fit).evidence, default=None)
+    return None if likeliest is None else found.criterion.fit(likeliest.fit.changes, likeliest.fit)
 
 
 def _beside(found: Found, begun: Sequence[Change]) -> Scored | None:
@@ -91,7 +91,7 @@ def _beside(found: Found, begun: Sequence[Change]) -> Scored | None:
     """
     here, named = list(begun), {c.suspect for c in found.best.fit.changes}
     while len(here) > len(named):
-        fitted = found.yardstick.fit(here, found.best.fit, "compared")
+        fitted = found.criterion.fit(here, found.best.fit, "compared")
         if fitted is None:
             return None
         worth = _worth(found, fitted)
@@ -106,8 +106,8 @@ def _worth(found: Found, fitted: Scored) -> dict[Suspect, float]:
     """What each change that is new would gain in evidence if laws were exact, as a straight line says, and no more than
     by how much stretches of the recordings tell it.
     """
-    fit, exact = fitted.fit, found.yardstick.plain(fitted.fit)
-    named, plant = {c.suspect for c in found.best.fit.changes}, found.yardstick.problem.plant
+    fit, exact = fitted.fit, found.criterion.plain(fitted.fit)
+    named, plant = {c.suspect for c in found.best.fit.changes}, found.criterion.problem.plant
     out = {}
     for k, change in enumerate(fit.changes):
         if change.suspect not in named:
@@ -122,12 +122,12 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
     """What laws are off by beside a model, as few of them as explain what exact laws would ask for, each as much as a
     name has to.
     """
-    exact = found.yardstick.plain(beside.fit)
+    exact = found.criterion.plain(beside.fit)
     out = set(refused)
     while True:
         blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in out]
         seen = linear_at(exact, blocks).several(found.limit)
-        absurd = {p.block.suspect for p in seen if p.change.absurd(found.yardstick.problem.plant)}
+        absurd = {p.block.suspect for p in seen if p.change.absurd(found.criterion.problem.plant)}
         if not absurd:
             return [_seen(p) for p in seen]
         out |= absurd

@@ -41,8 +41,8 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
     done = all_done(simulations, found) if asked else {}
     for suspect in (s for s in asked if s in done and done[s].unusual and done[s].named(found.limit)):
         rest = [c for c in found.best.fit.changes if c.suspect != suspect]
-        without = found.yardstick.fit(rest, found.best.fit, "compared")
-        if without is None or found.yardstick.alike(found.best.fit, without.fit, suspect):
+        without = found.criterion.fit(rest, found.best.fit, "compared")
+        if without is None or found.criterion.alike(found.best.fit, without.fit, suspect):
             continue
         gain = found.best.evidence - without.evidence
         named = replace(
@@ -80,7 +80,7 @@ def untold_after_all(simulations: Simulations, found: Found, keep: Collection[Su
 def _clearly_missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
     """Whether the gap of held-out runs is clearly larger without a finding, the other values fitted anew."""
     with_ = found.best.fit.changes
-    without = found.yardstick.fit([c for c in with_ if c.suspect != suspect], found.best.fit, "compared")
+    without = found.criterion.fit([c for c in with_ if c.suspect != suspect], found.best.fit, "compared")
     if without is None:
         return True
     before, after = (held_out_gap(simulations, found.floors, of) for of in (without.fit.changes, with_))

@@ -144,7 +144,7 @@ def supported(
                 doubted[s] = told
         if not doubted and against:
             found = _completed(found, keep)
-            return replace(found, cautious=found.yardstick.cautious(found.best.fit)), against
+            return replace(found, cautious=found.criterion.cautious(found.best.fit)), against
         if not doubted:
             return found, against
         least = min(doubted, key=lambda s: doubted[s].verdict.gain)
@@ -182,7 +182,7 @@ def certain_of(simulations: Simulations, found: Found, keep: Collection[Suspect]
         least = min(open_, key=lambda s: gains.get(s, 0.0))
         vague.append(least)
         found = _without(simulations, found, least, [])
-        found = replace(found, cautious=found.yardstick.cautious(found.best.fit))
+        found = replace(found, cautious=found.criterion.cautious(found.best.fit))
 
 
 def sure_of(found: Found) -> set[Suspect]:
@@ -223,7 +223,7 @@ def _without(simulations: Simulations, found: Found, suspect: Suspect, asked: Co
     known = found.without.get(suspect)
     near = found.best.fit if known is None else known.fit
     rest = [c for c in near.changes if c.suspect != suspect]
-    best = found.yardstick.fit(rest, near) or known or found.yardstick.fit(rest, near, "quick")
+    best = found.criterion.fit(rest, near) or known or found.criterion.fit(rest, near, "quick")
     if best is None:
         raise RuntimeError(f"the model without {suspect} cannot be simulated")
     found = replace(found, best=best, floors=measure(simulations, best.fit.changes), gains={}, without={})
@@ -244,7 +244,7 @@ def besides(found: Found, asked: Collection[Suspect], care: Care) -> Found:
     for change in best.fit.changes:
         if change.suspect in asked:
             rest = [c for c in best.fit.changes if c is not change]
-            other = found.yardstick.fit(rest, best.fit, care)
+            other = found.criterion.fit(rest, best.fit, care)
             if other is not None:
                 without[change.suspect] = other
     gains = {s: best.evidence - other.evidence for s, other in without.items()}

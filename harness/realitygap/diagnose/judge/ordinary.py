@@ -18,10 +18,10 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import predicted
+from realitygap.diagnose.search.criterion import AS_LARGE, Criterion
 from realitygap.diagnose.search.imperfections import usual
 from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import AS_LARGE, Yardstick
 from realitygap.robot.drive import Array
 
 SHOWS = 1.1
@@ -130,11 +130,11 @@ def _missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
 
 def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
     """What each finding does; an effort without a law may stand for any kind."""
-    yardstick, fit = found.yardstick, found.best.fit
+    criterion, fit = found.criterion, found.best.fit
     asked = fit.changes
     rest = [[c for c in fit.changes if c is not change] for change in asked]
-    still, *without = residuals(simulations, [fit.changes, *rest], yardstick.train, yardstick.floors.coarse)
-    exact, laws = yardstick.stood, yardstick.tolerant(fit)
+    still, *without = residuals(simulations, [fit.changes, *rest], criterion.train, criterion.floors.coarse)
+    exact, laws = criterion.stood, criterion.tolerant(fit)
     out = {}
     for change, answer in zip(asked, without, strict=True):
         if still is None or answer is None:
@@ -142,10 +142,10 @@ def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
         suspect, does = change.suspect, np.nan_to_num(answer - still)
         whole, beyond = (float(np.linalg.norm(metric(does))) for metric in (exact, laws.metric))
         least = USUAL if suspect.kind.everywhere else AS_LARGE
-        out[suspect] = Done(whole, beyond, yardstick.typical(suspect), _usual(yardstick, suspect), least)
+        out[suspect] = Done(whole, beyond, criterion.typical(suspect), _usual(criterion, suspect), least)
     return out
 
 
-def _usual(yardstick: Yardstick, suspect: Suspect) -> bool:
+def _usual(criterion: Criterion, suspect: Suspect) -> bool:
     """Whether laws are off by what a suspect does."""
-    return suspect.table is None and usual(starts(yardstick.problem, suspect)[0])
+    return suspect.table is None and usual(starts(criterion.problem, suspect)[0])

@@ -107,11 +107,11 @@ def _like(found: Found, suspect: Suspect, gone: Collection[Suspect]) -> Change:
     From a first guess the load of a forearm that had been taken for its mass and its inertia was fitted 450 to 15,000
     behind these, its centre far from where it is.
     """
-    yardstick, fit = found.yardstick, found.best.fit
-    blocks = yardstick.responses(fit, [suspect])
-    lines = in_place(yardstick, fit, [c for c in fit.changes if c.suspect in gone], blocks)
+    criterion, fit = found.criterion, found.best.fit
+    blocks = criterion.responses(fit, [suspect])
+    lines = in_place(criterion, fit, [c for c in fit.changes if c.suspect in gone], blocks)
     if lines is None:
-        return guess(yardstick.problem, suspect)
+        return guess(criterion.problem, suspect)
     return lines.promise(max(range(len(blocks)), key=lambda i: lines.gain([i]))).change
 
 
@@ -119,11 +119,11 @@ def _in_place_of_both(
     simulations: Simulations, found: Found, way: Sequence[Change], gone: Collection[Suspect]
 ) -> Found | None:
     """What was found with one change, the last of a way, in the place of two findings; None where that says less."""
-    yardstick, best, one = found.yardstick, found.best, way[-1]
-    full = yardstick.fit(way, best.fit)  # as if laws were exact, as what it stands for was fitted
+    criterion, best, one = found.criterion, found.best, way[-1]
+    full = criterion.fit(way, best.fit)  # as if laws were exact, as what it stands for was fitted
     if full is None:
         return None
-    within = all(narrower(s, one.suspect) for s in gone) and yardstick.alike(best.fit, full.fit, one.suspect)
+    within = all(narrower(s, one.suspect) for s in gone) and criterion.alike(best.fit, full.fit, one.suspect)
     if not within and best.evidence - full.evidence >= found.limit:
         return None
     if not within and predicted(simulations, found.floors, best.fit.changes, full.fit.changes).better:
@@ -131,13 +131,13 @@ def _in_place_of_both(
     named = any(s not in found.adjusted for s in gone)  # what takes the place of a name is one
     adjusted = tuple(s for s in found.adjusted if s not in gone)
     left = replace(found, adjusted=adjusted if named else (*adjusted, one.suspect))
-    alone = yardstick.fit(_without(best.fit.changes, gone), best.fit, "quick")
+    alone = criterion.fit(_without(best.fit.changes, gone), best.fit, "quick")
     return _renamed(simulations, left, gone, full, alone, [])
 
 
 def _near(found: Found, changes: Sequence[Change]) -> Scored | None:
     """A model that is fitted quickly; None where it is far behind what was found."""
-    quick = found.yardstick.fit(changes, found.best.fit, "quick")
+    quick = found.criterion.fit(changes, found.best.fit, "quick")
     return quick if quick is not None and found.best.evidence - quick.evidence <= FAR * found.limit else None
 
 
@@ -156,7 +156,7 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
         if any(clash(suspect, c.suspect) for c in rest):
             continue
         near = next((quick for plain in begun if (quick := _near(found, [*rest, plain])) is not None), None)
-        full = None if near is None else found.yardstick.refined(near)
+        full = None if near is None else found.criterion.refined(near)
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
     return sorted(said, key=lambda scored: -scored.evidence)
@@ -170,12 +170,12 @@ def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) ->
     A load on the axis of an arm's second joint turns about the first, and does nothing else there: of an arm whose
     first rotor was heavier it was told with four values, the search having had no time to ask for its name.
     """
-    yardstick, suspect = found.yardstick, change.suspect
+    criterion, suspect = found.criterion, change.suspect
     special = [s for s in everyone if narrower(s, suspect)]
     fewer = [s for s in everyone if s.kind.law == suspect.kind.law != "" and len(fitted(s.kind)) < len(change.free)]
-    blocks = yardstick.responses(found.best.fit, [s for s in fewer if s not in special])
-    does = same(yardstick, found.best.fit, [change], blocks, SAME)
-    first = {s: [guess(yardstick.problem, s)] for s in [*special, *does]}
+    blocks = criterion.responses(found.best.fit, [s for s in fewer if s not in special])
+    does = same(criterion, found.best.fit, [change], blocks, SAME)
+    first = {s: [guess(criterion.problem, s)] for s in [*special, *does]}
     return first | {s: [*first[s], like] for s, like in does.items()}
 
 
@@ -183,8 +183,8 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     """Whether a model with a plainer name says as much as the one that was found, and held-out runs do not speak for
     the richer one.
     """
-    best, yardstick, name = found.best, found.yardstick, plain.fit.changes[-1].suspect
-    within = narrower(name, suspect) and yardstick.alike(best.fit, plain.fit, suspect)
+    best, criterion, name = found.best, found.criterion, plain.fit.changes[-1].suspect
+    within = narrower(name, suspect) and criterion.alike(best.fit, plain.fit, suspect)
     likely = best.evidence - plain.evidence < ODDS or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
@@ -195,7 +195,7 @@ def _said_plainly(simulations: Simulations, found: Found, before: Suspect, plain
     """
     best, known = plain[0], found.rivals.get(before, [])
     others = [(other.fit.changes[-1].suspect, other) for other in plain[1:]]
-    instead = [Rival(s, m, *compare(found.yardstick.channels, best, m)) for s, m in [*others, (before, found.best)]]
+    instead = [Rival(s, m, *compare(found.criterion.channels, best, m)) for s, m in [*others, (before, found.best)]]
     instead.sort(key=lambda rival: rival.behind)
     named = {best.fit.changes[-1].suspect, *(r.suspect for r in instead)}
     rest = [r for r in known if not named.intersection(r.suspects)]
@@ -223,7 +223,7 @@ def _renamed(
     return replace(
         found,
         best=plain,
-        cautious=as_wide(found.yardstick.cautious(plain.fit), found.cautious),
+        cautious=as_wide(found.criterion.cautious(plain.fit), found.cautious),
         floors=measure(simulations, plain.fit.changes),
         gains=gains,
         without=left,

@@ -7,8 +7,8 @@ from itertools import accumulate
 
 from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.fit.fit import Fit, fit, residual_near
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.search import Found
-from realitygap.diagnose.search.yardstick import Yardstick
 
 MANY = 4
 """More findings than this are told by effect: a step is an effect at all its places, since every step is simulated in
@@ -42,21 +42,21 @@ def steps(found: Found, ordered: Sequence[Suspect]) -> list[tuple[Change, ...]]:
     out = [_in_order(known.changes, every)]
     for prefix in reversed(prefixes):
         fewer = [c for c in out[0] if c.suspect in prefix]
-        moved = _moved(found.yardstick, fewer, known) if any(c.free for c in fewer) else None
+        moved = _moved(found.criterion, fewer, known) if any(c.free for c in fewer) else None
         known = known if moved is None else moved
         out.insert(0, _in_order(fewer if moved is None else moved.changes, prefix))
     return out
 
 
-def _moved(yardstick: Yardstick, changes: Sequence[Change], near: Fit) -> Fit | None:
+def _moved(criterion: Criterion, changes: Sequence[Change], near: Fit) -> Fit | None:
     """Fewer changes than those of a fit, in a few steps from there; None where they cannot be simulated."""
-    train, coarse = yardstick.train, yardstick.floors.coarse
-    changes = as_read(changes, near.changes, yardstick.problem.plant)
-    left = residual_near(yardstick.simulations, near, changes, train, coarse)
+    train, coarse = criterion.train, criterion.floors.coarse
+    changes = as_read(changes, near.changes, criterion.problem.plant)
+    left = residual_near(criterion.simulations, near, changes, train, coarse)
     if left is None:
         return None
-    metric = yardstick.plain(Fit(tuple(changes), left)).metric
-    return fit(yardstick.simulations, changes, train, metric, coarse, near, "quick")
+    metric = criterion.plain(Fit(tuple(changes), left)).metric
+    return fit(criterion.simulations, changes, train, metric, coarse, near, "quick")
 
 
 def _in_order(changes: Sequence[Change], ordered: Sequence[Suspect]) -> tuple[Change, ...]:

@@ -28,9 +28,9 @@ from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.predict import Predictions
 from realitygap.diagnose.propose.refit import refitted
 from realitygap.diagnose.propose.wrong import Wrong
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import STRETCH, Scored
 from realitygap.diagnose.search.rivals import ODDS
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 SAME = ODDS
@@ -80,7 +80,7 @@ class Foreseen:
         random = np.random.default_rng([self.case, true])
         drawn = [self._noise(self.open.explanations[true], random) for _ in range(DRAWS)]
         still, columns = self.predictions.of(self.case)
-        first = self._yardstick(still + columns[:, true] + drawn[0])
+        first = self._criterion(still + columns[:, true] + drawn[0])
         tried = {k: _fitted(first, self.open.explanations[k].fit) for k in (true, *others)}
         fits = {k: scored for k, scored in tried.items() if scored is not None}
         if true not in fits:
@@ -99,36 +99,36 @@ class Foreseen:
             told |= dict(zip(beside, zip(odds, alike, strict=True), strict=True))
         return told
 
-    def _alike(self, here: Yardstick, true: Fit, other: Fit) -> bool:
+    def _alike(self, here: Criterion, true: Fit, other: Fit) -> bool:
         """Whether an explanation with as many findings does what the true one does, both fitted to the same."""
         if len(true.changes) != len(other.changes):
             return False
         apart = here.score(true).metric(other.residual - true.residual)
         return 0.5 * float(apart @ apart) < SAME
 
-    def _standing(self, first: Yardstick, fitted: Scored, at: int) -> Yardstick:
-        """The yardstick where laws may be off, and facts count, as at an explanation that was fitted."""
+    def _standing(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
+        """The criterion where laws may be off, and facts count, as at an explanation that was fitted."""
         here = copy(first)
         here.wrong = replace(self.off.at(at, self.case), facts=first.wrong.facts)
         here.take_facts(fitted.fit.residual)
         here.take_facts(here.score(fitted.fit).left)
         return here
 
-    def _evidences(self, here: Yardstick, fit: Fit, more: Sequence[Array]) -> Array:
+    def _evidences(self, here: Criterion, fit: Fit, more: Sequence[Array]) -> Array:
         """The evidence of an explanation near where it was fitted, for recordings with other noise. Shape (draws,)."""
         return np.array([_evidence(here, self._beside(fit, m)) for m in more])
 
-    def _yardstick(self, shown: Array) -> Yardstick:
-        """What models are compared on, where the motion showed this. Shape (m,)."""
+    def _criterion(self, shown: Array) -> Criterion:
+        """The criterion, where the motion showed this. Shape (m,)."""
         problem = _recorded(self.simulations.problem, self.case, shown)
         simulations = copy(self.simulations)
         simulations.problem = problem
         changes = self.open.explanations[0].fit.changes
-        yardstick = Yardstick(simulations, changes, self.floors)
-        left = residual(simulations, changes, yardstick.train)
+        criterion = Criterion(simulations, changes, self.floors)
+        left = residual(simulations, changes, criterion.train)
         assert left is not None
-        yardstick.take_facts(left)
-        return yardstick
+        criterion.take_facts(left)
+        return criterion
 
     def _noise(self, true: Scored, random: np.random.Generator) -> Array:
         """Stretches of what an explanation leaves of the recordings, in floors, one behind the other, of all channels
@@ -155,12 +155,12 @@ class Foreseen:
         return replace(fit, residual=changed)
 
 
-def _fitted(yardstick: Yardstick, fit: Fit) -> Scored | None:
+def _fitted(criterion: Criterion, fit: Fit) -> Scored | None:
     """An explanation, fitted in simulation."""
     if fit.names:
-        return yardstick.fit(fit.changes, care="compared")
-    still = residual(yardstick.simulations, fit.changes, yardstick.train)
-    return None if still is None else yardstick.score(replace(fit, residual=still, slope=np.zeros((len(still), 0))))
+        return criterion.fit(fit.changes, care="compared")
+    still = residual(criterion.simulations, fit.changes, criterion.train)
+    return None if still is None else criterion.score(replace(fit, residual=still, slope=np.zeros((len(still), 0))))
 
 
 def _simpler(fits: Mapping[int, Scored], one: int, other: int) -> int:
@@ -170,9 +170,9 @@ def _simpler(fits: Mapping[int, Scored], one: int, other: int) -> int:
     return min((one, other), key=lambda k: (len(fits[k].fit.changes), -fits[k].evidence))
 
 
-def _evidence(yardstick: Yardstick, near: Fit) -> float:
+def _evidence(criterion: Criterion, near: Fit) -> float:
     """The evidence of an explanation near where it was fitted, refitted along straight lines."""
-    return yardstick.score(refitted(yardstick.problem, near, yardstick.plain(near).metric)).evidence
+    return criterion.score(refitted(criterion.problem, near, criterion.plain(near).metric)).evidence
 
 
 def _recorded(problem: Problem, case: int, shown: Array) -> Problem:

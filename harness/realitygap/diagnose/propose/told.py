@@ -164,7 +164,7 @@ def _unnamed(round_: Round) -> dict[Suspect, Scored]:
     likely = {p.block.suspect: p for p in reversed(round_.promised) if p.gain > least}
     fitted = {}
     for p in sorted(likely.values(), key=lambda p: -p.gain)[:MOST]:
-        scored = round_.yardstick.fit([*now.fit.changes, p.block.start.first])
+        scored = round_.criterion.fit([*now.fit.changes, p.block.start.first])
         if scored is not None and scored.evidence - now.evidence > least:
             fitted[p.block.suspect] = scored
     return fitted

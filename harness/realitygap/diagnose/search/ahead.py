@@ -19,7 +19,7 @@ THROUGH = 2
 
 def by_two_steps(round_: Round, keep: Sequence[Suspect], seen: Collection[Standing]) -> Scored | None:
     """The best model that one more step leads to from one that gained too little; None where that gains too little
-    as well. What both steps gain is asked for as of any other move, on what models there are compared on. `keep` stays;
+    as well. What both steps gain is asked for as of any other move, by the criterion of the models there. `keep` stays;
     what was `seen` leads nowhere new.
     """
     near = sorted(round_.near, key=lambda s: -round_.spare(s))[:THROUGH]
@@ -27,7 +27,7 @@ def by_two_steps(round_: Round, keep: Sequence[Suspect], seen: Collection[Standi
         round_.say("through " + "; ".join(str(s) for s in _new(round_.now, through)))
         there = round_.at(through.fit)
         further = grown(there, keep, set(), again=True)
-        before = there.yardstick.settled(round_.now.fit)
+        before = there.criterion.settled(round_.now.fit)
         if further is None or not _new(before, further) or standing(further.fit.changes) in seen:
             continue
         needs = there.limit * (len(further.fit.changes) - len(before.fit.changes))

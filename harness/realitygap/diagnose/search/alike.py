@@ -17,9 +17,9 @@ from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.yardstick import Yardstick
 
 MOST = 0.8
 """Those are told that do more than this share of what the finding does, in squares, as if laws were exact: what laws
@@ -36,24 +36,24 @@ FEW, FEW_OF_THE_LAW = 2, 4
 
 def alike(round_: Round, *findings: Change) -> dict[Suspect, Change]:
     """Suspects that do most of what findings do at the model of a round (`same`)."""
-    return same(round_.yardstick, round_.now.fit, findings, round_.blocks)
+    return same(round_.criterion, round_.now.fit, findings, round_.blocks)
 
 
 def same(
-    yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block], few: int = FEW
+    criterion: Criterion, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block], few: int = FEW
 ) -> dict[Suspect, Change]:
     """Suspects that stand beside a finding, or several, and do most of what these do, and how much of each does: the
     best few.
 
     Args:
-        yardstick: of the search.
+        criterion: of the search.
         fit: of the model with the findings.
         findings: changes of it, which are all of one law at the same joints.
         blocks: responses there of the suspects.
         few: how many of those that do most of it.
     """
     blocks = [b for b in blocks if b.start.kind != "whole"]
-    lines = in_place(yardstick, fit, findings, blocks)
+    lines = in_place(criterion, fit, findings, blocks)
     if lines is None:
         return {}
     whole = 0.5 * float(lines.gram[0, 0])
@@ -69,23 +69,23 @@ def same(
     return dict([*islice(most.items(), few), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
 
 
-def in_place(yardstick: Yardstick, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> Linear | None:
+def in_place(criterion: Criterion, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> Linear | None:
     """Straight lines of what could stand in the place of findings, beside them; None where there are none.
 
     Args:
-        yardstick: of the search.
+        criterion: of the search.
         fit: of the model with the findings.
         findings: changes of it.
         blocks: responses there of what could.
     """
-    plant, known = yardstick.problem.plant, {c.suspect: c for c in findings}
+    plant, known = criterion.problem.plant, {c.suspect: c for c in findings}
     own = np.array([fit.changes[i].suspect in known for i, _ in fit.names], dtype=bool)
     of = [(known[fit.changes[i].suspect], n) for (i, n), o in zip(fit.names, own, strict=True) if o]
     away = np.array([c.parameters[n] - neutral(plant, c.suspect)[n] for c, n in of])
     if not np.isfinite(away).all() or not away.any() or not blocks:
         return None  # a limit or a stiffness, which is not undone by a straight line
     does = fit.slope[:, own] @ (away / fit.size[own])
-    return Linear(yardstick.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
+    return Linear(criterion.plain(fit).metric, -does, fit.slope[:, ~own], blocks)
 
 
 def _of_the_law(suspect: Suspect, finding: Suspect) -> bool:

@@ -154,7 +154,7 @@ def _plainer(round_: Round, rival: Rival, finding: Suspect) -> bool:
         return False
     if not narrower(rival.suspect, finding):
         return rival.behind < EQUAL or _gains(round_, rival, finding)
-    return rival.behind < ODDS or round_.yardstick.alike(round_.now.fit, rival.scored.fit, finding)
+    return rival.behind < ODDS or round_.criterion.alike(round_.now.fit, rival.scored.fit, finding)
 
 
 def _gains(round_: Round, rival: Rival, finding: Suspect) -> bool:
@@ -165,7 +165,7 @@ def _gains(round_: Round, rival: Rival, finding: Suspect) -> bool:
     if -rival.behind <= max(ODDS, more, round_.little(rival.scored)):
         return False
     richer = rival.beside is None and narrower(finding, rival.suspect)
-    return not (richer and round_.yardstick.alike(round_.now.fit, rival.scored.fit, rival.suspect))
+    return not (richer and round_.criterion.alike(round_.now.fit, rival.scored.fit, rival.suspect))
 
 
 def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | None:
@@ -183,7 +183,7 @@ def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | 
     if any(clash(c.suspect, second.suspect) for c in rest):
         return None
     quick = round_.adjusted([*rest, *new], first.scored.fit)
-    scored = None if quick is None else round_.yardstick.refined(quick)
+    scored = None if quick is None else round_.criterion.refined(quick)
     if scored is None:
         return None
     gain = scored.evidence - first.scored.evidence

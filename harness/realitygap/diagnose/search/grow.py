@@ -81,7 +81,7 @@ def _best(
     for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
         if better and (round_.late or promise < max(spare for spare, _ in better) - EQUAL):
             break
-        scored = round_.yardstick.refined(near)
+        scored = round_.criterion.refined(near)
         if scored is None:
             continue
         if len(scored.fit.changes) > len(round_.now.fit.changes) + 1:

@@ -34,10 +34,10 @@ def pairs_for(place: Place, rivals: Sequence[Rival]) -> list[Rival]:
                 continue
             known.add(both)
             quick = round_.adjusted([*first.scored.fit.changes, second], first.scored.fit)
-            scored = round_.yardstick.refined(quick) if quick is not None and place.close(quick) else None
+            scored = round_.criterion.refined(quick) if quick is not None and place.close(quick) else None
             if scored is None or not _needed(place, scored, both):
                 continue
-            pair = Rival(first.suspect, scored, *compare(round_.yardstick.channels, round_.now, scored), second.suspect)
+            pair = Rival(first.suspect, scored, *compare(round_.criterion.channels, round_.now, scored), second.suspect)
             if pair.open:
                 round_.say(f"  {first.suspect} and {second.suspect} for {own}: {-pair.behind:+.1f} ± {pair.error:.1f}")
                 out.append(pair)

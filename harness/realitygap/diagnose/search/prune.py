@@ -51,7 +51,7 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
             needed.update(some)
     while True:
         losses = straight_losses(problem, now)
-        vague = untold(problem, round_.yardstick.as_told(now.fit)) if told else set[Suspect]()
+        vague = untold(problem, round_.criterion.as_told(now.fit)) if told else set[Suspect]()
         losses = dict.fromkeys(vague, 0.0) | losses
         doubtful = {s: d for s, d in losses.items() if s not in needed and (s in vague or d < DOUBTFUL * limit)}
         if not doubtful:

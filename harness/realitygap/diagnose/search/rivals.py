@@ -111,7 +111,7 @@ class Place:
         beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
         far = [] if late else _far(round_, change.suspect)
         tried = [change.suspect, *rough, *(s for s in [*beside, *far] if fits(s))]
-        anew = round_.yardstick.responses(alone.fit, list(dict.fromkeys(tried)))
+        anew = round_.criterion.responses(alone.fit, list(dict.fromkeys(tried)))
         place = cls(round_, change, alone, late, [*anew, *(b for b in here if b.suspect in rough)], gain)
         own = (p.gain for p in place.lines.promises() if p.block.suspect == change.suspect)
         return replace(place, gain=max([gain, *own]))
@@ -163,7 +163,7 @@ def _sizes(limit: Change) -> list[Change]:
 
 def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     """What explains nearly as much in the place of a finding, the closest first."""
-    round_, alone, yardstick = place.round_, place.alone, place.round_.yardstick
+    round_, alone, criterion = place.round_, place.alone, place.round_.criterion
     same = {} if place.late else alike(round_, place.change)
     chosen = {suspect: [change] for suspect, change in same.items()}
     most = len(chosen) + (LATE if place.late else EXCHANGED)
@@ -184,10 +184,10 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = place.close(quick)
-        scored = yardstick.refined(quick) if close else quick
+        scored = criterion.refined(quick) if close else quick
         if scored is not None:
             as_one = not narrower(place.change.suspect, suspect) and told_apart(round_.now, scored) < ODDS
-            out.append(Rival(suspect, scored, *compare(yardstick.channels, round_.now, scored), same=as_one))
+            out.append(Rival(suspect, scored, *compare(criterion.channels, round_.now, scored), same=as_one))
             if close:
                 round_.say(f"  {suspect} for {place.change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")
     return sorted(out, key=lambda r: r.behind)
@@ -209,7 +209,7 @@ def several_for(place: Place) -> Scored | None:
     changes = [p.change for p in several]
     tried = [place.quick(way) for way in [changes, *_said_otherwise(place, changes)]]
     quick = max((q for q in tried if q is not None), key=lambda q: q.evidence, default=None)
-    scored = round_.yardstick.refined(quick) if quick is not None and place.close(quick) else None
+    scored = round_.criterion.refined(quick) if quick is not None and place.close(quick) else None
     if scored is None:
         return None
     gain = scored.evidence - round_.now.evidence

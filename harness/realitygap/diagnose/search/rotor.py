@@ -19,7 +19,7 @@ def parted(round_: Round) -> list[tuple[list[Change], float]]:
     evidence that each has to gain.
     """
     problem, accepted = round_.simulations.problem, round_.now.fit.changes
-    here = set(round_.yardstick.possible(round_.now.fit, round_.everyone))
+    here = set(round_.criterion.possible(round_.now.fit, round_.everyone))
     waiting = [s for s in round_.everyone if s not in here and single(s)]
     ways = []
     for rotor in [s for s in round_.everyone if s.effect == ROTOR and single(s)]:

@@ -16,10 +16,10 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residuals, single
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import IMPERFECT, Scored, stretches
 from realitygap.diagnose.search.imperfections import SHARE, WORST, known_to
 from realitygap.diagnose.search.linear import Promise, linear_at
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.robot.drive import Array
 
 BEAM = 4
@@ -65,7 +65,7 @@ class Round:
     Attributes:
         patience: the same, which grows where a round explains much (`patience.AGAIN`).
         explained: the evidence that the accepted model has more than the scenario's own.
-        yardstick: what models are compared on.
+        criterion: by which models are compared.
         told: the accepted model, fitted as if laws were exact, which tells its values best; None where it was moved to.
         now: the same where its evidence is best, for comparisons: the best fit of it that is known (`led`).
         look: the same, in the metric in which moves are looked for.
@@ -91,14 +91,14 @@ class Round:
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
         self.patience = patience
-        self.yardstick = yardstick = Yardstick(simulations, at.changes)
-        first = demanded(simulations, at.changes, yardstick.train)
-        yardstick.take_facts(first)
-        start = yardstick.score(replace(at, residual=first))  # what is free is known from before where no fit is found
-        done = yardstick.fit(at.changes, at) if any(c.free for c in at.changes) else None
-        self._at = (start if done is None else yardstick.elsewhere(done)).fit
+        self.criterion = criterion = Criterion(simulations, at.changes)
+        first = demanded(simulations, at.changes, criterion.train)
+        criterion.take_facts(first)
+        start = criterion.score(replace(at, residual=first))  # what is free is known from before where no fit is found
+        done = criterion.fit(at.changes, at) if any(c.free for c in at.changes) else None
+        self._at = (start if done is None else criterion.elsewhere(done)).fit
         self._nothing = nothing
-        accepted, possible = [c.suspect for c in at.changes], set(yardstick.possible(self._at, everyone))
+        accepted, possible = [c.suspect for c in at.changes], set(criterion.possible(self._at, everyone))
         beside = [b for b in known if b.suspect in possible and not any(clash(b.suspect, a) for a in accepted)]
         self.blocks: list[Block] = beside
         self.told: Scored | None = None
@@ -114,8 +114,8 @@ class Round:
         return Round(self.simulations, other, self.everyone, self.limit, self._nothing, self.say, self.patience)
 
     def widened(self, everyone: Sequence[Suspect]) -> None:
-        """Look at more suspects, from the same fit. Evidence is compared on a yardstick with the imperfections of all
-        of them, so that what was scored before counts no longer.
+        """Look at more suspects, from the same fit. The criterion that evidence is compared under has the imperfections
+        of all of them, so that what was scored before counts no longer.
         """
         known = set(self.everyone)
         self.everyone, self._at = list(everyone), self.retold().fit
@@ -123,13 +123,13 @@ class Round:
 
     def _stand(self, more: Sequence[Suspect]) -> None:
         """Where the round stands, with the responses of more suspects."""
-        yardstick, say, before = self.yardstick, self.say, self.simulations.steps
-        self.blocks = [*self.blocks, *yardstick.responses(self._at, more)]
+        criterion, say, before = self.criterion, self.say, self.simulations.steps
+        self.blocks = [*self.blocks, *criterion.responses(self._at, more)]
         self._looks += self.simulations.steps - before
-        yardstick.stand_at(self._at, self.blocks)
-        self.told, self.now = yardstick.score(self._at), yardstick.settled(self._at)
+        criterion.stand_at(self._at, self.blocks)
+        self.told, self.now = criterion.score(self._at), criterion.settled(self._at)
         self._led, self._began = False, self.now.evidence
-        self._bare = yardstick.score(self._nothing)
+        self._bare = criterion.score(self._nothing)
         self.explained = self.now.evidence - self._bare.evidence
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
@@ -139,7 +139,7 @@ class Round:
 
     def _looked(self) -> None:
         """What everything promises beside the accepted model."""
-        self.look = self.yardstick.sharp(self.now.fit)
+        self.look = self.criterion.sharp(self.now.fit)
         self.lines = linear_at(self.look, self.blocks)
         self.straight = self.lines.promises()
         if self.late and any(c.free for c in self.now.fit.changes):  # nothing is added any more
@@ -163,7 +163,7 @@ class Round:
         self.blocks = [b for b in self.blocks if not any(clash(b.suspect, a) for a in accepted)]
         known = {b.suspect for b in self.blocks}
         freed = [s for s in self.everyone if s not in known and any(clash(s, g) for g in gone)]
-        self.blocks += self.yardstick.responses(to.fit, freed)
+        self.blocks += self.criterion.responses(to.fit, freed)
         self.explained += to.evidence - self.now.evidence
         self.now, self.told, self._led = to, None, True
         self._looked()
@@ -171,7 +171,7 @@ class Round:
 
     def adjusted(self, changes: Sequence[Change], known: Fit | None = None) -> Scored | None:
         """A model near a fitted one (the accepted), fitted quickly; None where it cannot be simulated."""
-        return self.yardstick.fit(changes, known or self.now.fit, "quick")
+        return self.criterion.fit(changes, known or self.now.fit, "quick")
 
     @property
     def late(self) -> bool:
@@ -213,11 +213,11 @@ class Round:
         alike = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
         named = [scored.imperfect.get(s.kind.law, 1.0) * known_to(s) for s in (c.suspect for c in other.fit.changes)]
         every = min(max(alike, default=WORST), max(named, default=np.inf)) ** 2 * self.explained
-        cases, train = self.simulations.problem.cases, self.yardstick.train
+        cases, train = self.simulations.problem.cases, self.criterion.train
         if any(cases[c].experiment.followed is None for c in train):
             return every
         change = scored.fit.residual - other.fit.residual
-        return every * reached(self.yardstick.channels, (self.now, self._bare), change)
+        return every * reached(self.criterion.channels, (self.now, self._bare), change)
 
     def earned(self, more: Scored, fewer: Scored, needs: float) -> bool:
         """Whether a model gains enough over one with less in it."""
@@ -227,7 +227,7 @@ class Round:
         """What a model has to gain over one with less in it: what is needed, and, where it gains not much more, what
         stretches of the recordings scatter by.
         """
-        gain, watched = more.evidence - fewer.evidence, self.yardstick.channels
+        gain, watched = more.evidence - fewer.evidence, self.criterion.channels
         many = int(stretches(watched).max()) + 1 >= PARTS
         if not needs <= gain < (MUCH if many else DOUBTFUL) * needs:
             return needs
@@ -239,14 +239,14 @@ class Round:
         """
         there = {(c.suspect, c.free): c for c in other.fit.changes}
         again = self.adjusted([there.get((c.suspect, c.free), c) for c in self.now.fit.changes], other.fit)
-        if again is not None and again.evidence > self.now.evidence and not self.yardstick.absurd(again):
+        if again is not None and again.evidence > self.now.evidence and not self.criterion.absurd(again):
             self.now, self._led = again, True
 
     def retold(self) -> Scored:
         """The accepted model, fitted as if laws were exact: also from where other models led, if that is likelier."""
-        again = self.yardstick.fit(self.now.fit.changes, self.now.fit) if self._led else None
+        again = self.criterion.fit(self.now.fit.changes, self.now.fit) if self._led else None
         known = [s for s in (self.told, again) if s is not None]
-        return max(known, key=lambda s: self.yardstick.plain(s.fit).evidence, default=self.now)
+        return max(known, key=lambda s: self.criterion.plain(s.fit).evidence, default=self.now)
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
@@ -260,7 +260,7 @@ class Round:
 
     def _jumps(self) -> list[Promise]:
         """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
-        plain = self.yardstick.plain(self.now.fit)
+        plain = self.criterion.plain(self.now.fit)
         here = plain.metric(plain.fit.residual)
 
         def nearer(block: Block) -> float:
@@ -271,7 +271,7 @@ class Round:
         far = [b for b in far if b.start.kind != "linear" or b.suspect.kind.sits_at == "ground"]
         far = sorted(far, key=nearer, reverse=True)[:GLANCED]
         gains = self.simulations.side_by_side(
-            lambda b: self.yardstick.plain(self._moved(b.columns[:, 0])).evidence - plain.evidence, far
+            lambda b: self.criterion.plain(self._moved(b.columns[:, 0])).evidence - plain.evidence, far
         )
         rough: dict[tuple[Suspect, tuple[str, ...]], tuple[float, Block]] = {}
         for block, gain in zip(far, gains, strict=True):
@@ -287,7 +287,7 @@ class Round:
 
     def gain(self, change: Array) -> float:
         """The evidence that a change of the accepted model's residual gains, (m,), in the metric of moves."""
-        return self.yardstick.sharp(self._moved(change)).evidence - self.look.evidence
+        return self.criterion.sharp(self._moved(change)).evidence - self.look.evidence
 
     def _moved(self, change: Array) -> Fit:
         """The accepted model with its residual changed as a try does, as it is. Shape (m,)."""
@@ -309,8 +309,8 @@ class Round:
         still, *answers = residuals(
             self.simulations,
             [accepted, *(as_read([*accepted, c], accepted, plant) for c in changes)],
-            self.yardstick.train,
-            self.yardstick.floors.coarse,
+            self.criterion.train,
+            self.criterion.floors.coarse,
         )
         if still is None:
             return chosen

@@ -21,6 +21,7 @@ from realitygap.diagnose.fit.responses import Block, at_once
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.ahead import by_two_steps
+from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
@@ -31,7 +32,6 @@ from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
-from realitygap.diagnose.search.yardstick import Yardstick
 from realitygap.files.errors import InputError
 
 LIKELY = 80
@@ -47,13 +47,13 @@ class Found:
     """What a search found.
 
     Attributes:
-        base: the scenario's own model, on the yardstick of the last round.
+        base: the scenario's own model, by the criterion of the last round.
         best: the model with the best evidence.
         cautious: the same, for intervals.
         limit: what a finding has to gain.
         least: the same for each, or what laws of its kind leave of what the best model explains, where that is more.
         floors: of the best model.
-        yardstick: what models were compared on in the last round.
+        criterion: by which models were compared in the last round.
         gains: evidence that is lost without each finding, by suspect.
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
@@ -72,7 +72,7 @@ class Found:
     limit: float
     least: Mapping[Suspect, float]
     floors: Floors
-    yardstick: Yardstick
+    criterion: Criterion
     gains: dict[Suspect, float] = field(default_factory=dict)
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
@@ -161,11 +161,11 @@ def search(
         if many and not dropped:
             following = _further(round_, following, kept, failed)
         at, looked_at = following.fit, list(everyone) if dropped or (first and not whole) else round_.likely(LIKELY)
-    start = round_.yardstick.score(nothing)
+    start = round_.criterion.score(nothing)
     best = round_.retold()
     best = replace(best, fit=as_seen(simulations.problem, best.fit))
     floors = measure(simulations, best.fit.changes)
-    cautious = round_.yardstick.cautious(best.fit)
+    cautious = round_.criterion.cautious(best.fit)
     named = [c.suspect for c in best.fit.changes]
     return Found(
         base=start,
@@ -174,7 +174,7 @@ def search(
         limit=limit,
         least={s: max(limit, round_.leaves(best, {s.kind.law}, last.without.get(s, start))) for s in named},
         floors=floors,
-        yardstick=round_.yardstick,
+        criterion=round_.criterion,
         gains=last.gains,
         without=last.without,
         rivals=last.rivals,
@@ -206,10 +206,10 @@ def _along(
             return nothing
     named = [c for c in found.best.fit.changes if c.suspect.table is None]
     new = [c for c in named if not any(clash(c.suspect, t.suspect) for t in nothing.changes)]
-    yardstick = Yardstick(simulations, nothing.changes)
-    yardstick.take_facts(nothing.residual)
-    there = yardstick.fit([*nothing.changes, *new], care="compared") if new else None
-    if there is None or there.evidence - yardstick.score(nothing).evidence < limit * len(new):
+    criterion = Criterion(simulations, nothing.changes)
+    criterion.take_facts(nothing.residual)
+    there = criterion.fit([*nothing.changes, *new], care="compared") if new else None
+    if there is None or there.evidence - criterion.score(nothing).evidence < limit * len(new):
         return nothing
     say("; ".join(told_change(c) for c in there.fit.changes))
     return there.fit

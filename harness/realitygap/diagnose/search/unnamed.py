@@ -45,7 +45,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         quick = round_.adjusted(way.changes)
         if quick is None or quick.evidence < round_.now.evidence:
             continue
-        scored = round_.yardstick.refined(quick)
+        scored = round_.criterion.refined(quick)
         if scored is None:
             continue
         gain = scored.evidence - round_.now.evidence
@@ -55,7 +55,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
         needs, spare = max(round_.limit * len(way.tables), round_.little(scored)), round_.spare(scored)
         if gain <= needs or _alike(round_, keep, joint, scored):
             continue
-        if round_.yardstick.ordinary(round_.now, joint, scored.fit):
+        if round_.criterion.ordinary(round_.now, joint, scored.fit):
             round_.beaten.update(c.suspect for c in round_.now.fit.changes if c not in way.beside and less == 1)
         elif best is None or spare > best[0]:
             best = spare, scored
@@ -69,20 +69,20 @@ def _alike(round_: Round, keep: Sequence[Suspect], joint: int, other: Scored) ->
     the place of dry and viscous friction, and changed the efforts by 10 % of what these do. Tables in the place of laws
     that were none, as over the angle for a ripple and a centre of mass, changed them by 32 to 48 %.
     """
-    now, train = round_.now.fit, round_.yardstick.train
+    now, train = round_.now.fit, round_.criterion.train
     there = [c for c in now.changes if c.suspect not in keep and c.suspect.joints == (joint,)]
     without = residual(round_.simulations, [c for c in now.changes if c not in there], train) if there else None
     if without is None:
         return False
-    metric = round_.yardstick.plain(now).metric  # others take away what laws may be off by, which is asked for here
+    metric = round_.criterion.plain(now).metric  # others take away what laws may be off by, which is asked for here
     do, change = (float(np.linalg.norm(metric(r - now.residual))) for r in (without, other.fit.residual))
     return change <= max(IMPERFECT) * max(known_to(c.suspect) for c in there) * do
 
 
 def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
     """The ways that promise most, each simulated as its tables were drawn."""
-    yardstick, now = round_.yardstick, round_.now.fit
-    problem = yardstick.problem
+    criterion, now = round_.criterion, round_.now.fit
+    problem = criterion.problem
     joints = [int(j) for j in np.flatnonzero(problem.judged)]
     ways = [_Way(now.changes, tables) for tables in unnamed(problem, now.changes, joints)]
     for j in joints:
@@ -90,7 +90,7 @@ def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
         if len(beside) < len(now.changes):
             ways += [_Way(beside, tables) for tables in unnamed(problem, beside, [j])]
     variants = [now.changes, *(way.changes for way in ways)]
-    still, *answers = residuals(round_.simulations, variants, yardstick.train, yardstick.floors.coarse)
+    still, *answers = residuals(round_.simulations, variants, criterion.train, criterion.floors.coarse)
     promised = []
     for way, answer in zip(ways, answers, strict=True):
         if still is not None and answer is not None:

@@ -32,7 +32,7 @@ def without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     quick = round_.adjusted(shaped, plain.fit)
     if quick is None or quick.evidence - plain.evidence < CLOSE * (now.evidence - plain.evidence):
         return plain
-    full = round_.yardstick.refined(quick)
+    full = round_.criterion.refined(quick)
     return full if full is not None and -EQUAL < full.evidence - now.evidence < ODDS else plain
 
 
@@ -51,9 +51,9 @@ def _left_out(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     quick = round_.adjusted(rest, now.fit)
     if quick is not None and now.evidence - quick.evidence > PLAIN * round_.limit:
         return quick
-    near = None if quick is None else round_.yardstick.refined(quick)
+    near = None if quick is None else round_.criterion.refined(quick)
     many = _values(rest) >= CHEAP
     if near is not None and (many or now.evidence - near.evidence > PLAIN * round_.limit):
         return near
-    anew = round_.yardstick.fit(rest if near is None else near.fit.changes, care="compared")
+    anew = round_.criterion.fit(rest if near is None else near.fit.changes, care="compared")
     return max((s for s in (near, anew) if s is not None), key=lambda s: s.evidence, default=None)

@@ -1,4 +1,8 @@
-"""Where a search stands: an accepted model, what it leaves, and the responses of everything that could be added."""
+"""The criterion: the evidence of models under one likelihood, with a fit of each under it.
+
+One round compares all its models by it: the same channels, floors and law discrepancy, so that a difference in evidence
+is a log Bayes factor.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +49,8 @@ BENT = 3
 """Up to so many new values are followed by their own slopes in a quick fit, anew in each pass: they bend most."""
 
 
-class Yardstick:
-    """What all models of one round are compared on: floors, training motions, and imperfections of every law.
+class Criterion:
+    """By which all models of one round are compared: floors, training motions, and imperfections of every law.
 
     Attributes:
         simulations: of the problem.
