@@ -23,7 +23,7 @@ def measured_by(watched: Channel, rest: float, residual: Array, responses: Array
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
-    """With imperfections marginalised: r'(V + Φ·s²·Φ')⁻¹r and its determinant, by the matrices themselves."""
+    """With a discrepancy marginalised: r'(V + Φ·s²·Φ')⁻¹r and its determinant, by the matrices themselves."""
     rng = np.random.default_rng(3)
     n, watched = 40, channel(40)
     residual, responses, scale = rng.standard_normal(n), rng.standard_normal((n, 3)), np.array([0.3, 1.0, 2.0])

@@ -22,11 +22,11 @@ from realitygap.diagnose.propose.foreseen import Foreseen
 from realitygap.diagnose.propose.limits import Limits
 from realitygap.diagnose.propose.pool import pool_of
 from realitygap.diagnose.propose.predict import predict
+from realitygap.diagnose.propose.predicted_discrepancy import predicted_discrepancy
 from realitygap.diagnose.propose.proposal import Proposal
 from realitygap.diagnose.propose.propose import propose
 from realitygap.diagnose.propose.safe import left_in_engines
 from realitygap.diagnose.propose.told import Origin, mended, opened
-from realitygap.diagnose.propose.wrong import wrong
 from realitygap.diagnose.result.odds import MOST
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.files.errors import InputError
@@ -97,8 +97,8 @@ def left(problem: Problem) -> tuple[Open, Floors]:
 
 
 def test_what_a_diagnosis_adjusted_stays_in_its_model_and_no_motion_is_asked_for_it(problem: Problem) -> None:
-    def told(effect: str, name: str, value: float, off: float) -> dict[str, Any]:
-        values = {"value": value, "low": value - off, "high": value + off}
+    def told(effect: str, name: str, value: float, discrepancy: float) -> dict[str, Any]:
+        values = {"value": value, "low": value - discrepancy, "high": value + discrepancy}
         return {"effect": effect, "target": "elbow", "parameters": {name: values}}
 
     gain, supply = told("controller_gain", "gain", 4.4, 0.3), told("supply_voltage", "supply", 11.4, 0.5)
@@ -226,12 +226,12 @@ def test_what_a_slow_motion_cannot_part_is_foreseen_to_stay_as_it_is(
     wide, case, question = with_motions(problem, [slow]), len(problem.cases), gain_or_supply(open_)
     with Simulations(wide, 1) as simulations:
         rough = expected_floors(wide, floors, case)
-        off = wrong(simulations, open_.explanations, suspects(wide), [case], rough)
-        told = predict(simulations, open_.explanations, [case], rough, off)
-        assert off is not None
+        discrepancy = predicted_discrepancy(simulations, open_.explanations, suspects(wide), [case], rough)
+        told = predict(simulations, open_.explanations, [case], rough, discrepancy)
+        assert discrepancy is not None
         assert told is not None
         lines = answer(question, told.grams[0], told.beliefs)
-        (seen,) = Foreseen(simulations, open_, told, rough, off, case).answers([question])
+        (seen,) = Foreseen(simulations, open_, told, rough, discrepancy, case).answers([question])
     assert seen is not None
     for a, b, now in ((lines.one, seen.one, question.now), (lines.other, seen.other, -question.now)):
         assert abs(a - now) < 0.5

@@ -183,7 +183,7 @@ def test_a_full_search_names_what_was_planted_in_another_engine(
 ) -> None:
     friction = seen["viscous_friction"]
     rehearsal = Rehearsal(problem, "dart", (1.0, 1.0), floors)
-    size = 6 * friction.factor  # far beyond what laws may be imperfect by, because the motion is short
+    size = 6 * friction.factor  # far beyond what laws may be off by, because the motion is short
     tried = searched(2, rehearsal, planted(problem, friction.suspect, size), size)
     assert tried is not None
     assert tried.outcome == "named"

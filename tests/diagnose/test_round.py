@@ -16,9 +16,9 @@ from realitygap.diagnose.search import prune
 from realitygap.diagnose.search import round as round_module
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.criterion import Criterion
+from realitygap.diagnose.search.discrepancy import KNOWN, SHARE
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.grow import _ways, grown, shared
-from realitygap.diagnose.search.imperfections import KNOWN, SHARE
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed
 
@@ -59,8 +59,8 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
 def test_what_laws_leave_is_asked_of_what_is_new_by_its_kind(problem: Problem, round_: Round) -> None:
     """Of friction what friction leaves, of a gain what the drive leaves, and of a model with nothing new the most."""
     friction, gain = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("viscous_friction", "controller_gain"))
-    imperfect = {"friction": 1.0, "drive": 0.5, "load": 0.5, "": 2.0, "clock": 2.0}
-    own, explained = replace(round_.now, imperfect=imperfect), round_.explained
+    discrepancy_scale = {"friction": 1.0, "drive": 0.5, "load": 0.5, "": 2.0, "clock": 2.0}
+    own, explained = replace(round_.now, discrepancy_scale=discrepancy_scale), round_.explained
     try:
         round_.explained = 1000.0
         little = {c: round_.little(replace(own, fit=replace(own.fit, changes=(c,)))) for c in (friction, gain)}
@@ -76,8 +76,8 @@ def test_what_is_explained_leaves_no_more_than_what_is_not_known_of_it(
 ) -> None:
     """Friction may be off by 16 %; of a delay that explains all so far less is not known."""
     delay, friction = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("command_delay", "viscous_friction"))
-    imperfect = {"friction": 2.0, "": 0.5}
-    alone = replace(round_.now, imperfect=imperfect, fit=replace(round_.now.fit, changes=(delay,)))
+    discrepancy_scale = {"friction": 2.0, "": 0.5}
+    alone = replace(round_.now, discrepancy_scale=discrepancy_scale, fit=replace(round_.now.fit, changes=(delay,)))
     monkeypatch.setattr(round_, "explained", 1000.0)
     monkeypatch.setattr(round_, "now", alone)
     both = replace(alone, fit=replace(alone.fit, changes=(delay, friction)))

@@ -15,8 +15,8 @@ from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import Block, residual, respond
 from realitygap.diagnose.search.criterion import Criterion
+from realitygap.diagnose.search.discrepancy import OTHER, SHARE, UNSEEN, Discrepancy, law_discrepancy, nearer
 from realitygap.diagnose.search.evidence import Scored, score, stretches
-from realitygap.diagnose.search.imperfections import OTHER, SHARE, UNSEEN, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import Linear
 from realitygap.robot.drive import Array
 
@@ -65,7 +65,7 @@ def test_a_fit_finds_what_was_planted(problem: Problem, simulations: Simulations
 
 
 class Astray(Criterion):
-    """Where laws count as imperfect, its likeliest Stribeck friction rises with speed."""
+    """Where law discrepancy counts, its likeliest Stribeck friction rises with speed."""
 
     def settled(self, at: Fit, care: Care = "compared") -> Scored:  # noqa: ARG002 - the signature of what it overrides
         (friction,) = at.changes
@@ -176,12 +176,12 @@ def test_a_law_is_off_by_a_share_of_what_the_model_has_of_it(
     at = Fit((), _of(simulations, criterion, []))
     gain, delay = (suspect_of(problem, e, "elbow") for e in ("controller_gain", "command_delay"))
     blocks = criterion.responses(at, [gain, delay])
-    wrong = imperfections(problem, at, blocks, criterion.plain(at).metric)
+    discrepancy = law_discrepancy(problem, at, blocks, criterion.plain(at).metric)
     less = guess(problem, gain).at({"gain": neutral(problem.plant, gain)["gain"] * (1.0 - SHARE["drive"])})
     off = np.nan_to_num(_of(simulations, criterion, [less]) - at.residual)
-    drive = np.nan_to_num(wrong.responses[:, wrong.laws.index("drive")])
+    drive = np.nan_to_num(discrepancy.responses[:, discrepancy.laws.index("drive")])
     assert abs(drive @ off) == pytest.approx(float(off @ off), rel=0.1)
-    later = np.nan_to_num(wrong.responses[:, wrong.laws.index("")])
+    later = np.nan_to_num(discrepancy.responses[:, discrepancy.laws.index("")])
     assert later == pytest.approx(OTHER * next(b for b in blocks if b.suspect == delay).columns[:, 0])
 
 
@@ -200,24 +200,24 @@ def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
     less = _of(simulations, criterion, [start.simulated(0)])
     off = np.nan_to_num(less - at.residual)
 
-    def unlike(wrong: Imperfections) -> float:
-        """The share of it that imperfections of the drive cannot do."""
-        drive = np.nan_to_num(wrong.responses[:, [law == "drive" for law in wrong.laws]])
+    def unlike(discrepancy: Discrepancy) -> float:
+        """The share of it that a discrepancy of the drive cannot do."""
+        drive = np.nan_to_num(discrepancy.responses[:, [law == "drive" for law in discrepancy.laws]])
         return float(np.linalg.norm(off - drive @ np.linalg.lstsq(drive, off)[0]) / np.linalg.norm(off))
 
-    far = imperfections(problem, at, blocks, criterion.plain(at).metric)
-    assert unlike(criterion.wrong) < 0.1 < unlike(far)
+    far = law_discrepancy(problem, at, blocks, criterion.plain(at).metric)
+    assert unlike(criterion.discrepancy) < 0.1 < unlike(far)
 
 
 def test_play_answers_either_side_in_its_own_way(
     problem: Problem, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """An offset up and one down, each as small as it may be without being missed: imperfections do both.
+    """An offset up and one down, each as small as it may be without being missed: the discrepancy does both.
 
     It may be four times what is ordinary here: where it is hardly seen, both sides of play are even.
     """
     other = 4.0 * OTHER
-    monkeypatch.setattr(sys.modules[Imperfections.__module__], "OTHER", other)
+    monkeypatch.setattr(sys.modules[Discrepancy.__module__], "OTHER", other)
     criterion = Criterion(simulations, [])
     play, offset = (guess(problem, suspect_of(problem, e, "elbow")) for e in ("backlash", "joint_offset"))
     play = play.at({"angle": 0.05})
@@ -228,7 +228,7 @@ def test_play_answers_either_side_in_its_own_way(
     blocks = criterion.responses(at, [offset.suspect])
     assert {b.start.tries[0].parameters["angle"] > 0 for b in blocks} == {True, False}
     criterion.stand_at(at, blocks)
-    done = np.nan_to_num(criterion.wrong.responses[:, [law == "" for law in criterion.wrong.laws]])
+    done = np.nan_to_num(criterion.discrepancy.responses[:, [law == "" for law in criterion.discrepancy.laws]])
     for block in blocks:
         least = other * block.start.tries[0].parameters["angle"]
         changes = as_read([play, offset.at({"angle": least})], [play], problem.plant)
@@ -246,11 +246,11 @@ def test_a_value_that_a_model_has_not_is_off_by_what_it_has_of_it(criterion: Cri
     m = sum(len(c.time) for c in criterion.channels)
     slope = np.ones((m, 1))
     at = Fit((named,), np.zeros(m), ((0, "torque"),), slope, np.full(1, 0.3), np.zeros(1))
-    wrong = imperfections(problem, at, [], criterion.plain(at).metric)
-    assert wrong.responses[:, 0] == pytest.approx(SHARE["friction"] * 0.6 / 0.3 * slope[:, 0])
+    discrepancy = law_discrepancy(problem, at, [], criterion.plain(at).metric)
+    assert discrepancy.responses[:, 0] == pytest.approx(SHARE["friction"] * 0.6 / 0.3 * slope[:, 0])
     own = neutral(problem.plant, friction)["torque"]
-    assert wrong.shares(at)[0] == 1.0
-    assert wrong.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
+    assert discrepancy.shares(at)[0] == 1.0
+    assert discrepancy.shares(Fit((), np.zeros(m)))[0] == pytest.approx(own / 0.6)
 
 
 def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_off_there(
@@ -262,9 +262,9 @@ def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_of
     names = ("rotor_inertia", "constant_effort", "cable_spring")
     blocks = criterion.responses(at, [suspect_of(problem, n, "elbow") for n in names])
     metric = criterion.plain(at).metric
-    wrong = imperfections(problem, at, blocks, metric)
+    discrepancy = law_discrepancy(problem, at, blocks, metric)
     parts = metric.whitening.parts
-    load = metric(wrong.responses[:, [law == "load" for law in wrong.laws]])[: len(parts)]
+    load = metric(discrepancy.responses[:, [law == "load" for law in discrepancy.laws]])[: len(parts)]
     rotor = next(b for b in blocks if b.suspect.effect == "rotor_inertia")
     own = dict(rotor.start.zero)["armature"]
     does = own / (rotor.start.tries[0].parameters["armature"] - own) * metric(rotor.columns[:, 0])[: len(parts)]
@@ -276,12 +276,12 @@ def test_no_fault_of_a_law_is_larger_in_a_signal_of_a_motion_than_laws_may_be_of
 
 
 def test_an_effort_without_a_law_is_compared_with_whichever_law_may_be_off_by_most() -> None:
-    """At its own joint, where each kind of law is so imperfect as recordings say, or ordinary where they do not."""
+    """At its own joint, where each kind of law is as far off as recordings say, or ordinary where they do not."""
     does = {("friction", 0): 10.0, ("load", 0): 30.0, ("drive", 0): 100.0, ("drive", 1): 900.0}
-    wrong = Imperfections(np.ones(1), np.zeros((1, 0)), does=does)
-    assert wrong.ordinary(0, {"friction": 1.0, "load": 2.0, "drive": 0.5}) == pytest.approx(2.0 * SHARE["load"] * 30.0)
-    assert wrong.ordinary(0, {"load": 0.5}) == pytest.approx(SHARE["drive"] * 100.0)
-    assert wrong.ordinary(2, {"drive": 2.0}) == 0.0
+    off = Discrepancy(np.ones(1), np.zeros((1, 0)), does=does)
+    assert off.ordinary(0, {"friction": 1.0, "load": 2.0, "drive": 0.5}) == pytest.approx(2.0 * SHARE["load"] * 30.0)
+    assert off.ordinary(0, {"load": 0.5}) == pytest.approx(SHARE["drive"] * 100.0)
+    assert off.ordinary(2, {"drive": 2.0}) == 0.0
 
 
 def test_what_laws_of_a_kind_do_alike_counts_once(
@@ -292,17 +292,17 @@ def test_what_laws_of_a_kind_do_alike_counts_once(
     names = ("coulomb_friction", "viscous_friction", "direction_friction", "friction_ripple")
     blocks = criterion.responses(at, [suspect_of(problem, n, "elbow") for n in names])
     metric = criterion.plain(at).metric
-    wrong = imperfections(problem, at, blocks, metric)
-    friction = metric(wrong.responses[:, [law == "friction" for law in wrong.laws]])
+    discrepancy = law_discrepancy(problem, at, blocks, metric)
+    friction = metric(discrepancy.responses[:, [law == "friction" for law in discrepancy.laws]])
     assert friction.shape[1] == 6  # one, one, two directions, sine and cosine
-    most = SHARE["friction"] * wrong.does["friction", 1]
+    most = SHARE["friction"] * discrepancy.does["friction", 1]
     lengths = np.linalg.svd(friction, compute_uv=False)
     assert most > 0.0
     assert lengths.max() == pytest.approx(most, rel=1e-6)
     assert np.linalg.norm(friction, axis=0).max() <= most * (1.0 + 1e-6)
 
 
-def test_what_imperfections_do_alike_is_told_by_few(
+def test_what_discrepancies_do_alike_is_told_by_few(
     problem: Problem, simulations: Simulations, criterion: Criterion, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A heavier link and its centre of mass do nearly the same, and so do many: fewer responses say what all of them
@@ -312,12 +312,15 @@ def test_what_imperfections_do_alike_is_told_by_few(
     blocks, metric = criterion.responses(at, suspects(problem)), criterion.plain(at).metric
     found = criterion.fit([friction.at({"torque": FRICTION})])
     assert found is not None
-    few = imperfections(problem, at, blocks, metric)
-    monkeypatch.setitem(imperfections.__globals__, "SHORTEST", -1.0)
-    every = imperfections(problem, at, blocks, metric)
+    few = law_discrepancy(problem, at, blocks, metric)
+    monkeypatch.setitem(law_discrepancy.__globals__, "SHORTEST", -1.0)
+    every = law_discrepancy(problem, at, blocks, metric)
     assert len(few.laws) < len(every.laws)
     for fit in (at, found.fit):
-        told = [score(criterion.channels, fit, replace(wrong, facts=every.facts)).evidence for wrong in (few, every)]
+        told = [
+            score(criterion.channels, fit, replace(discrepancy, facts=every.facts)).evidence
+            for discrepancy in (few, every)
+        ]
         assert told[0] == pytest.approx(told[1], abs=0.1)
 
 

@@ -20,8 +20,8 @@ from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
+from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.imperfections import SHARE
 from realitygap.diagnose.search.linear import Promise, linear_at
 from realitygap.diagnose.search.search import Found
 

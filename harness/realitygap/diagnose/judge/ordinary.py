@@ -1,6 +1,6 @@
 """Whether a finding does more than laws are ordinarily off by: what does not is no name, but a value to adjust.
 
-Evidence tells that something is there, and how imperfect a machine's laws look beside it: with a droop of the torque
+Evidence tells that something is there, and how far off a machine's laws look beside it: with a droop of the torque
 constant in the model, all laws may look eight times better than ordinary, so that it seems to stand out. A droop of 4 %
 is one all the same.
 """
@@ -19,7 +19,7 @@ from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import predicted
 from realitygap.diagnose.search.criterion import AS_LARGE, Criterion
-from realitygap.diagnose.search.imperfections import usual
+from realitygap.diagnose.search.discrepancy import usual
 from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array

@@ -1,9 +1,9 @@
-"""The metric of residuals: whitened, and with small imperfections of every law on the list marginalised.
+"""The metric of residuals: whitened, and with a small discrepancy of every law on the list marginalised.
 
-No law is exact: beside what is missing, everything on the list is wrong by a little. Each imperfection is a multiple
+No law is exact: beside what is missing, everything on the list is wrong by a little. Each discrepancy is a multiple
 of an effect's response with a normal prior of a common scale, so that the covariance of a residual is that of noise and
 what lasts, plus Φ·diag(scale²)·Φᵀ (Kennedy & O'Hagan 2001, with the discrepancy spanned by known laws). A parameter
-that an imperfection could mimic gets a wider interval, and a small effect that mends the law of a large one gains
+that a discrepancy could mimic gets a wider interval, and a small effect that mends the law of a large one gains
 nothing.
 """
 
@@ -31,25 +31,25 @@ class Metric:
     Attributes:
         whitening: noise and what lasts.
         weight: trust in every stacked sample, 0 where nothing was measured. Shape (m,).
-        imperfections: whitened responses times their scale, (r, q).
-        factor: Cholesky factor of 1 + ΦᵀΦ of the imperfections.
+        discrepancy: whitened responses times their scale, (r, q).
+        factor: Cholesky factor of 1 + ΦᵀΦ of these.
         determinant: half the logarithm of the covariance's determinant.
     """
 
     whitening: Whitening
     weight: Array
-    imperfections: Parted
+    discrepancy: Parted
     factor: tuple[Array, bool]
     determinant: float
 
     def __call__(self, columns: Array) -> Array:
         """Shape (m, k) or (m,) -> (r + q, k) or (r + q,): what is left of the samples that are looked at, and the
-        imperfections that were taken.
+        amounts of the discrepancy that were taken.
         """
         one = columns.ndim == 1
         white, _ = self.whitening(columns.reshape(len(columns), -1), self.weight)
-        taken = cho_solve(self.factor, self.imperfections.on(white))
-        out = np.vstack([white - self.imperfections.times(taken), taken])
+        taken = cho_solve(self.factor, self.discrepancy.on(white))
+        out = np.vstack([white - self.discrepancy.times(taken), taken])
         return out[:, 0] if one else out
 
     def gram(self, columns: Sequence[Array]) -> Array:
@@ -59,7 +59,7 @@ class Metric:
         thin = np.hstack([self.whitening.thinned(c.reshape(len(c), -1)) for c in columns])
         n, (scale, _) = thin.shape[1], self.whitening.scale(self.weight)
         white = Parted.of(thin, self.whitening.number).scaled(scale)
-        both = white.beside(self.imperfections).gram()
+        both = white.beside(self.discrepancy).gram()
         return np.asarray(both[:n, :n] - both[:n, n:] @ cho_solve(self.factor, both[n:, :n]))
 
 
@@ -87,22 +87,22 @@ def trusted(channels: Sequence[Channel], facts: Array, rest: Array, residual: Ar
 def marginalised(
     whitening: Whitening,
     weight: Array,
-    imperfections: Parted,
+    discrepancy: Parted,
     determinant: float,
     factor: tuple[Array, bool] | None = None,
 ) -> Metric:
-    """The metric in which imperfections count for nothing.
+    """The metric in which the discrepancy counts for nothing.
 
     Args:
         whitening: noise and what lasts.
         weight: trust in every stacked sample. Shape (m,).
-        imperfections: whitened responses of laws that are off by one standard deviation, (r, q).
+        discrepancy: whitened responses of laws that are off by one standard deviation, (r, q).
         determinant: half the logarithm of that of what lasts and of noise.
-        factor: the Cholesky factor of 1 + ΦᵀΦ of the imperfections, where it is known.
+        factor: the Cholesky factor of 1 + ΦᵀΦ of these, where it is known.
     """
-    if not imperfections.width:
-        return Metric(whitening, weight, imperfections, (np.zeros((0, 0)), True), determinant)
+    if not discrepancy.width:
+        return Metric(whitening, weight, discrepancy, (np.zeros((0, 0)), True), determinant)
     if factor is None:
-        factor = cho_factor(np.eye(imperfections.width) + imperfections.gram(), lower=True)
+        factor = cho_factor(np.eye(discrepancy.width) + discrepancy.gram(), lower=True)
     determinant += float(np.sum(np.log(np.diag(factor[0]))))
-    return Metric(whitening, weight, imperfections, factor, determinant)
+    return Metric(whitening, weight, discrepancy, factor, determinant)

@@ -26,8 +26,8 @@ from realitygap.diagnose.likelihood.whitening import Channel, channels, spans
 from realitygap.diagnose.propose.design import Answer
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.propose.predict import Predictions
+from realitygap.diagnose.propose.predicted_discrepancy import PredictedDiscrepancy
 from realitygap.diagnose.propose.refit import refitted
-from realitygap.diagnose.propose.wrong import Wrong
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import STRETCH, Scored
 from realitygap.diagnose.search.rivals import ODDS
@@ -49,7 +49,7 @@ class Foreseen:
         open: the explanations.
         predictions: of the motions.
         floors: of all cases.
-        off: what laws may be off by.
+        discrepancy: what laws may be off by.
         case: the number of the motion.
     """
 
@@ -57,7 +57,7 @@ class Foreseen:
     open: Open
     predictions: Predictions
     floors: Floors
-    off: Wrong
+    discrepancy: PredictedDiscrepancy
     case: int
 
     def answers(self, questions: Sequence[Question]) -> list[Answer | None]:
@@ -109,7 +109,7 @@ class Foreseen:
     def _standing(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
         """The criterion where laws may be off, and facts count, as at an explanation that was fitted."""
         here = copy(first)
-        here.wrong = replace(self.off.at(at, self.case), facts=first.wrong.facts)
+        here.discrepancy = replace(self.discrepancy.at(at, self.case), facts=first.discrepancy.facts)
         here.take_facts(fitted.fit.residual)
         here.take_facts(here.score(fitted.fit).left)
         return here

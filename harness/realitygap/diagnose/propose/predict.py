@@ -16,7 +16,7 @@ from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
 from realitygap.diagnose.propose.odds import Belief
-from realitygap.diagnose.propose.wrong import Wrong
+from realitygap.diagnose.propose.predicted_discrepancy import PredictedDiscrepancy
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 
@@ -77,7 +77,7 @@ def predict(
     explanations: Sequence[Scored],
     cases: Sequence[int],
     floors: Floors,
-    wrong: Wrong | None = None,
+    discrepancy: PredictedDiscrepancy | None = None,
 ) -> Predictions | None:
     """The predictions of some motions; None where one of them cannot be simulated.
 
@@ -86,14 +86,14 @@ def predict(
         explanations: fitted to its training cases, the named model first.
         cases: the motions.
         floors: of all cases.
-        wrong: what laws may be imperfect by; None as if laws were exact.
+        discrepancy: what laws may be off by; None as if laws were exact.
     """
     found = tuple(channels(simulations.problem, floors, cases))
-    ahead = _simulated(simulations, explanations, cases, floors, alone=wrong is not None)
+    ahead = _simulated(simulations, explanations, cases, floors, alone=discrepancy is not None)
     if ahead is None:
         return None
     means, slopes = ahead
-    laws = np.zeros((len(means), 0)) if wrong is None else wrong.ahead
+    laws = np.zeros((len(means), 0)) if discrepancy is None else discrepancy.ahead
     still = means[:, 0]
     plain = np.nan_to_num(np.column_stack([means - still[:, None], *slopes, laws]))
     first = explanations[0].metric.whitening
@@ -103,7 +103,7 @@ def predict(
         whitenings.append(first.elsewhere(own))
         white = _white(whitenings[-1], plain[_rows(found, case)])
         grams.append(white.T @ white)
-    beliefs = _beliefs(simulations, explanations, [s.shape[1] for s in slopes], wrong)
+    beliefs = _beliefs(simulations, explanations, [s.shape[1] for s in slopes], discrepancy)
     return Predictions(tuple(cases), found, still, plain, tuple(whitenings), tuple(grams), beliefs)
 
 
@@ -140,21 +140,21 @@ def _beliefs(
     simulations: Simulations,
     explanations: Sequence[Scored],
     sizes: Sequence[int],
-    wrong: Wrong | None,
+    discrepancy: PredictedDiscrepancy | None,
 ) -> tuple[Belief, ...]:
     """Of every explanation, what the training cases leave of its values and of how far laws are off."""
     number = len(explanations)
-    laws = 0 if wrong is None else wrong.ahead.shape[1]
+    laws = 0 if discrepancy is None else discrepancy.ahead.shape[1]
     width = number + sum(sizes) + laws
     ends = np.cumsum([number, *sizes])
     out = []
     for k, e in enumerate(explanations):
         fit, shares = e.fit, np.zeros(0)
         old = fit.slope.reshape(len(fit.residual), -1)
-        if wrong is not None:
-            named = wrong.named
-            shares = named.shares(fit) * np.array([e.imperfect.get(law, 1.0) for law in named.laws])
-            old = np.column_stack([old, wrong.before * shares])
+        if discrepancy is not None:
+            named = discrepancy.named
+            shares = named.shares(fit) * np.array([e.discrepancy_scale.get(law, 1.0) for law in named.laws])
+            old = np.column_stack([old, discrepancy.before * shares])
         white, _ = e.metric.whitening(np.nan_to_num(np.column_stack([fit.residual, old])), e.metric.weight)
         lean, stiff = _prior(simulations, fit, laws)
         precision = white[:, 1:].T @ white[:, 1:] + np.diag(stiff**2)

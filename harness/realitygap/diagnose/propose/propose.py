@@ -23,13 +23,13 @@ from realitygap.diagnose.propose.limits import limits_of
 from realitygap.diagnose.propose.odds import Belief
 from realitygap.diagnose.propose.pool import TRIED, by_condition, motions_of, pool_of, stands, within
 from realitygap.diagnose.propose.predict import Predictions, predict
+from realitygap.diagnose.propose.predicted_discrepancy import PredictedDiscrepancy, predicted_discrepancy
 from realitygap.diagnose.propose.proposal import Proposal, Proposed
 from realitygap.diagnose.propose.safe import safe_cases
 from realitygap.diagnose.propose.screening import screen
 from realitygap.diagnose.propose.telling import telling
 from realitygap.diagnose.propose.told import mended, opened, origin_of
 from realitygap.diagnose.propose.weak import weak
-from realitygap.diagnose.propose.wrong import Wrong, wrong
 from realitygap.diagnose.result.workflow import SEARCH
 from realitygap.diagnose.search.round import Say
 from realitygap.diagnose.search.search import needed
@@ -265,9 +265,9 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
     say(f"{len(designed)} motions as a whole, with what laws may be off by")
     with Simulations(problem, workers) as simulations:
         floors = measure(simulations, explanations[0].fit.changes)
-        off = wrong(simulations, explanations, suspects(problem), cases, floors)
-        predictions = predict(simulations, explanations, cases, floors, off)
-        answers = [] if predictions is None else _answers(simulations, result, predictions, floors, off)
+        discrepancy = predicted_discrepancy(simulations, explanations, suspects(problem), cases, floors)
+        predictions = predict(simulations, explanations, cases, floors, discrepancy)
+        answers = [] if predictions is None else _answers(simulations, result, predictions, floors, discrepancy)
     if predictions is None:
         result.notes.append("the motions could not be simulated as a whole: odds are as if laws were exact")
         return
@@ -284,7 +284,11 @@ def _judge(result: Proposal, say: Say, workers: int | None) -> None:
 
 
 def _answers(
-    simulations: Simulations, result: Proposal, predictions: Predictions, floors: Floors, off: Wrong | None
+    simulations: Simulations,
+    result: Proposal,
+    predictions: Predictions,
+    floors: Floors,
+    discrepancy: PredictedDiscrepancy | None,
 ) -> list[tuple[Answer, ...]]:
     """What every motion does to every question, as a diagnosis would tell it where it may be moved at all; of several
     motions side by side.
@@ -293,8 +297,8 @@ def _answers(
 
     def told(case: int) -> tuple[Answer, ...]:
         foreseen = {}
-        if off is not None:
-            answers = Foreseen(simulations, result.open, predictions, floors, off, case).answers(asked)
+        if discrepancy is not None:
+            answers = Foreseen(simulations, result.open, predictions, floors, discrepancy, case).answers(asked)
             foreseen = {q: a for q, a in zip(asked, answers, strict=True) if a is not None}
         gram = predictions.grams[predictions.cases.index(case)]
         return tuple(foreseen.get(q) or answer(q, gram, predictions.beliefs) for q in result.open.questions)

@@ -23,7 +23,7 @@ from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
 from realitygap.diagnose.rehearse.planting import planted
-from realitygap.diagnose.search.imperfections import SHARE
+from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.rivals import ODDS
 from realitygap.robot.drive import Array
 

@@ -157,7 +157,7 @@ class Diagnosis:
                 }
                 for c in self.closest
             ],
-            "laws_imperfect_by": {law or "other": scale for law, scale in self.found.best.imperfect.items()},
+            "laws_imperfect_by": {law or "other": scale for law, scale in self.found.best.discrepancy_scale.items()},
             "experiment": self.experiment(),
             "sensor_faults": self.faults,
             "split": self.problem.split,

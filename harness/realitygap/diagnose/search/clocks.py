@@ -1,4 +1,4 @@
-"""Imperfections of time: clocks that run fast, and stamps that are late."""
+"""Discrepancy of time: clocks that run fast, and stamps that are late."""
 
 from __future__ import annotations
 

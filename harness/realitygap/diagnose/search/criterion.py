@@ -20,8 +20,8 @@ from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, facts, spans
+from realitygap.diagnose.search.discrepancy import SHARE, Discrepancy, law_discrepancy, nearer
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
-from realitygap.diagnose.search.imperfections import SHARE, Imperfections, imperfections, nearer
 from realitygap.diagnose.search.linear import linear_at
 from realitygap.robot.drive import EFFORT, Array
 
@@ -50,14 +50,14 @@ BENT = 3
 
 
 class Criterion:
-    """By which all models of one round are compared: floors, training motions, and imperfections of every law.
+    """By which all models of one round are compared: floors, training motions, and the discrepancy of every law.
 
     Attributes:
         simulations: of the problem.
         floors: of the model that the round started from; measured where they are not known.
         train: the cases that are fitted.
         channels: of their stacked residual.
-        wrong: what laws may be imperfect by.
+        discrepancy: what laws may be off by.
     """
 
     def __init__(self, simulations: Simulations, changes: Sequence[Change], floors: Floors | None = None) -> None:
@@ -66,7 +66,7 @@ class Criterion:
         self.floors: Floors = measure(simulations, changes, self.train) if floors is None else floors
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
-        self.wrong = Imperfections(np.ones(len(self.channels)), none)
+        self.discrepancy = Discrepancy(np.ones(len(self.channels)), none)
         self._stood: Metric | None = None
 
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
@@ -105,7 +105,7 @@ class Criterion:
         return [s for s in everyone if s.possible(plant)]
 
     def stand_at(self, at: Fit, blocks: Sequence[Block]) -> None:
-        """Let laws be imperfect as they may be at a fit, which responses tell, and count facts as what that leaves
+        """Let laws be as far off as they may be at a fit, which responses tell, and count facts as what that leaves
         lasts.
 
         None of the models that are compared with the fit has laws that are further off than it says, or than is
@@ -120,30 +120,32 @@ class Criterion:
         answers = self._respond(at, list(near.values()))
         of = {start: number for number, start in near.items()}
         again = {of[b.start]: b for b in answers}
-        self.wrong = imperfections(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
+        self.discrepancy = law_discrepancy(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
         there = self.score(at)
         self.take_facts(there.left)
-        self.wrong = replace(self.wrong, most={law: max(scale, 1.0) for law, scale in there.imperfect.items()})
+        self.discrepancy = replace(
+            self.discrepancy, most={law: max(scale, 1.0) for law, scale in there.discrepancy_scale.items()}
+        )
 
     def take_facts(self, left: Array) -> None:
         """Count facts as what is left of a residual lasts. Shape (m,)."""
-        self.wrong = replace(self.wrong, facts=facts(self.channels, left))
+        self.discrepancy = replace(self.discrepancy, facts=facts(self.channels, left))
 
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""
-        return score(self.channels, found, self.wrong)
+        return score(self.channels, found, self.discrepancy)
 
     def ordinary(self, found: Scored, joint: int, other: Fit) -> bool:
         """Whether what parts another fit from a model is no more than what laws may be off by at a joint."""
         change = float(np.linalg.norm(found.metric(other.residual - found.fit.residual)))
-        return change <= self.wrong.ordinary(joint, found.imperfect)
+        return change <= self.discrepancy.ordinary(joint, found.discrepancy_scale)
 
     def typical(self, suspect: Suspect) -> float:
         """The length of what laws of a suspect's kind are off by where it sits, in a typical machine; an effort without
         a law may stand for any of them.
         """
         kinds = SHARE if suspect.table is not None else {suspect.kind.law}.intersection(SHARE)
-        lengths = {k: np.linalg.norm([self.wrong.does.get((k, j), 0.0) for j in suspect.joints]) for k in kinds}
+        lengths = {k: np.linalg.norm([self.discrepancy.does.get((k, j), 0.0) for j in suspect.joints]) for k in kinds}
         return max((TYPICAL * SHARE[k] * float(length) for k, length in lengths.items()), default=0.0)
 
     def alike(self, fit: Fit, other: Fit, suspect: Suspect) -> bool:
@@ -158,11 +160,11 @@ class Criterion:
 
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""
-        return sharp(self.channels, found, self.wrong)
+        return sharp(self.channels, found, self.discrepancy)
 
     def as_told(self, found: Fit) -> Scored:
         """The same where laws are ordinary at best, for intervals."""
-        return cautious(self.channels, found, self.wrong)
+        return cautious(self.channels, found, self.discrepancy)
 
     def cautious(self, found: Fit) -> Scored:
         """The same with how far the likeliest values are in simulation, since a limit is no straight line."""
@@ -172,18 +174,18 @@ class Criterion:
 
     @property
     def stood(self) -> Metric:
-        """The metric in which what laws do was told (`Imperfections.does`)."""
+        """The metric in which what laws do was told (`Discrepancy.does`)."""
         if self._stood is None:
             raise RuntimeError("nobody has said what laws do")
         return self._stood
 
     def tolerant(self, found: Fit) -> Scored:
         """The evidence where the laws of what a fit has not are as far off as a typical machine's."""
-        return ordinary(self.channels, found, self.wrong.of_others())
+        return ordinary(self.channels, found, self.discrepancy.of_others())
 
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
-        return sharp(self.channels, found, Imperfections(self.wrong.facts, self.wrong.responses[:, :0]))
+        return sharp(self.channels, found, Discrepancy(self.discrepancy.facts, self.discrepancy.responses[:, :0]))
 
     def fit(self, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole") -> Scored | None:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are
@@ -249,7 +251,7 @@ class Criterion:
 
     def refined(self, quick: Scored) -> Scored | None:
         """A quick fit, fitted to be compared; as it is where it has more evidence, since it may be near another best
-        place where laws count as imperfect.
+        place where law discrepancy counts.
         """
         full = self.fit(quick.fit.changes, quick.fit, "compared")
         better = full is not None and full.evidence < quick.evidence and not self.absurd(quick)
@@ -262,14 +264,14 @@ class Criterion:
         0.235 N·m was fitted as 0.213 beside friction that is uneven by some per cent, and an offset that the joint has
         not gained 80 in evidence; it gains 14 where both models are at their best.
         """
-        best, moves = scored_and_sharp(self.channels, at, self.wrong)
+        best, moves = scored_and_sharp(self.channels, at, self.discrepancy)
         last = 1 if care == "quick" else SETTLE
-        for number in range(last if self.wrong.laws and at.names else 0):
+        for number in range(last if self.discrepancy.laws and at.names else 0):
             done = fit(self.simulations, best.fit.changes, self.train, moves.metric, self.floors.coarse, best.fit, care)
             if done is None:
                 break
             if number + 1 < last:
-                there, moves = scored_and_sharp(self.channels, done, self.wrong)
+                there, moves = scored_and_sharp(self.channels, done, self.discrepancy)
             else:
                 there = self.score(done)
             gain = there.evidence - best.evidence

@@ -1,7 +1,7 @@
 """The evidence of a model: one number for every move of the search.
 
 The marginal likelihood of the residual, with the fitted values integrated out (Laplace), what no law explains estimated
-for this model, and imperfections of each kind of law marginalised at the scale that the recordings support best
+for this model, and the discrepancy of each kind of law marginalised at the scale that the recordings support best
 (type-II maximum likelihood, MacKay 1992). "Something else" is thus a model too, the one that has no change and leaves
 everything to what no law explains: a name has to beat it.
 """
@@ -23,24 +23,25 @@ from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
-from realitygap.diagnose.search.imperfections import Imperfections
+from realitygap.diagnose.search.discrepancy import Discrepancy
 from realitygap.robot.drive import Array
 
-IMPERFECT = {0.125: -6.0, 0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
-"""How imperfect a machine's laws are, in multiples of what is ordinary (`imperfections`), with the logarithm of the
-odds beforehand. Laws that are twice as good as a machine's have to be earned by the recordings (20 : 1), and again."""
+DISCREPANCY_SCALES = {0.125: -6.0, 0.25: -3.0, 0.5: 0.0, 1.0: 0.0, 2.0: 0.0}
+"""The scales of the discrepancy of a machine's laws, in multiples of what is ordinary (`law_discrepancy`), with the
+logarithm of the prior odds. Laws that are twice as good as a machine's have to be earned by the recordings (20 : 1),
+and again."""
 APART = 3.0
-"""How much less likely it is, in that logarithm, for one kind of law to be twice or half as imperfect as the others
+"""How much less likely it is, in that logarithm, for one kind of law to be twice or half as far off as the others
 are (20 : 1, too): what was drawn, measured and looked up with care was so in all its parts. Where each kind could be as
-good or poor as it liked, a gain that was 8 % off was a drive twice as imperfect as any, beside friction and loads that
+good or poor as it liked, a gain that was 8 % off was a drive twice as far off as any, beside friction and loads that
 were as good as may be: of 33 effects of half the ordinary size, 22 stood out, and 31 do with this (29 where laws may be
 better by two steps alone). Of 16 machines of nearly right laws that lack nothing one has a false effect that stands
 out in a first fit, as before."""
 SHARP = 0.25
-"""How imperfect they are where moves are looked for: better than a machine's."""
+"""The scale of the discrepancy where moves are looked for: better than a machine's."""
 TYPICAL = 0.8
-"""How imperfect a typical machine's laws are: friction is uneven by 4 to 10 % over angle and direction, and a torque
-constant droops by 2 to 5 %, of which the geometric means are 0.79 of what is ordinary (`imperfections.SHARE`)."""
+"""The scale of the discrepancy of a typical machine: friction is uneven by 4 to 10 % over angle and direction, and a
+torque constant droops by 2 to 5 %, of which the geometric means are 0.79 of what is ordinary (`discrepancy.SHARE`)."""
 WORSE = {"load": -3.0}
 """The same of laws that are worse than ordinary, by kind. Friction changes with heat and wear, a drive with its supply;
 what a link weighs does not, and a drawing has it to 5 %. Where 8 % had not to be earned, what a carriage that is 10 %
@@ -50,7 +51,7 @@ be, masses stood in for what its friction is off by: the payload came out 14 % l
 SWEEPS = 2
 """How often the scale of each kind of law is chosen beside those of the others."""
 PASSES = 2
-"""How often what no law explains is estimated anew from what the imperfections leave."""
+"""How often what no law explains is estimated anew from what the discrepancy leaves."""
 
 EQUAL = 1.0
 """Models whose evidence differs by less are equal: the simpler one is named."""
@@ -64,22 +65,22 @@ class Scored:
         fit: the model.
         evidence: of it.
         metric: in which it was found.
-        imperfect: how imperfect each kind of law is in it.
-        left: what these imperfections leave of the residual. Shape (m,).
-        away: how far the values are from those that are likeliest where laws are so imperfect, in sizes, where that was
+        discrepancy_scale: how many times the ordinary discrepancy each kind of law has in it.
+        left: what this discrepancy leaves of the residual. Shape (m,).
+        away: how far the values are from those that are likeliest where laws are so far off, in sizes, where that was
             simulated. Shape (p,).
     """
 
     fit: Fit
     evidence: float
     metric: Metric
-    imperfect: Mapping[str, float]
+    discrepancy_scale: Mapping[str, float]
     left: Array
     away: Array | None = None
 
     @cached_property
     def covariance(self) -> Array:
-        """Of the values that are likeliest where laws are imperfect, in sizes², as the likelihood says or as stretches
+        """Of the values that are likeliest where laws are off, in sizes², as the likelihood says or as stretches
         of the recordings scatter, whichever is wider. Shape (p, p).
         """
         if not len(self.fit.names):
@@ -118,34 +119,34 @@ class Scored:
         return self.metric(self.fit.slope), self.metric(self.fit.residual)
 
 
-def score(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
-    """The evidence of a fit at the best of the scales that each kind of law may be imperfect by."""
-    return _at(_first(channels, fit, imperfections), tuple(IMPERFECT), imperfections.most)
+def score(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> Scored:
+    """The evidence of a fit at the best of the scales that the discrepancy of each kind of law may have."""
+    return _at(_first(channels, fit, discrepancy), tuple(DISCREPANCY_SCALES), discrepancy.most)
 
 
-def cautious(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
+def cautious(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> Scored:
     """The same for laws that are ordinary at best: intervals are told so. That laws look better in a few motions is no
     promise for the machine's other motions, which the values are for.
     """
-    return _at(_first(channels, fit, imperfections), tuple(scale for scale in IMPERFECT if scale >= 1.0))
+    return _at(_first(channels, fit, discrepancy), tuple(scale for scale in DISCREPANCY_SCALES if scale >= 1.0))
 
 
-def ordinary(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
+def ordinary(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> Scored:
     """The same for laws that are as far off as a typical machine's, whatever recordings say."""
-    return _at(_first(channels, fit, imperfections), (TYPICAL,))
+    return _at(_first(channels, fit, discrepancy), (TYPICAL,))
 
 
-def sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> Scored:
-    """The same for laws that are better than a machine's: what is missing is not to pass for imperfections when moves
+def sharp(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> Scored:
+    """The same for laws that are better than a machine's: what is missing is not to pass for discrepancy when moves
     are looked for.
     """
-    return _at(_first(channels, fit, imperfections), (SHARP,))
+    return _at(_first(channels, fit, discrepancy), (SHARP,))
 
 
-def scored_and_sharp(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> tuple[Scored, Scored]:
+def scored_and_sharp(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> tuple[Scored, Scored]:
     """Both `score` and `sharp`, which begin alike."""
-    first = _first(channels, fit, imperfections)
-    return _at(first, tuple(IMPERFECT), imperfections.most), _at(first, (SHARP,))
+    first = _first(channels, fit, discrepancy)
+    return _at(first, tuple(DISCREPANCY_SCALES), discrepancy.most), _at(first, (SHARP,))
 
 
 @dataclass(frozen=True)
@@ -154,18 +155,18 @@ class _Look:
 
     Attributes:
         fit: the model.
-        imperfections: of all models of a round.
-        shares: how much of each of them counts for the fit. Shape (q,).
+        discrepancy: of all models of a round.
+        shares: how much of each of its responses counts for the fit. Shape (q,).
         whitening: what no law explains, of the residual.
         weight: trust in every stacked sample. Shape (m,).
         scale: what the samples that are looked at are multiplied by. Shape (k,).
         determinant: half the logarithm of the covariance's.
-        thin: the residual, its p slopes and q imperfections in these samples, (k, 1 + p + q).
+        thin: the residual, its p slopes and q responses of the discrepancy in these samples, (k, 1 + p + q).
         odds: of them.
     """
 
     fit: Fit
-    imperfections: Imperfections
+    discrepancy: Discrepancy
     shares: Array
     whitening: Whitening
     weight: Array
@@ -176,56 +177,56 @@ class _Look:
 
     def again(self, left: Array) -> _Look:
         """The same in the metric of another residual. Shape (m,)."""
-        return _look(self.whitening.channels, self.fit, self.imperfections, left, self.thin)
+        return _look(self.whitening.channels, self.fit, self.discrepancy, left, self.thin)
 
 
-def _first(channels: Sequence[Channel], fit: Fit, imperfections: Imperfections) -> _Look:
+def _first(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> _Look:
     """A fit in the metric of what it leaves itself."""
-    return _look(channels, fit, imperfections, fit.residual)
+    return _look(channels, fit, discrepancy, fit.residual)
 
 
 def _look(
-    channels: Sequence[Channel], fit: Fit, imperfections: Imperfections, left: Array, thin: Parted | None = None
+    channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy, left: Array, thin: Parted | None = None
 ) -> _Look:
-    whitening, weight = trusted(channels, imperfections.facts, rest_of(channels, imperfections.facts, left), left)
+    whitening, weight = trusted(channels, discrepancy.facts, rest_of(channels, discrepancy.facts, left), left)
     if thin is None:
         own = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1)])
-        thin = Parted.of(whitening.thinned(own), whitening.number).beside(imperfections.thinned(whitening))
+        thin = Parted.of(whitening.thinned(own), whitening.number).beside(discrepancy.thinned(whitening))
     scale, determinant = whitening.scale(weight)
-    shares = imperfections.shares(fit)
+    shares = discrepancy.shares(fit)
     columns = np.concatenate([np.ones(thin.width - len(shares)), shares])
-    odds = _Odds(thin.scaled(scale).gram() * np.outer(columns, columns), imperfections.laws)
-    return _Look(fit, imperfections, shares, whitening, weight, scale, determinant, thin, odds)
+    odds = _Odds(thin.scaled(scale).gram() * np.outer(columns, columns), discrepancy.laws)
+    return _Look(fit, discrepancy, shares, whitening, weight, scale, determinant, thin, odds)
 
 
 def _at(look: _Look, scales: Sequence[float], most: Mapping[str, float] = MappingProxyType({})) -> Scored:
-    fit, wrong, shares = look.fit, look.imperfections, look.shares
+    fit, discrepancy, shares = look.fit, look.discrepancy, look.shares
 
     def best(look: _Look) -> tuple[dict[str, float], Array, Array]:
         chosen = look.odds.best(scales, most)
-        each = np.array([chosen[law] for law in wrong.laws])
-        return chosen, each, fit.residual - wrong.times(shares * look.odds.taken(each), look.whitening.channels)
+        each = np.array([chosen[law] for law in discrepancy.laws])
+        return chosen, each, fit.residual - discrepancy.times(shares * look.odds.taken(each), look.whitening.channels)
 
     chosen, each, left = best(look)
-    for _ in range(PASSES - 1 if wrong.laws else 0):
+    for _ in range(PASSES - 1 if discrepancy.laws else 0):
         look = look.again(left)
         chosen, each, left = best(look)
     evidence = look.odds(chosen) - look.determinant - 0.5 * float(fit.prior @ fit.prior)
-    taken = wrong.thinned(look.whitening).scaled(look.scale).stretched(shares * each)
+    taken = discrepancy.thinned(look.whitening).scaled(look.scale).stretched(shares * each)
     metric = marginalised(look.whitening, look.weight, taken, look.determinant, look.odds.factor(each))
     return Scored(fit, evidence, metric, chosen, left)
 
 
 def beforehand(chosen: Mapping[str, float]) -> float:
-    """The logarithm of the odds, beforehand, for each kind of law being so imperfect."""
+    """The logarithm of the odds, beforehand, for the discrepancy of each kind of law having this scale."""
     worse = sum(WORSE.get(law, 0.0) for law, scale in chosen.items() if scale > 1.0)
     octaves = np.log2(list(chosen.values()))
-    alike = (odds - APART * float(np.abs(octaves - np.log2(scale)).sum()) for scale, odds in IMPERFECT.items())
+    alike = (odds - APART * float(np.abs(octaves - np.log2(scale)).sum()) for scale, odds in DISCREPANCY_SCALES.items())
     return worse + max(alike)
 
 
 class _Odds:
-    """The logarithm of a model's likelihood as a function of how imperfect laws are.
+    """The logarithm of a model's likelihood as a function of the scales of its law discrepancy.
 
     Args:
         gram: inner products of the whitened residual, its p slopes and the q responses. Shape (1 + p + q, 1 + p + q).
@@ -273,7 +274,7 @@ class _Odds:
         return odds - 0.5 * float(model[0, 0]) - occam
 
     def factor(self, each: Array) -> tuple[Array, bool]:
-        """The Cholesky factor of what imperfections add to a unit matrix. Shape (q, q)."""
+        """The Cholesky factor of what the discrepancy adds to a unit matrix. Shape (q, q)."""
         inner = self.gram[self.model :, self.model :] * np.outer(each, each) + np.eye(len(each))
         return cho_factor(inner, lower=True) if len(each) else (inner, True)
 

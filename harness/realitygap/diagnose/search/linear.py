@@ -1,7 +1,7 @@
 """Moves at a glance: what adding suspects would gain, in the straight-line model of their responses.
 
 All in the metric of the residual, orthogonalised on what is already in: a suspect that does the same as an accepted
-value, or as an imperfection, gains nothing.
+value, or as a law discrepancy, gains nothing.
 """
 
 from __future__ import annotations

@@ -17,8 +17,8 @@ from realitygap.diagnose.fit.responses import Block, at_once, residuals, single
 from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.evidence import IMPERFECT, Scored, stretches
-from realitygap.diagnose.search.imperfections import SHARE, WORST, known_to
+from realitygap.diagnose.search.discrepancy import SHARE, WORST, known_to
+from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored, stretches
 from realitygap.diagnose.search.linear import Promise, linear_at
 from realitygap.robot.drive import Array
 
@@ -114,8 +114,8 @@ class Round:
         return Round(self.simulations, other, self.everyone, self.limit, self._nothing, self.say, self.patience)
 
     def widened(self, everyone: Sequence[Suspect]) -> None:
-        """Look at more suspects, from the same fit. The criterion that evidence is compared under has the imperfections
-        of all of them, so that what was scored before counts no longer.
+        """Look at more suspects, from the same fit. The criterion by which models are compared has the discrepancy of
+        all of them, so that what was scored before counts no longer.
         """
         known = set(self.everyone)
         self.everyone, self._at = list(everyone), self.retold().fit
@@ -133,7 +133,7 @@ class Round:
         self.explained = self.now.evidence - self._bare.evidence
         say(
             f"evidence {self.now.evidence:.1f}, {len(self.blocks)} starts; laws imperfect by "
-            + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.imperfect.items())
+            + ", ".join(f"{scale:g} ({law or 'other'})" for law, scale in self.now.discrepancy_scale.items())
         )
         self._looked()
 
@@ -151,12 +151,12 @@ class Round:
     def moved(self, to: Scored) -> bool:
         """Go on at another model with what is known here; False where that is too far.
 
-        Laws are as imperfect as they were where the round began. So what models gain from there on has to be so little
+        Laws are as far off as they were where the round began. So what models gain from there on has to be so little
         that what new laws leave of it is no finding. What others do is taken to be what it was, but for what stands in
         the place of something now, which is simulated.
         """
         gained = to.evidence - self._began
-        if (max(IMPERFECT) * max(SHARE.values())) ** 2 * gained > self.limit:
+        if (max(DISCREPANCY_SCALES) * max(SHARE.values())) ** 2 * gained > self.limit:
             return False
         accepted = [c.suspect for c in to.fit.changes]
         gone = [c.suspect for c in self.now.fit.changes if c.suspect not in accepted]
@@ -200,7 +200,7 @@ class Round:
         return self.leaves(scored, new, self.now)
 
     def leaves(self, scored: Scored, laws: Collection[str], other: Scored) -> float:
-        """What laws of some kinds, as imperfect as recordings say that they are, leave of what is explained, where two
+        """What laws of some kinds, as far off as recordings say that they are, leave of what is explained, where two
         models differ: the square of what they are off by, and no more than what explains that may be off by itself. All
         of them where none of these is known. A delay explained all but 97 of 5500, and viscous friction was refused
         beside it, since friction may be off by 16 %: a delay leaves what is not known of a delay.
@@ -210,8 +210,10 @@ class Round:
         off at one joint moves all of them, further than straight lines tell.
         """
         known = set(SHARE).intersection(laws)
-        alike = [scale * SHARE[law] for law, scale in scored.imperfect.items() if law in (known or SHARE)]
-        named = [scored.imperfect.get(s.kind.law, 1.0) * known_to(s) for s in (c.suspect for c in other.fit.changes)]
+        alike = [scale * SHARE[law] for law, scale in scored.discrepancy_scale.items() if law in (known or SHARE)]
+        named = [
+            scored.discrepancy_scale.get(s.kind.law, 1.0) * known_to(s) for s in (c.suspect for c in other.fit.changes)
+        ]
         every = min(max(alike, default=WORST), max(named, default=np.inf)) ** 2 * self.explained
         cases, train = self.simulations.problem.cases, self.criterion.train
         if any(cases[c].experiment.followed is None for c in train):

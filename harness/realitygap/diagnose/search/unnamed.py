@@ -10,8 +10,8 @@ import numpy as np
 from realitygap.diagnose.candidates.unnamed import unnamed
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.fit.responses import residual, residuals
-from realitygap.diagnose.search.evidence import IMPERFECT, Scored
-from realitygap.diagnose.search.imperfections import known_to
+from realitygap.diagnose.search.discrepancy import known_to
+from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored
 from realitygap.diagnose.search.round import Round
 
 TRIED = 2
@@ -76,7 +76,7 @@ def _alike(round_: Round, keep: Sequence[Suspect], joint: int, other: Scored) ->
         return False
     metric = round_.criterion.plain(now).metric  # others take away what laws may be off by, which is asked for here
     do, change = (float(np.linalg.norm(metric(r - now.residual))) for r in (without, other.fit.residual))
-    return change <= max(IMPERFECT) * max(known_to(c.suspect) for c in there) * do
+    return change <= max(DISCREPANCY_SCALES) * max(known_to(c.suspect) for c in there) * do
 
 
 def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:

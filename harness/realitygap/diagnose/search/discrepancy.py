@@ -1,8 +1,11 @@
-"""Imperfections: how far the laws of a model may be off without anything being missing.
+"""Law discrepancy: how far the laws of a model may be off without anything being missing.
 
-No law is exact. What a model has is known to a share of what it does; and what the model has not may be there as a
-fault of a law of its kind, as large as that share of what the law does: friction that differs a little by direction
-looks like a small constant effort, a torque constant that droops like a little voltage sag.
+The model discrepancy of Kennedy & O'Hagan 2001, Bayesian calibration of computer models; Plumlee 2017, Bayesian
+calibration of inexact computer models: a random part of the residual, here spanned by the linearised responses of known
+laws, each with a normal prior. No law is exact. What a model has is known to a share of what it does; and what the
+model has not may be there as a fault of a law of its kind, as large as that share of what the law does: friction that
+differs a little by direction looks like a small constant effort, a torque constant that droops like a little voltage
+sag.
 """
 
 from __future__ import annotations
@@ -45,7 +48,7 @@ UNSEEN = 1.0
 EVEN = 0.9
 """Cosine of what a joint answers to both sides, below which a straight line does not say what lies between."""
 SHORTEST = 0.3
-"""Standard deviations of all samples together. An imperfection that does less could hide nothing."""
+"""Standard deviations of all samples together. A discrepancy that does less could hide nothing."""
 OTHER = 0.025
 """What else may be there without being missed, as a delay or an offset, in visible first sizes. With a tenth of these,
 67 of 82 machines, planted and recorded, were left with a quarter of that or less once all was found, and 7 with more
@@ -64,16 +67,17 @@ class Accepted:
 
 
 @dataclass(frozen=True)
-class Imperfections:
-    """What all models of a round are compared with.
+class Discrepancy:
+    """The law discrepancy that all models of a round are compared with: a linear basis with a normal prior.
 
     Attributes:
         facts: how many facts a sample of each channel is, where the search stands. Shape (channels,).
-        responses: what the residual changes by when a law is off by what it is known to. Shape (m, q).
+        responses: what the residual changes by when a law is off by what it is known to, one standard deviation each.
+            Shape (m, q).
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
         accepted: which of them are of values that the search has accepted.
         does: the length of what the largest of each kind of law does at each joint, in the metric.
-        most: how imperfect each kind of law may be, in multiples of what is ordinary.
+        most: the largest scale of the discrepancy of each kind of law, in multiples of what is ordinary.
     """
 
     facts: Array
@@ -92,7 +96,7 @@ class Imperfections:
             self._parted["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
         return self._parted["thin"]
 
-    def of_others(self) -> Imperfections:
+    def of_others(self) -> Discrepancy:
         """Those of what the search has not accepted."""
         own = {a.column for a in self.accepted}
         kept = [k for k in range(len(self.laws)) if k not in own]
@@ -108,12 +112,12 @@ class Imperfections:
             self._parted["whole"] = Parted.of(self.responses, [len(c.time) for c in channels])
         return self._parted["whole"]
 
-    def ordinary(self, joint: int, imperfect: Mapping[str, float]) -> float:
-        """The length of what friction, load or drive may be off by at a joint, whichever is most, where each kind of
-        law is so imperfect.
+    def ordinary(self, joint: int, discrepancy_scale: Mapping[str, float]) -> float:
+        """The length of what friction, load or drive may be off by at a joint, whichever is most, where the
+        discrepancy of each kind of law has this scale.
         """
         laws = ("friction", "load", "drive")
-        return max(imperfect.get(law, 1.0) * SHARE[law] * self.does.get((law, joint), 0.0) for law in laws)
+        return max(discrepancy_scale.get(law, 1.0) * SHARE[law] * self.does.get((law, joint), 0.0) for law in laws)
 
     def shares(self, fit: Fit) -> Array:
         """How much of each response counts for a fit: of an accepted value as much as the fit has of it. Shape (q,)."""
@@ -148,7 +152,7 @@ class _Known:
     uneven: bool = False
 
 
-def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> Imperfections:
+def law_discrepancy(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> Discrepancy:
     """What the residual changes by when each law is off by what it is known to, at a fitted model, and when clocks are.
 
     Args:
@@ -177,11 +181,11 @@ def imperfections(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Me
     columns += of_clocks(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    return Imperfections(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
+    return Discrepancy(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
 
 
 def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> dict[int, Start]:
-    """The starts whose responses count as imperfections and were simulated further away than laws may be off, each as
+    """The starts whose responses count as law discrepancy and were simulated further away than laws may be off, each as
     near as that, by the number of its block. What a law does that is a little off is not what one does that is far off,
     only smaller: of the voltage that sags by 5 % of the supply and of a fifth of that the cosine is 0.9. Where a joint
     has play, 0.2° of tilt decide when it falls to the other side.
@@ -228,7 +232,7 @@ def _done(known: Sequence[_Known], sizes: Sequence[float]) -> dict[tuple[str, in
 
 
 def _once(white: Array, most: float) -> Array:
-    """What imperfections are multiplied by for none of what they do to be larger than all laws of their kind may be off
+    """What discrepancies are multiplied by for none of what they do to be larger than all laws of their kind may be off
     by. Shape (n, n).
 
     Laws of one kind do much the same: Coulomb friction, friction by direction and the Stribeck effect are one fault of
@@ -243,7 +247,7 @@ def _once(white: Array, most: float) -> Array:
 
 
 def _shown(columns: Array, metric: Metric) -> Array:
-    """The same imperfections, all of one kind of law, as few as do the same: the directions of their common covariance
+    """The same discrepancies, all of one kind of law, as few as do the same: the directions of their common covariance
     that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
 
     What has no sample in common has no direction in common either, and stays apart (`Parted`).

@@ -1,4 +1,4 @@
-"""Law discrepancy on motions that are not recorded yet: the imperfections that a diagnosis would count with."""
+"""Law discrepancy on motions that are not recorded yet, as a diagnosis would count with it."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.metric import marginalised
 from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
+from realitygap.diagnose.search.discrepancy import Discrepancy, law_discrepancy
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.imperfections import Imperfections, imperfections
 from realitygap.robot.drive import Array
 
 
 @dataclass(frozen=True)
-class Wrong:
+class PredictedDiscrepancy:
     """What laws may be off by, on training cases and motions.
 
     Attributes:
@@ -44,7 +44,7 @@ class Wrong:
     whitening: Whitening
 
     @cached_property
-    def named(self) -> Imperfections:
+    def named(self) -> Discrepancy:
         """At the named model."""
         return self._told(0, {c.case for c in self.found})
 
@@ -58,11 +58,11 @@ class Wrong:
         """The responses at the named model on motions. Shape (m, q)."""
         return self.named.responses[~self._of(self.problem.of("train"))]
 
-    def at(self, number: int, case: int) -> Imperfections:
+    def at(self, number: int, case: int) -> Discrepancy:
         """At an explanation, on training cases and one motion."""
         return self._told(number, {*self.problem.of("train"), case})
 
-    def _told(self, number: int, cases: Collection[int]) -> Imperfections:
+    def _told(self, number: int, cases: Collection[int]) -> Discrepancy:
         rows, fit = self._of(cases), self.fits[number]
         fit = replace(fit, residual=fit.residual[rows], slope=fit.slope[rows])
         here = [c.suspect for c in fit.changes]
@@ -71,21 +71,21 @@ class Wrong:
         whitening = self.whitening.elsewhere(found)
         none = Parted.of(np.zeros((len(whitening.rows), 0)), whitening.number)
         metric = marginalised(whitening, np.ones(len(fit.residual)), none, 0.0)
-        return imperfections(self.problem, fit, [replace(b, columns=b.columns[rows]) for b in beside], metric)
+        return law_discrepancy(self.problem, fit, [replace(b, columns=b.columns[rows]) for b in beside], metric)
 
     def _of(self, cases: Collection[int]) -> NDArray[np.bool_]:
         """Which stacked samples are those of some cases. Shape (m,)."""
         return np.concatenate([np.full(len(c.time), c.case in cases) for c in self.found])
 
 
-def wrong(
+def predicted_discrepancy(
     simulations: Simulations,
     explanations: Sequence[Scored],
     everyone: Sequence[Suspect],
     cases: Sequence[int],
     floors: Floors,
-) -> Wrong | None:
-    """What laws may be imperfect by, on training cases and motions; None where an explanation cannot be simulated.
+) -> PredictedDiscrepancy | None:
+    """What laws may be off by, on training cases and motions; None where an explanation cannot be simulated.
 
     Args:
         simulations: of the problem with the motions.
@@ -107,7 +107,7 @@ def wrong(
     possible = [s for s in alone if not any(clash(s, a) for a in accepted)]
     tried = [start for s in possible for start in starts(problem, s) if start.kind == "linear"]
     blocks = respond(simulations, named.fit.changes, tried, both, floors.coarse, found)
-    return Wrong(problem, found, good, tuple(blocks), named.metric.whitening)
+    return PredictedDiscrepancy(problem, found, good, tuple(blocks), named.metric.whitening)
 
 
 def _everywhere(simulations: Simulations, fit: Fit, cases: Sequence[int], floors: Floors) -> Fit | None:
