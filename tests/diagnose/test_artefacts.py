@@ -7,8 +7,8 @@ import pytest
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import Shown, artefacts
-from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.result.workflow import diagnose
+from realitygap.diagnose.search_budget import SearchBudget
 
 FRICTION = Suspect("coulomb_friction", "elbow", (1,))
 
@@ -28,7 +28,7 @@ def test_what_is_found_in_its_place_is_asked_as_well(simulations: Simulations, m
         return asked[-1][:1] if len(asked) < 3 else []
 
     monkeypatch.setattr(sys.modules[diagnose.__module__], "artefacts", twice)
-    found = diagnose(simulations, ["mujoco"], patience=Patience(steps=1.0))
+    found = diagnose(simulations, ["mujoco"], budget=SearchBudget(steps=1.0))
     first, second = asked[0][0], asked[1][0]
     assert first != second
     assert not {first, second} & {c.suspect for c in found.changes}

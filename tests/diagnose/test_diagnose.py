@@ -19,7 +19,6 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
 from realitygap.diagnose.likelihood.disturbance import LIKELY, disturbances, sensitivities, spread
 from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.propose.told import opened
 from realitygap.diagnose.rehearse.rehearse import rehearse
 from realitygap.diagnose.rehearse.visible import visible
@@ -27,6 +26,7 @@ from realitygap.diagnose.result.summary import summary
 from realitygap.diagnose.result.workflow import run_diagnosis
 from realitygap.diagnose.search.search import search
 from realitygap.diagnose.search.simpler import simpler
+from realitygap.diagnose.search_budget import SearchBudget
 from realitygap.files.errors import InputError
 from realitygap.files.progress import Progress
 from realitygap.recording.noise import own_noise
@@ -81,7 +81,7 @@ def test_a_search_that_has_no_time_proves_what_it_found_first() -> None:
     """
     problem = build_problem(load_scenario(DEMO).override({"recordings.effort": "none"}), "mujoco")
     with Simulations(problem, 2) as simulations:
-        found = search(simulations, suspects(problem), [], lambda _: None, Patience(steps=0.0))
+        found = search(simulations, suspects(problem), [], lambda _: None, SearchBudget(steps=0.0))
     assert found.cut
     assert {c.suspect.effect for c in found.best.fit.changes} == {"coulomb_friction"}
     (gain,) = found.gains.values()

@@ -10,10 +10,10 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import standing
 from realitygap.diagnose.data.problem import build_problem
-from realitygap.diagnose.patience import Patience
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.rivals import Place, _said_otherwise
+from realitygap.diagnose.search_budget import SearchBudget
 from realitygap.scenario.file import load_scenario
 from stood import Effects, stood
 
@@ -104,7 +104,7 @@ def test_late_nothing_is_told_beside_what_was_left_out() -> None:
     friction, other = at.round_.now.fit.changes
     with at.simulations:
         early = exchanged(at.round_, [], Exchanged())
-        at.round_.patience = Patience(steps=0.0)
+        at.round_.budget = SearchBudget(steps=0.0)
         late = exchanged(at.round_, [], Exchanged())
         known = [at.round_.adjusted(changes) for changes in ([], [other])]
         now = at.round_.adjusted([friction])

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from realitygap.cli.options import RUNS, Engines, Jobs, folder_for, named_after, out_option, say
-from realitygap.diagnose.patience import EACH, MINUTES
+from realitygap.diagnose.search_budget import EACH, MINUTES
 
 
 def diagnose(

@@ -159,7 +159,7 @@ def diagnose(
         progress: whether to tell on standard error what is being done.
         minutes: by the clock, after which nothing more is looked for, infinite for to the end; what was found by then
             is judged on held-out runs. None for as many simulations as take about two minutes, and longer of a robot
-            with many joints (`MINUTES` and `EACH` in `realitygap.diagnose.patience`): every run finds the same.
+            with many joints (`MINUTES` and `EACH` in `realitygap.diagnose.search_budget`): every run finds the same.
 
     Raises:
         InputError, ModelError: for a scenario that cannot be diagnosed.

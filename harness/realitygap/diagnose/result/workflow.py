@@ -27,13 +27,13 @@ from realitygap.diagnose.judge.ordinary import tolerated
 from realitygap.diagnose.judge.plainer import joined, plainer, told_plainly
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
-from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.replaced import replaced
 from realitygap.diagnose.result.revise import MJCF, REVISED, write_revised
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.search import Found, search
+from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last
 from realitygap.files.own_files import content, own, remove
@@ -102,9 +102,9 @@ def diagnosed(
     warnings = certain(file)
     first = chosen[0] if names or SEARCH not in chosen else SEARCH
     problem = build_problem(file, first)
-    patience = Patience.of(int(problem.judged.sum()), minutes, began)
+    budget = SearchBudget.of(int(problem.judged.sum()), minutes, began)
     with Simulations(problem, workers, ahead) as simulations:
-        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), patience)
+        result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), budget)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
     return result
 
@@ -114,7 +114,7 @@ def diagnose(
     names: Sequence[str],
     say: Say = lambda _: None,
     blamed: Collection[str] = (),
-    patience: Patience = FOREVER,
+    budget: SearchBudget = UNLIMITED,
 ) -> Diagnosis:
     """Find, name, add and prove.
 
@@ -123,7 +123,7 @@ def diagnose(
         names: engines in which findings are confirmed; the searching one may be among them.
         say: told what is being done.
         blamed: joints where a mistake of the recordings is likely: no physics is named there.
-        patience: how long to look for more.
+        budget: how long to look for more.
     """
     problem = simulations.problem
     engines = [problem.engine, *(e for e in names if e != problem.engine)]
@@ -131,7 +131,7 @@ def diagnose(
     everyone = [s for s in suspects(problem) if not _at(s, joints) & set(blamed)]
     notes = [*problem.notes, *dict.fromkeys(n for c in problem.cases for n in c.experiment.notes)]
     told = told_by_recordings(problem, everyone)
-    found, why_not = _searched(simulations, everyone, told, say, patience)
+    found, why_not = _searched(simulations, everyone, told, say, budget)
     changes = _ordered(found, told)
     proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
     while mended := [s for s in artefacts(proofs) if s in everyone]:
@@ -140,7 +140,7 @@ def diagnose(
             for s in mended
         ]
         everyone, told = [s for s in everyone if s not in mended], [c for c in told if c.suspect not in mended]
-        anew = replace(patience, steps=patience.steps + simulations.steps)
+        anew = replace(budget, steps=budget.steps + simulations.steps)
         found, why_not = _searched(simulations, everyone, told, say, anew)
         changes = _ordered(found, told)
         proofs = shown(simulations, found.floors, steps(found, [c.suspect for c in changes]), engines)
@@ -184,7 +184,7 @@ def diagnose(
 
 
 def _searched(
-    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, patience: Patience
+    simulations: Simulations, everyone: Sequence[Suspect], told: Sequence[Change], say: Say, budget: SearchBudget
 ) -> tuple[Found, list[str]]:
     """What a search finds, and neither held-out runs nor its interval speak against; why what else it found is not
     named.
@@ -194,7 +194,7 @@ def _searched(
     had been left out for its interval, against three of the others.
     """
     keep = {c.suspect for c in told}
-    found = search(simulations, everyone, told, say, patience)
+    found = search(simulations, everyone, told, say, budget)
     say("looking at held-out runs and other engines")
     found, against = supported(simulations, joined(simulations, found, everyone, keep), keep)
     if against:  # what they leave as it is has no more to join

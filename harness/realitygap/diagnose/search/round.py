@@ -14,12 +14,12 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once, residuals, single
-from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.discrepancy import SHARE, WORST, known_to
 from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored, stretches
 from realitygap.diagnose.search.linear import Promise, linear_at
+from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.robot.drive import Array
 
 BEAM = 4
@@ -59,11 +59,11 @@ class Round:
         limit: what a finding has to gain.
         nothing: the scenario's own model.
         say: told what is found.
-        patience: how long to look for something better than what was found.
+        budget: how long to look for something better than what was found.
         known: responses beside a model near by, which are taken for those beside this one.
 
     Attributes:
-        patience: the same, which grows where a round explains much (`patience.AGAIN`).
+        budget: the same, which grows where a round explains much (`search_budget.AGAIN`).
         explained: the evidence that the accepted model has more than the scenario's own.
         criterion: by which models are compared.
         told: the accepted model, fitted as if laws were exact, which tells its values best; None where it was moved to.
@@ -86,11 +86,11 @@ class Round:
         limit: float,
         nothing: Fit,
         say: Say,
-        patience: Patience = FOREVER,
+        budget: SearchBudget = UNLIMITED,
         known: Sequence[Block] = (),
     ) -> None:
         self.simulations, self.everyone, self.limit, self.say = simulations, list(everyone), limit, say
-        self.patience = patience
+        self.budget = budget
         self.criterion = criterion = Criterion(simulations, at.changes)
         first = demanded(simulations, at.changes, criterion.train)
         criterion.take_facts(first)
@@ -111,7 +111,7 @@ class Round:
 
     def at(self, other: Fit) -> Round:
         """The same round around another model."""
-        return Round(self.simulations, other, self.everyone, self.limit, self._nothing, self.say, self.patience)
+        return Round(self.simulations, other, self.everyone, self.limit, self._nothing, self.say, self.budget)
 
     def widened(self, everyone: Sequence[Suspect]) -> None:
         """Look at more suspects, from the same fit. The criterion by which models are compared has the discrepancy of
@@ -176,12 +176,12 @@ class Round:
     @property
     def late(self) -> bool:
         """Whether to look for nothing better than what was found."""
-        return self.patience.over(self.simulations.steps)
+        return self.budget.over(self.simulations.steps)
 
     @property
     def last(self) -> bool:
         """Whether there is no time to look at all anew."""
-        return self.patience.over(self.simulations.steps + self._looks)
+        return self.budget.over(self.simulations.steps + self._looks)
 
     def spare(self, scored: Scored) -> float:
         """The evidence of a model beyond what its findings have to gain."""

@@ -19,7 +19,6 @@ from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit, as_seen
 from realitygap.diagnose.fit.responses import Block, at_once
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.patience import FOREVER, Patience
 from realitygap.diagnose.search.ahead import by_two_steps
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
@@ -32,6 +31,7 @@ from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
+from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.files.errors import InputError
 
 LIKELY = 80
@@ -90,7 +90,7 @@ def search(
     everyone: Sequence[Suspect],
     told: Sequence[Change],
     say: Say,
-    patience: Patience = FOREVER,
+    budget: SearchBudget = UNLIMITED,
 ) -> Found:
     """Search until no move gains enough.
 
@@ -99,7 +99,7 @@ def search(
         everyone: the suspects.
         told: changes that the recordings show by themselves; they stay.
         say: told what is being done.
-        patience: how long to look for more: the first round ends with what gains enough, and what was found by then is
+        budget: how long to look for more: the first round ends with what gains enough, and what was found by then is
             still asked whether it is needed, and what could stand in its place, which is told.
 
     Raises:
@@ -107,18 +107,18 @@ def search(
     """
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
-    at = _along(simulations, nothing, everyone, limit, say, patience)
+    at = _along(simulations, nothing, everyone, limit, say, budget)
     seen, plain, again = set[Standing](), set[Standing](), True
     asked = set(kept)  # whether they have the right name
     looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
-    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, patience), None, False
+    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, budget), None, False
     fuller: Scored | None = None
     many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
     for number in range(ROUNDS):
         stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
         if number > 0 and not stays:
             known = round_.blocks if round_.last else ()  # what is tried now promised most before
-            round_ = Round(simulations, at, looked_at, limit, nothing, say, patience, known)
+            round_ = Round(simulations, at, looked_at, limit, nothing, say, budget, known)
         began, explained = simulations.steps, round_.explained
         here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
@@ -156,7 +156,7 @@ def search(
             break
         if not first:
             gained = following.evidence - round_.now.evidence
-            round_.patience = patience = round_.patience.beside(simulations.steps - began, gained, explained)
+            round_.budget = budget = round_.budget.beside(simulations.steps - began, gained, explained)
         say("; ".join(told_change(c) for c in following.fit.changes))
         if many and not dropped:
             following = _further(round_, following, kept, failed)
@@ -188,7 +188,7 @@ def search(
 
 
 def _along(
-    simulations: Simulations, nothing: Fit, everyone: Sequence[Suspect], limit: float, say: Say, patience: Patience
+    simulations: Simulations, nothing: Fit, everyone: Sequence[Suspect], limit: float, say: Say, budget: SearchBudget
 ) -> Fit:
     """Where to begin: at what explains the measured effort along the measured motion, where that helps a simulation as
     well, and else at the scenario's own model. What is not needed there is dropped as anything else.
@@ -197,11 +197,11 @@ def _along(
     both = [] if measured is None else [s for s in suspects(measured) if s in allowed]
     if measured is None or not both:
         return nothing
-    ordinary = Patience.of(int(measured.judged.sum()), None, 0.0)
+    ordinary = SearchBudget.of(int(measured.judged.sum()), None, 0.0)
     say("along the measured motion")
     with Simulations(measured, workers=1) as following:
         try:
-            found = search(following, both, (), say, patience.part(AHEAD, ordinary.steps))
+            found = search(following, both, (), say, budget.part(AHEAD, ordinary.steps))
         except InputError:  # what is followed cannot be told, and what is driven can
             return nothing
     named = [c for c in found.best.fit.changes if c.suspect.table is None]

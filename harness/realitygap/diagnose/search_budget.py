@@ -1,4 +1,4 @@
-"""How long a diagnosis looks for more. Nothing heavy is imported here."""
+"""The budget of a search: how long a diagnosis looks for more. Nothing heavy is imported here."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ LONGER = 3.0
 
 
 @dataclass(frozen=True)
-class Patience:
+class SearchBudget:
     """How long to look for more.
 
     Attributes:
@@ -44,26 +44,26 @@ class Patience:
     until: float = math.inf
 
     @staticmethod
-    def of(joints: int, minutes: float | None, began: float) -> Patience:
+    def of(joints: int, minutes: float | None, began: float) -> SearchBudget:
         """For so many minutes, or, of a robot with so many joints, about as long as it takes."""
         if minutes is not None:
-            return Patience(until=began + 60.0 * minutes)
+            return SearchBudget(until=began + 60.0 * minutes)
         ordinary = max(MINUTES, EACH * joints)
-        return Patience(STEPS * ordinary / max(joints, FEWEST), began + 60.0 * LONGER * ordinary)
+        return SearchBudget(STEPS * ordinary / max(joints, FEWEST), began + 60.0 * LONGER * ordinary)
 
-    def beside(self, steps: float, gained: float, explained: float) -> Patience:
+    def beside(self, steps: float, gained: float, explained: float) -> SearchBudget:
         """The same beside a round of so many steps that gained so much evidence over what was explained before."""
         return replace(self, steps=self.steps + steps) if gained > AGAIN * explained else self
 
-    def part(self, share: float, steps: float) -> Patience:
+    def part(self, share: float, steps: float) -> SearchBudget:
         """For so many steps, and this share of the time that is left."""
         now = time.monotonic()
-        return Patience(steps, now + share * (self.until - now))
+        return SearchBudget(steps, now + share * (self.until - now))
 
     def over(self, steps: float) -> bool:
         """Whether so many steps, or the time, are enough."""
         return steps > self.steps or time.monotonic() > self.until
 
 
-FOREVER = Patience()
+UNLIMITED = SearchBudget()
 """To the end."""
