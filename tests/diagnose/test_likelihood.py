@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
-from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
 from realitygap.robot.drive import Array
@@ -19,7 +19,7 @@ def measured_by(watched: Channel, rest: float, residual: Array, responses: Array
     """The metric for what a residual leaves, of one channel."""
     whitening, weight = trusted([watched], np.ones(1), np.full(1, rest), residual)
     white, determinant = whitening(responses, weight)
-    return marginalised(whitening, weight, Parted.of(white, whitening.number), determinant)
+    return marginalised(whitening, weight, ChannelBlocks.of(white, whitening.number), determinant)
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
@@ -114,14 +114,14 @@ def test_columns_that_are_zero_elsewhere_multiply_as_the_whole_matrix() -> None:
     seen = np.array([[1, 0, 1, 0], [0, 1, 1, 0], [0, 0, 1, 1]], dtype=bool)
     dense = rng.standard_normal((21, 4)) * seen[rows]
     scale, columns, amounts, others = (rng.standard_normal(s) for s in (21, 4, (4, 2), (21, 3)))
-    parted = Parted.of(dense, sizes)
-    assert [len(p.at) for p in parted.parts] == [2, 2, 2]
-    assert parted.gram() == pytest.approx(dense.T @ dense)
-    assert parted.on(others) == pytest.approx(dense.T @ others)
-    assert parted.times(amounts) == pytest.approx(dense @ amounts)
-    assert parted.scaled(scale).times(np.eye(4)) == pytest.approx(dense * scale[:, None])
-    assert parted.stretched(columns).times(np.eye(4)) == pytest.approx(dense * columns)
-    assert parted.beside(parted).times(np.eye(8)) == pytest.approx(np.hstack([dense, dense]))
+    blocks = ChannelBlocks.of(dense, sizes)
+    assert [len(p.columns) for p in blocks.blocks] == [2, 2, 2]
+    assert blocks.gram() == pytest.approx(dense.T @ dense)
+    assert blocks.on(others) == pytest.approx(dense.T @ others)
+    assert blocks.times(amounts) == pytest.approx(dense @ amounts)
+    assert blocks.scaled(scale).times(np.eye(4)) == pytest.approx(dense * scale[:, None])
+    assert blocks.stretched(columns).times(np.eye(4)) == pytest.approx(dense * columns)
+    assert blocks.beside(blocks).times(np.eye(8)) == pytest.approx(np.hstack([dense, dense]))
     strides = [2, 1, 4]
     few = np.concatenate([np.flatnonzero(rows == c)[::s] for c, s in enumerate(strides)])
-    assert parted.every(strides).times(np.eye(4)) == pytest.approx(dense[few])
+    assert blocks.every(strides).times(np.eye(4)) == pytest.approx(dense[few])

@@ -12,8 +12,8 @@ from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit, secant
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.fit.space import Space
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
-from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.grow import with_shape
@@ -26,7 +26,7 @@ def white(n: int) -> Metric:
     """The metric of samples whose noise has a standard deviation of one."""
     channel = Channel(0, "position", 0, 0.01 * np.arange(n, dtype=np.float64), 1.0, np.zeros(n))
     whitening = Whitening((channel,), np.zeros(1), np.ones(1))
-    return marginalised(whitening, np.ones(n), Parted.of(np.zeros((n, 0)), [n]), 0.0)
+    return marginalised(whitening, np.ones(n), ChannelBlocks.of(np.zeros((n, 0)), [n]), 0.0)
 
 
 def test_slopes_tell_the_step_that_was_taken_and_what_lies_across_it_as_before() -> None:

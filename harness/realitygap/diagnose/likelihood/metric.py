@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from realitygap.diagnose.likelihood.parted import Parted
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.robot.drive import Array
 
@@ -38,7 +38,7 @@ class Metric:
 
     whitening: Whitening
     weight: Array
-    discrepancy: Parted
+    discrepancy: ChannelBlocks
     factor: tuple[Array, bool]
     determinant: float
 
@@ -58,7 +58,7 @@ class Metric:
         """
         thin = np.hstack([self.whitening.thinned(c.reshape(len(c), -1)) for c in columns])
         n, (scale, _) = thin.shape[1], self.whitening.scale(self.weight)
-        white = Parted.of(thin, self.whitening.number).scaled(scale)
+        white = ChannelBlocks.of(thin, self.whitening.number).scaled(scale)
         both = white.beside(self.discrepancy).gram()
         return np.asarray(both[:n, :n] - both[:n, n:] @ cho_solve(self.factor, both[n:, :n]))
 
@@ -87,7 +87,7 @@ def trusted(channels: Sequence[Channel], facts: Array, rest: Array, residual: Ar
 def marginalised(
     whitening: Whitening,
     weight: Array,
-    discrepancy: Parted,
+    discrepancy: ChannelBlocks,
     determinant: float,
     factor: tuple[Array, bool] | None = None,
 ) -> Metric:

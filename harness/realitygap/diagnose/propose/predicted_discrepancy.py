@@ -16,9 +16,9 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
 from realitygap.diagnose.fit.responses import Block, residuals, respond, single
 from realitygap.diagnose.fit.space import Space
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.metric import marginalised
-from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
 from realitygap.diagnose.search.discrepancy import Discrepancy, law_discrepancy
 from realitygap.diagnose.search.evidence import Scored
@@ -69,7 +69,7 @@ class PredictedDiscrepancy:
         beside = [b for b in self.blocks if not any(clash(b.suspect, s) for s in here)]
         found = tuple(c for c in self.found if c.case in cases)
         whitening = self.whitening.elsewhere(found)
-        none = Parted.of(np.zeros((len(whitening.rows), 0)), whitening.number)
+        none = ChannelBlocks.of(np.zeros((len(whitening.rows), 0)), whitening.number)
         metric = marginalised(whitening, np.ones(len(fit.residual)), none, 0.0)
         return law_discrepancy(self.problem, fit, [replace(b, columns=b.columns[rows]) for b in beside], metric)
 

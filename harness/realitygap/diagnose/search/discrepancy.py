@@ -24,8 +24,8 @@ from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_one_place
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.clocks import of_clocks
 from realitygap.robot.drive import Array
@@ -86,15 +86,15 @@ class Discrepancy:
     accepted: tuple[Accepted, ...] = ()
     does: Mapping[tuple[str, int], float] = field(default_factory=dict)
     most: Mapping[str, float] = field(default_factory=dict)
-    _parted: dict[str, Parted] = field(init=False, repr=False, compare=False, default_factory=dict)
+    _blocks: dict[str, ChannelBlocks] = field(init=False, repr=False, compare=False, default_factory=dict)
 
-    def thinned(self, whitening: Whitening) -> Parted:
+    def thinned(self, whitening: Whitening) -> ChannelBlocks:
         """The responses in the samples that are looked at, which facts tell: they are the same for every model of a
         round. (k, q).
         """
-        if "thin" not in self._parted:
-            self._parted["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
-        return self._parted["thin"]
+        if "thin" not in self._blocks:
+            self._blocks["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
+        return self._blocks["thin"]
 
     def of_others(self) -> Discrepancy:
         """Those of what the search has not accepted."""
@@ -107,10 +107,10 @@ class Discrepancy:
         """What the residual changes by where each law is off by so many times that. Shape (q,) -> (m,)."""
         return self._whole(channels).times(amounts[:, None])[:, 0]
 
-    def _whole(self, channels: Sequence[Channel]) -> Parted:
-        if "whole" not in self._parted:
-            self._parted["whole"] = Parted.of(self.responses, [len(c.time) for c in channels])
-        return self._parted["whole"]
+    def _whole(self, channels: Sequence[Channel]) -> ChannelBlocks:
+        if "whole" not in self._blocks:
+            self._blocks["whole"] = ChannelBlocks.of(self.responses, [len(c.time) for c in channels])
+        return self._blocks["whole"]
 
     def ordinary(self, joint: int, discrepancy_scale: Mapping[str, float]) -> float:
         """The length of what friction, load or drive may be off by at a joint, whichever is most, where the
@@ -250,7 +250,7 @@ def _shown(columns: Array, metric: Metric) -> Array:
     """The same discrepancies, all of one kind of law, as few as do the same: the directions of their common covariance
     that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
 
-    What has no sample in common has no direction in common either, and stays apart (`Parted`).
+    What has no sample in common has no direction in common either, and stays apart (`ChannelBlocks`).
     """
     bare = replace(metric.whitening, rest=np.zeros(len(metric.whitening.rest)))
     white = bare(columns, metric.weight)[0]

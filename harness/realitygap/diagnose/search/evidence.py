@@ -19,8 +19,8 @@ from scipy.linalg import cho_factor, cho_solve
 
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
+from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
-from realitygap.diagnose.likelihood.parted import Parted
 from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.discrepancy import Discrepancy
@@ -172,7 +172,7 @@ class _Look:
     weight: Array
     scale: Array
     determinant: float
-    thin: Parted
+    thin: ChannelBlocks
     odds: _Odds
 
     def again(self, left: Array) -> _Look:
@@ -186,12 +186,12 @@ def _first(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> _
 
 
 def _look(
-    channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy, left: Array, thin: Parted | None = None
+    channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy, left: Array, thin: ChannelBlocks | None = None
 ) -> _Look:
     whitening, weight = trusted(channels, discrepancy.facts, rest_of(channels, discrepancy.facts, left), left)
     if thin is None:
         own = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1)])
-        thin = Parted.of(whitening.thinned(own), whitening.number).beside(discrepancy.thinned(whitening))
+        thin = ChannelBlocks.of(whitening.thinned(own), whitening.number).beside(discrepancy.thinned(whitening))
     scale, determinant = whitening.scale(weight)
     shares = discrepancy.shares(fit)
     columns = np.concatenate([np.ones(thin.width - len(shares)), shares])
