@@ -17,7 +17,7 @@ from realitygap.diagnose.judge.gaps import held_out_gap, shown
 from realitygap.diagnose.judge.steps import steps
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.linear import LinearGain
 from realitygap.diagnose.search.search import Found
 from realitygap.scenario.file import load_scenario
 
@@ -126,7 +126,7 @@ def test_what_answers_nothing_is_not_fitted(problem: Problem, simulations: Simul
     still = residual(simulations, [], problem.of("train"))
     assert still is not None
     (block, *_) = Criterion(simulations, []).responses(Fit((), still), [tilt])
-    assert _seen(Promise(block, (0.1, 0.2), 9.0)).free == ("roll", "pitch")
+    assert _seen(LinearGain(block, (0.1, 0.2), 9.0)).free == ("roll", "pitch")
     deaf = block.columns.copy()
     deaf[:, 0] *= 1e-9
-    assert _seen(Promise(replace(block, columns=deaf), (0.1, 0.2), 9.0)).free == ("pitch",)
+    assert _seen(LinearGain(replace(block, columns=deaf), (0.1, 0.2), 9.0)).free == ("pitch",)

@@ -82,7 +82,7 @@ def test_of_a_plain_fit_those_are_left_that_earn_it_beside_each_other() -> None:
     left = -columns @ [1.0, 0.0, 0.0, 0.7] + 0.5 * rng.standard_normal(400)
     blocks = [Block(start, columns[:, [k]]) for k, start in enumerate(tried)]
     lines = Linear(white(400), left, np.zeros((400, 0)), blocks)
-    assert [k for k in range(4) if lines.promise(k).gain > 5.0] == [0, 1, 3]
+    assert [k for k in range(4) if lines.gain_of(k).gain > 5.0] == [0, 1, 3]
     assert lines.earning(range(4), 5.0) == [0, 3]
     assert lines.earning([1, 2], 5.0) == [1]
     assert lines.earning([2], 5.0) == []
@@ -128,7 +128,7 @@ def test_a_load_lies_at_the_frame_of_its_link_along_an_axis_of_which_no_motion_t
         criterion = Criterion(simulations, [])
         nothing = Fit((), demanded(simulations, (), criterion.train))
         blocks = criterion.responses(nothing, [suspect_of(problem, "payload", "forearm")])
-    place = linear_at(criterion.plain(nothing), blocks).promise(0).change.parameters
+    place = linear_at(criterion.plain(nothing), blocks).gain_of(0).change.parameters
     (silent,) = np.flatnonzero(problem.plant.model.joints[1].axis)
     tried = blocks[0].start.tries[1 + silent].parameters
     assert abs(place["xyz"[silent]]) < 0.01 * abs(tried["xyz"[silent]])

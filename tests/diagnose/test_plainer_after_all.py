@@ -135,4 +135,4 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
     assert told.gains == {s: told.best.evidence - other.evidence for s, other in told.without.items()}
     assert set(told.gains) == {friction.suspect, load.suspect}, "the others are asked anew beside it"
     assert lines is not None
-    assert lines.promise(0).change.parameters["z"] < 0.0, "straight lines lead to where the link lies"
+    assert lines.gain_of(0).change.parameters["z"] < 0.0, "straight lines lead to where the link lies"

@@ -144,7 +144,7 @@ def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
     assert left is not None
     assert found is not None
     at = Round(simulations, found.fit, [friction.suspect, other.suspect], needed(2), Fit((), left), print)
-    at.promised = []
+    at.candidates = []
     assert any(standing(way) == standing([friction, other]) for way, _ in _ways(at))
     both = at.criterion.fit([*at.now.fit.changes, other], at.now.fit)
     without = at.criterion.fit([other])
@@ -206,7 +206,7 @@ def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
     assert less is not None
     assert at.moved(less)
     assert {b.suspect.effect for b in at.blocks} == {"viscous_friction", "controller_gain"}
-    assert {p.block.suspect for p in at.straight} == {gain.suspect, everyone[2]}
+    assert {p.block.suspect for p in at.linear_gains} == {gain.suspect, everyone[2]}
     assert at.explained == pytest.approx(less.evidence - at.criterion.score(Fit((), left)).evidence)
     assert standing(at.retold().fit.changes) == standing([friction])
 

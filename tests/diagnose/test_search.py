@@ -113,9 +113,9 @@ def test_the_straight_line_promises_most_of_what_is_missing(
     tried = [s for n in names for s in starts(problem, suspect_of(problem, n, "elbow"))]
     blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
     linear = Linear(base.metric, left, np.zeros((len(left), 0)), blocks)
-    promised = linear.promises()
-    assert promised[0].block.suspect.effect == "coulomb_friction"
-    assert promised[0].change.parameters["torque"] == pytest.approx(FRICTION, rel=0.4)
+    gains = linear.gains()
+    assert gains[0].block.suspect.effect == "coulomb_friction"
+    assert gains[0].change.parameters["torque"] == pytest.approx(FRICTION, rel=0.4)
     several = linear.several(3.0)
     assert not any(clash(a.block.suspect, b.block.suspect) for a in several for b in several if a is not b)
     assert [p.block.suspect.effect for p in several][:1] == ["coulomb_friction"]
@@ -130,8 +130,8 @@ def test_what_the_accepted_values_could_do_is_no_gain_of_another(
     base = criterion.score(Fit((), left))
     tried = starts(problem, suspect_of(problem, "coulomb_friction", "elbow"))
     blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
-    beside = Linear(base.metric, left, blocks[0].columns, blocks).promises()[0]
-    alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).promises()[0]
+    beside = Linear(base.metric, left, blocks[0].columns, blocks).gains()[0]
+    alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).gains()[0]
     assert beside.gain < 0.05 * alone.gain
 
 
@@ -146,9 +146,9 @@ def test_a_limit_that_is_too_tight_leads_the_right_way(
     blocks = [Block(tight, factor * np.nan_to_num(left)[:, None]) for factor in (-4.0, -0.5, 4.0)]
     lines = Linear(metric, left, np.zeros((len(left), 0)), blocks)
     whole = metric(np.nan_to_num(left))
-    assert lines.promise(0).gain < 0.0
+    assert lines.gain_of(0).gain < 0.0
     assert lines.toward(0) == pytest.approx(0.5 * float(whole @ whole), rel=1e-6)
-    assert lines.toward(1) == pytest.approx(lines.promise(1).gain)
+    assert lines.toward(1) == pytest.approx(lines.gain_of(1).gain)
     assert lines.toward(2) == 0.0
     assert lines.limits() == {tight.tries[0].suspect: tight.tries[0]}
     assert Linear(metric, left, np.zeros((len(left), 0)), blocks[2:]).limits() == {}

@@ -46,6 +46,6 @@ def test_a_spring_is_begun_with_where_it_rests(stiffness: float, rest: float, tm
         criterion = Criterion(simulations, [])
         nothing = Fit((), demanded(simulations, (), criterion.train))
         blocks = criterion.responses(nothing, [suspect_of(problem, "cable_spring", "lift")])
-        at_zero, anywhere = (linear_at(criterion.plain(nothing), blocks).promise(i) for i in range(2))
+        at_zero, anywhere = (linear_at(criterion.plain(nothing), blocks).gain_of(i) for i in range(2))
     assert anywhere.change.parameters == pytest.approx({"stiffness": stiffness, "rest": rest}, rel=0.1)
     assert anywhere.gain > 1.2 * at_zero.gain

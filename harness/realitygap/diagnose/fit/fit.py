@@ -120,12 +120,12 @@ def fit(
     cost, box = _cost(metric, space, x, now), FIRST
     patience, wide = PATIENCE if many else 0, many or quick or simulations.problem.plant.model.floating
     for _ in range(FEW if quick else STEPS if len(x) else 0):
-        step, promised = _step(metric, space, x, now, slopes, box)
-        if promised >= 2.0 * LITTLE:
+        step, predicted = _step(metric, space, x, now, slopes, box)
+        if predicted >= 2.0 * LITTLE:
             there = residual_near(simulations, near, space.at(x + step), train, coarse)
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
-            good, went = gain > FALSE * promised, float(np.max(np.abs(step) / np.maximum(np.abs(x), AWAY)))
-            box = 2.0 * box if gain > TRUE * promised else box if good else SHORTER * min(box, went)
+            good, went = gain > FALSE * predicted, float(np.max(np.abs(step) / np.maximum(np.abs(x), AWAY)))
+            box = 2.0 * box if gain > TRUE * predicted else box if good else SHORTER * min(box, went)
             if there is not None and good:
                 slopes, here = slopes + secant(slopes, step, there - now), False
             if there is not None and gain > 0.0:

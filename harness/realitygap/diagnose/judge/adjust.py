@@ -22,7 +22,7 @@ from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.linear import Promise, linear_at
+from realitygap.diagnose.search.linear import LinearGain, linear_at
 from realitygap.diagnose.search.search import Found
 
 
@@ -133,11 +133,11 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
         out |= absurd
 
 
-def _seen(promise: Promise) -> Change:
+def _seen(told: LinearGain) -> Change:
     """A change of which only what answers is free: a slide that tilts about its own axis does nothing."""
-    start, sizes = promise.block.start, np.linalg.norm(promise.block.columns, axis=0)
+    start, sizes = told.block.start, np.linalg.norm(told.block.columns, axis=0)
     answers = {n for k, size in enumerate(sizes) if size > SILENT * sizes.max() for n in start.moved(k)}
-    change = promise.change
+    change = told.change
     return replace(change, free=tuple(n for n in change.free if n in answers))
 
 

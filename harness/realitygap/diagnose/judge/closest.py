@@ -10,7 +10,7 @@ import numpy as np
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
-from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.linear import LinearGain
 from realitygap.diagnose.search.search import Found
 
 SHOWN = 3
@@ -28,11 +28,13 @@ class Closest:
 
 
 def closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -> list[Closest]:
-    """The candidates that promised most and were not named, with the gap on training runs that they leave."""
+    """The candidates with the largest predicted gain that were not named, with the gap on training runs that they
+    leave.
+    """
     train = simulations.problem.of("train")
     out: list[Closest] = []
     before = rms(costs(simulations, found.floors, changes, train), train)
-    for p in found.promised:
+    for p in found.candidates:
         suspect = p.change.suspect
         known = suspect in found.adjusted or any(suspect == c.change.suspect for c in out)
         if len(out) == SHOWN or p.gain <= 0 or known:
@@ -43,15 +45,15 @@ def closest(simulations: Simulations, found: Found, changes: Sequence[Change]) -
     return out
 
 
-def _short_of(found: Found, promise: Promise) -> str:
-    """Why what promised most was not named."""
-    promised = f"straight lines promise it {promise.gain:.1f} in evidence, where a name needs {found.limit:.1f}"
-    if promise.gain < found.limit:
-        return promised
-    gain, least = found.short.get(promise.change.suspect, (-np.inf, found.limit))
+def _short_of(found: Found, candidate: LinearGain) -> str:
+    """Why what had the largest predicted gain was not named."""
+    why = f"straight lines promise it {candidate.gain:.1f} in evidence, where a name needs {found.limit:.1f}"
+    if candidate.gain < found.limit:
+        return why
+    gain, least = found.short.get(candidate.change.suspect, (-np.inf, found.limit))
     if gain < found.limit:
-        return f"{promised}, but once it was fitted it gained less than a name needs"
+        return f"{why}, but once it was fitted it gained less than a name needs"
     return (
-        f"{promised}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
+        f"{why}, and fitted it gains {gain:.1f} of the {least:.1f} by which it would stand out from how stretches "
         "of the recordings scatter, and from what laws leave"
     )

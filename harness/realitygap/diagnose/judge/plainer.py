@@ -112,7 +112,7 @@ def _like(found: Found, suspect: Suspect, gone: Collection[Suspect]) -> Change:
     lines = in_place(criterion, fit, [c for c in fit.changes if c.suspect in gone], blocks)
     if lines is None:
         return guess(criterion.problem, suspect)
-    return lines.promise(max(range(len(blocks)), key=lambda i: lines.gain([i]))).change
+    return lines.gain_of(max(range(len(blocks)), key=lambda i: lines.gain([i]))).change
 
 
 def _in_place_of_both(

@@ -161,7 +161,7 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
 def _unnamed(round_: Round) -> dict[Suspect, Scored]:
     """Models with one more effect, which the recordings neither show nor exclude: those that promise most."""
     now, least = round_.now, 0.0 if not round_.now.fit.changes else ODDS
-    likely = {p.block.suspect: p for p in reversed(round_.promised) if p.gain > least}
+    likely = {p.block.suspect: p for p in reversed(round_.candidates) if p.gain > least}
     fitted = {}
     for p in sorted(likely.values(), key=lambda p: -p.gain)[:MOST]:
         scored = round_.criterion.fit([*now.fit.changes, p.block.start.first])

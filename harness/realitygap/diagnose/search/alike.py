@@ -63,9 +63,9 @@ def same(
     for i in sorted(range(len(blocks)), key=lambda i: -done[i]):
         suspect = blocks[i].suspect
         if done[i] > MOST * whole:
-            most.setdefault(suspect, lines.promise(i).change)
+            most.setdefault(suspect, lines.gain_of(i).change)
         elif done[i] > OF_THE_LAW * whole and _of_the_law(suspect, findings[0].suspect):
-            of_the_law.setdefault(suspect, lines.promise(i).change)
+            of_the_law.setdefault(suspect, lines.gain_of(i).change)
     return dict([*islice(most.items(), few), *islice(of_the_law.items(), FEW_OF_THE_LAW)])
 
 

@@ -78,8 +78,8 @@ def _best(
         else:
             failed.add(move)
     better: list[tuple[float, Scored]] = []
-    for promise, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
-        if better and (round_.late or promise < max(spare for spare, _ in better) - EQUAL):
+    for estimate, near, needs, move in sorted(tried, key=lambda t: -t[0])[:FITTED]:
+        if better and (round_.late or estimate < max(spare for spare, _ in better) - EQUAL):
             break
         scored = round_.criterion.refined(near)
         if scored is None:
@@ -112,7 +112,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
     """Models with more in them, and the evidence that each has to gain."""
     accepted, limit, plant = list(round_.now.fit.changes), round_.limit, round_.simulations.problem.plant
     first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
-    for p in [*(p for p in round_.promised if p.gain > 0.0), *round_.straight]:
+    for p in [*(p for p in round_.candidates if p.gain > 0.0), *round_.linear_gains]:
         start = p.block.start.first
         if p.gain > 0.0 or len(first) < TRIED:
             first.setdefault((start.suspect, start.free), start)
@@ -131,7 +131,7 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:
             ways.append(([*accepted, *each], limit * len(each)))
-    sensible = [p.block for p in round_.promised if not p.block.start.first.absurd(plant)]
+    sensible = [p.block for p in round_.candidates if not p.block.start.first.absurd(plant)]
     several = linear_at(round_.look, sensible).several(limit)
     for number in sorted({min(len(several), AT_ONCE), len(several)} - {0, 1}):
         ways.append(([*accepted, *(p.block.start.first for p in several[:number])], limit * number))
@@ -251,7 +251,7 @@ def _everywhere(round_: Round, start: Change) -> list[Change]:
     if not single(start.suspect):
         return []
     found = {start.suspect: start}
-    for p in round_.straight:
+    for p in round_.linear_gains:
         alike = p.block.suspect.effect == start.suspect.effect and p.block.start.first.free == start.free
         if alike and single(p.block.suspect) and p.gain > round_.limit:
             found.setdefault(p.block.suspect, p.change)

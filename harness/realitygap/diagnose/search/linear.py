@@ -29,8 +29,8 @@ LOOKED = 8
 
 
 @dataclass(frozen=True)
-class Promise:
-    """A start with the amounts that fit best, and the gain in evidence that it promises."""
+class LinearGain:
+    """A start with the amounts that fit best in the linearised model, and the gain in evidence that this predicts."""
 
     block: Block
     amounts: tuple[float, ...]
@@ -69,9 +69,9 @@ class Linear:
         self.least = np.where(away, BESIDE, NOWHERE)
         self._clashes: dict[int, Array] = {}
 
-    def promise(self, number: int) -> Promise:
+    def gain_of(self, number: int) -> LinearGain:
         """What one block gains alone."""
-        return Promise(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
+        return LinearGain(self.blocks[number], tuple(self._amounts([number]).tolist()), self._gain([number]))
 
     def toward(self, number: int) -> float:
         """What a block of one response gains at the best part of it: of a limit that is too tight, and as it is would
@@ -93,9 +93,9 @@ class Linear:
             best.setdefault(self.blocks[i].suspect, self.blocks[i].start.tries[0])
         return best
 
-    def promises(self) -> list[Promise]:
+    def gains(self) -> list[LinearGain]:
         """What every block gains alone, best first."""
-        return sorted((self.promise(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
+        return sorted((self.gain_of(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
 
     def gain(self, numbers: Sequence[int], tried: int | None = None) -> float:
         """The gain in evidence of some blocks at once, at most: nothing is taken off for what they could do besides.
@@ -122,17 +122,17 @@ class Linear:
             kept = rest[spare]
         return kept
 
-    def together(self, numbers: Sequence[int], tried: int | None = None) -> list[Promise]:
+    def together(self, numbers: Sequence[int], tried: int | None = None) -> list[LinearGain]:
         """Some blocks at once, at their best amounts (beside one that is `tried` as it was simulated); what each gains
         is not told.
         """
         amounts, ends = self._amounts(numbers, tried), np.cumsum([0, *(len(self.places[i]) for i in numbers)])
         return [
-            Promise(self.blocks[n], tuple(amounts[i:j].tolist()), 0.0)
+            LinearGain(self.blocks[n], tuple(amounts[i:j].tolist()), 0.0)
             for n, (i, j) in zip(numbers, pairwise(ends.tolist()), strict=True)
         ]
 
-    def several(self, least: float) -> list[Promise]:
+    def several(self, least: float) -> list[LinearGain]:
         """Blocks added one after the other, and exchanged, as long as each gains at least so much beside the others."""
         taken: list[int] = []
         while True:
@@ -155,7 +155,7 @@ class Linear:
         for i in taken:
             n = len(self.places[i])
             gain = total - self._gain([k for k in taken if k != i])
-            out.append(Promise(self.blocks[i], tuple(amounts[at : at + n].tolist()), gain))
+            out.append(LinearGain(self.blocks[i], tuple(amounts[at : at + n].tolist()), gain))
             at += n
         return out
 

@@ -48,12 +48,12 @@ def _beside(place: Place, rival: Rival) -> list[Change]:
     """What promises most beside a rival, as it answers beside the finding, if both may do what that does."""
     round_, here = place.round_, [c.suspect for c in rival.scored.fit.changes]
     known = [b for b in round_.blocks if not any(clash(b.suspect, s) for s in [*here, place.change.suspect])]
-    promises = lines_at(round_, rival.scored, [b for b in known if b.start.kind != "whole"]).promises()
+    gains = lines_at(round_, rival.scored, [b for b in known if b.start.kind != "whole"]).gains()
     whole = round_.now.evidence - place.alone.evidence
-    enough = [p for p in promises if p.gain > max(round_.limit, rival.behind - (1.0 - CLOSE) * whole)]
+    enough = [p for p in gains if p.gain > max(round_.limit, rival.behind - (1.0 - CLOSE) * whole)]
     strongest = dict[Suspect, Change]()
-    for promise in enough:
-        strongest.setdefault(promise.block.suspect, promise.change)
+    for p in enough:
+        strongest.setdefault(p.block.suspect, p.change)
     return list(strongest.values())[:SECOND]
 
 

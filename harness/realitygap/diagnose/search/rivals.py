@@ -105,7 +105,7 @@ class Place:
             return not any(clash(suspect, other) for other in rest)
 
         here = [b for b in round_.blocks if fits(b.suspect)]
-        likely = [p for p in lines_at(round_, alone, here).promises() if p.gain > ROUGHLY * gain]
+        likely = [p for p in lines_at(round_, alone, here).gains() if p.gain > ROUGHLY * gain]
         rough = list(dict.fromkeys(p.block.suspect for p in likely))[:looked]
         known = {b.suspect for b in here}
         beside = [s for s in round_.everyone if s not in known and s != change.suspect and clash(s, change.suspect)]
@@ -113,7 +113,7 @@ class Place:
         tried = [change.suspect, *rough, *(s for s in [*beside, *far] if fits(s))]
         anew = round_.criterion.responses(alone.fit, list(dict.fromkeys(tried)))
         place = cls(round_, change, alone, late, [*anew, *(b for b in here if b.suspect in rough)], gain)
-        own = (p.gain for p in place.lines.promises() if p.block.suspect == change.suspect)
+        own = (p.gain for p in place.lines.gains() if p.block.suspect == change.suspect)
         return replace(place, gain=max([gain, *own]))
 
     @cached_property
@@ -167,7 +167,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     same = {} if place.late else alike(round_, place.change)
     chosen = {suspect: [change] for suspect, change in same.items()}
     most = len(chosen) + (LATE if place.late else EXCHANGED)
-    for p in place.lines.promises():
+    for p in place.lines.gains():
         worth = p.gain > (CLOSE * place.gain if chosen or place.late else 0.0)
         asked = len(chosen) < most or narrower(p.block.suspect, place.change.suspect)
         if worth and asked and p.block.suspect != place.change.suspect:

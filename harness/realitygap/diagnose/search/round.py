@@ -18,7 +18,7 @@ from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.discrepancy import SHARE, WORST, known_to
 from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored, stretches
-from realitygap.diagnose.search.linear import Promise, linear_at
+from realitygap.diagnose.search.linear import LinearGain, linear_at
 from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.robot.drive import Array
 
@@ -71,8 +71,8 @@ class Round:
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
         lines: the straight-line model of all blocks.
-        straight: what straight lines promise of each, best first.
-        promised: what promises most where straight lines lead, best first.
+        linear_gains: what each gains in the linearised model, best first.
+        candidates: what gains most, simulated where the linearised model leads, best first.
         short: of what was fitted and gains too little, what it gains and what it would have to.
         beaten: findings in whose place an unnamed effort gains what a name has to, though it is none itself.
         near: models that gain what their findings need if laws were exact, and less than laws leave.
@@ -141,12 +141,12 @@ class Round:
         """What everything promises beside the accepted model."""
         self.look = self.criterion.sharp(self.now.fit)
         self.lines = linear_at(self.look, self.blocks)
-        self.straight = self.lines.promises()
+        self.linear_gains = self.lines.gains()
         if self.late and any(c.free for c in self.now.fit.changes):  # nothing is added any more
-            self.promised = self.straight
+            self.candidates = self.linear_gains
             return
-        followed = self._followed(self.straight)
-        self.promised = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
+        followed = self._followed(self.linear_gains)
+        self.candidates = sorted([*followed, *self._jumps()], key=lambda p: -p.gain)
 
     def moved(self, to: Scored) -> bool:
         """Go on at another model with what is known here; False where that is too far.
@@ -252,15 +252,15 @@ class Round:
 
     def likely(self, number: int) -> list[Suspect]:
         """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
-        promises = [*self.promised, *self.straight]
-        best = set(list(dict.fromkeys(p.block.suspect for p in promises))[:number])
+        ranked = [*self.candidates, *self.linear_gains]
+        best = set(list(dict.fromkeys(p.block.suspect for p in ranked))[:number])
         problem = self.simulations.problem
         here = {c.suspect.effect for c in self.now.fit.changes}
         if at_once(problem):  # the other joints' responses come with those of one
             here |= {s.effect for s in best if single(s)}
         return [s for s in self.everyone if s in best or s.effect in here or everyday(problem, s)]
 
-    def _jumps(self) -> list[Promise]:
+    def _jumps(self) -> list[LinearGain]:
         """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
         plain = self.criterion.plain(self.now.fit)
         here = plain.metric(plain.fit.residual)
@@ -284,7 +284,7 @@ class Round:
         for _, block in sorted(rough.values(), key=lambda r: -r[0])[: 2 * BEAM]:
             try_ = block.start.tries[0]
             whole = Start(try_, (try_,), block.start.zero, "whole")
-            out.append(Promise(Block(whole, block.columns), (1.0,), self.gain(block.columns[:, 0])))
+            out.append(LinearGain(Block(whole, block.columns), (1.0,), self.gain(block.columns[:, 0])))
         return sorted((p for p in out if p.gain > 0.0), key=lambda p: -p.gain)[:BEAM]
 
     def gain(self, change: Array) -> float:
@@ -295,12 +295,12 @@ class Round:
         """The accepted model with its residual changed as a try does, as it is. Shape (m,)."""
         return replace(self.now.fit, residual=self.now.fit.residual + change)
 
-    def _followed(self, promises: Sequence[Promise]) -> list[Promise]:
+    def _followed(self, linear_gains: Sequence[LinearGain]) -> list[LinearGain]:
         """The suspects that promise most, simulated where their straight lines lead, by the evidence there: with less
         that no law explains, recordings tell more than straight lines promise.
         """
-        chosen: list[Promise] = []
-        for p in promises:
+        chosen: list[LinearGain] = []
+        for p in linear_gains:
             kin = [c for c in chosen if c.block.suspect.effect == p.block.suspect.effect]
             same = [c for c in kin if c.block.suspect == p.block.suspect]
             if p.gain > 0.0 and len(chosen) < DEEP and len(same) < 2 and len(kin) < 4:
@@ -322,10 +322,10 @@ class Round:
             if answer is not None
         ]
         gains = self.simulations.side_by_side(lambda of: self.gain(of[1].columns[:, 0]), there)
-        best: dict[int, Promise] = {}
+        best: dict[int, LinearGain] = {}
         for (p, block), gain in zip(there, gains, strict=True):
             if id(p) not in best or gain > best[id(p)].gain:
-                best[id(p)] = Promise(block, (1.0,), gain)
+                best[id(p)] = LinearGain(block, (1.0,), gain)
         return sorted(best.values(), key=lambda p: -p.gain)
 
 

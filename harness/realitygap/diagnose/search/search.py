@@ -24,7 +24,7 @@ from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
 from realitygap.diagnose.search.grow import SURE, grown, shared
-from realitygap.diagnose.search.linear import Promise
+from realitygap.diagnose.search.linear import LinearGain
 from realitygap.diagnose.search.merged import merged
 from realitygap.diagnose.search.one_for_two import one_for_two
 from realitygap.diagnose.search.rivals import Rival
@@ -57,7 +57,7 @@ class Found:
         gains: evidence that is lost without each finding, by suspect.
         without: the model without each finding, its other values fitted anew.
         rivals: what could stand in the place of each finding, the closest first.
-        promised: what was closest and not taken, best first.
+        candidates: what was closest and not taken, best first.
         short: what it gains where it was fitted, and what it would have to gain.
         beaten: findings in whose place an unnamed effort gains what a name has to, though it is none itself.
         cut: whether the search was ended while it may have found more.
@@ -76,7 +76,7 @@ class Found:
     gains: dict[Suspect, float] = field(default_factory=dict)
     without: dict[Suspect, Scored] = field(default_factory=dict)
     rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
-    promised: list[Promise] = field(default_factory=list)
+    candidates: list[LinearGain] = field(default_factory=list)
     short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
     beaten: Collection[Suspect] = ()
     cut: bool = False
@@ -178,7 +178,7 @@ def search(
         gains=last.gains,
         without=last.without,
         rivals=last.rivals,
-        promised=round_.promised,
+        candidates=round_.candidates,
         short=round_.short,
         beaten=round_.beaten,
         cut=cut,

@@ -41,7 +41,7 @@ def with_unnamed(round_: Round, keep: Sequence[Suspect]) -> Scored | None:
     by, is none (`Round.beaten`). An effort around one angle was called a ripple of 7.4 periods, and gained 154 more.
     """
     best: tuple[float, Scored] | None = None
-    for way in _promising(round_, keep):
+    for way in _best_ways(round_, keep):
         quick = round_.adjusted(way.changes)
         if quick is None or quick.evidence < round_.now.evidence:
             continue
@@ -79,7 +79,7 @@ def _alike(round_: Round, keep: Sequence[Suspect], joint: int, other: Scored) ->
     return change <= max(DISCREPANCY_SCALES) * max(known_to(c.suspect) for c in there) * do
 
 
-def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
+def _best_ways(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
     """The ways that promise most, each simulated as its tables were drawn."""
     criterion, now = round_.criterion, round_.now.fit
     problem = criterion.problem
@@ -91,10 +91,10 @@ def _promising(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
             ways += [_Way(beside, tables) for tables in unnamed(problem, beside, [j])]
     variants = [now.changes, *(way.changes for way in ways)]
     still, *answers = residuals(round_.simulations, variants, criterion.train, criterion.floors.coarse)
-    promised = []
+    gaining = []
     for way, answer in zip(ways, answers, strict=True):
         if still is not None and answer is not None:
             gain = round_.gain(answer - still)
             if gain > 0.0:
-                promised.append((gain, way))
-    return [way for _, way in sorted(promised, key=lambda p: -p[0])[:TRIED]]
+                gaining.append((gain, way))
+    return [way for _, way in sorted(gaining, key=lambda p: -p[0])[:TRIED]]
