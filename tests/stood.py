@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change, Standing, standing
+from realitygap.diagnose.data.changes import Change, ModelKey, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -25,7 +25,7 @@ class Stood:
 
     simulations: Simulations
     round_: Round
-    right: Standing
+    right: ModelKey
 
 
 def stood(missing: Effects, wrong: Effects, others: Sequence[tuple[str, str]], bare: Problem | None = None) -> Stood:
@@ -44,5 +44,5 @@ def stood(missing: Effects, wrong: Effects, others: Sequence[tuple[str, str]], b
     everyone = [c.suspect for c in (*of(wrong), *of(missing))] + [suspect_of(problem, *o) for o in others]
     at = Fit(tuple(of(wrong)), left)
     round_ = Round(simulations, at, everyone, needed(len(everyone)), Fit((), left), print)
-    assert standing(round_.now.fit.changes) == standing(of(wrong))
-    return Stood(simulations, round_, standing(of(missing)))
+    assert model_key(round_.now.fit.changes) == model_key(of(wrong))
+    return Stood(simulations, round_, model_key(of(missing)))

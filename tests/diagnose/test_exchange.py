@@ -8,7 +8,7 @@ import numpy as np
 from demo_problem import FRICTION, demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
-from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
@@ -29,7 +29,7 @@ def test_two_laws_stand_in_the_place_of_one_that_does_the_most_of_both() -> None
     with at.simulations:
         better = exchanged(at.round_, [], Exchanged()).better
     assert better is not None
-    assert standing(better.fit.changes) == at.right
+    assert model_key(better.fit.changes) == at.right
     assert better.evidence - at.round_.now.evidence > at.round_.limit
 
 
@@ -59,7 +59,7 @@ def test_a_limit_stands_in_the_place_of_what_mends_it() -> None:
         better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
         assert renamed(at.round_, [], []) is None
     assert better is not None
-    assert standing(better.fit.changes) == at.right
+    assert model_key(better.fit.changes) == at.right
 
 
 def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> None:
@@ -73,7 +73,7 @@ def test_one_supply_of_all_stands_in_the_place_of_what_mends_each_joint() -> Non
         shoulder = [c.suspect for c in at.round_.now.fit.changes if c.suspect.target == "shoulder"]
         better = renamed(at.round_, [], shoulder)
     assert better is not None
-    assert standing(better.fit.changes) == at.right
+    assert model_key(better.fit.changes) == at.right
 
 
 def test_of_the_same_law_more_is_asked() -> None:
@@ -94,7 +94,7 @@ def test_two_wrong_names_are_exchanged_at_once() -> None:
     with at.simulations:
         better = renamed(at.round_, [], [c.suspect for c in at.round_.now.fit.changes])
     assert better is not None
-    assert standing(better.fit.changes) == at.right
+    assert model_key(better.fit.changes) == at.right
 
 
 def test_late_nothing_is_told_beside_what_was_left_out() -> None:
@@ -109,7 +109,7 @@ def test_late_nothing_is_told_beside_what_was_left_out() -> None:
         known = [at.round_.adjusted(changes) for changes in ([], [other])]
         now = at.round_.adjusted([friction])
     assert early.better is not None
-    assert standing(early.better.fit.changes) == at.right
+    assert model_key(early.better.fit.changes) == at.right
     assert list(late.without) == list(late.gains) == [friction.suspect]
     assert late.without[friction.suspect].fit.changes == ()
     for out in (early, late):

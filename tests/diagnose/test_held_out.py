@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change, standing
+from realitygap.diagnose.data.changes import Change, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -89,7 +89,7 @@ def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulatio
     assert "shows on training runs only" in _against(stop.suspect, told)
     left, against = supported(simulations, replace(reached, least={stop.suspect: 6.0}), [friction.suspect])
     assert list(against) == [stop.suspect]
-    assert standing(left.best.fit.changes) == standing([friction])
+    assert model_key(left.best.fit.changes) == model_key([friction])
     verdicts = [Verdict(3.0, 1.0), Verdict(-0.5, 0.0)]
     assert not any(Against(verdict, (1.4, 1.4), verdict).silent for verdict in verdicts)
 
@@ -184,7 +184,7 @@ def test_a_finding_is_not_named_where_its_interval_holds_what_the_model_has(
     left, dropped = certain_of(simulations, vague, [])
     assert dropped == [offset.suspect], "the robot has none"
     assert left.fuller is best, "what it was found beside is adjusted from there"
-    assert standing(left.best.fit.changes) == standing([friction])
+    assert model_key(left.best.fit.changes) == model_key([friction])
     assert certain_of(simulations, vague, [offset.suspect]) == (vague, [])
 
 

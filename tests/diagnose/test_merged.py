@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -37,7 +37,7 @@ def test_a_spring_takes_the_place_of_one_at_zero_beside_a_constant_effort(
 
     ((way, needs),) = merged(round_)
     assert needs == -round_.limit
-    assert standing(way) == standing([elsewhere, replace(spring, free=("stiffness", "rest"))])
+    assert model_key(way) == model_key([elsewhere, replace(spring, free=("stiffness", "rest"))])
 
     alone = [elsewhere, way[-1].at({"rest": EFFORT / STIFFNESS})]
     other = residual(simulations, alone, train)
@@ -57,5 +57,5 @@ def test_springs_of_several_joints_take_the_place_of_a_payload_together(
     found = SimpleNamespace(fit=SimpleNamespace(changes=(*springs, payload)))
     ways = merged(cast("Round", SimpleNamespace(now=found, simulations=simulations, limit=LIMIT)))
     shaped = [replace(c, free=("stiffness", "rest")) for c in springs]
-    assert [standing(way) for way, _ in ways] == [standing([springs[0], shaped[1]]), standing(shaped)]
+    assert [model_key(way) for way, _ in ways] == [model_key([springs[0], shaped[1]]), model_key(shaped)]
     assert {needs for _, needs in ways} == {-LIMIT}

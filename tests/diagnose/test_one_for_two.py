@@ -1,6 +1,6 @@
 """One finding takes the place of two of the same law there, on recordings of the bundled demo (synthetic)."""
 
-from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.search.grow import grown
 from realitygap.diagnose.search.one_for_two import one_for_two
 from stood import Effects, stood
@@ -22,5 +22,5 @@ def test_an_inertia_is_not_a_mass_and_another_centre_of_it() -> None:
     assert all("viscous_friction" in of for of in effects), "a friction is of another law"
     assert all(needs < 0.0 for _, needs in ways), "with a finding less it may lose what that had to gain"
     assert better is not None
-    assert at.right <= standing(better.fit.changes)
+    assert at.right <= model_key(better.fit.changes)
     assert len(better.fit.changes) < len(at.round_.now.fit.changes)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change, standing
+from realitygap.diagnose.data.changes import Change, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -90,7 +90,7 @@ def test_two_steps_lead_through_what_gains_too_little_alone() -> None:
         round_.near = [step]
         both = by_two_steps(round_, [], set())
         assert both is not None
-        assert by_two_steps(round_, [], {standing(both.fit.changes)}) is None, "where the search has been"
+        assert by_two_steps(round_, [], {model_key(both.fit.changes)}) is None, "where the search has been"
         assert {c.suspect for c in both.fit.changes} == {c.suspect for c in missing}
         stood_there = stood(simulations, list(both.fit.changes), [wrong])
         stood_there.near = [away]

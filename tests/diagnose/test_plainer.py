@@ -2,7 +2,7 @@
 
 import pytest
 from demo_problem import FRICTION, demo_problem, suspect_of
-from realitygap.diagnose.data.changes import standing
+from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.result.diagnosis import why
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.rivals import ODDS
@@ -53,7 +53,7 @@ def test_a_line_over_speed_that_no_speed_reaches_is_a_limit_of_the_effort() -> N
     with at.simulations:
         better = exchanged(at.round_, [], Exchanged()).better
     assert better is not None
-    assert standing(better.fit.changes) == at.right
+    assert model_key(better.fit.changes) == at.right
 
 
 def test_a_narrower_name_is_a_special_case_of_the_same_law_there() -> None:

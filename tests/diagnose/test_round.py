@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Standing, standing
+from realitygap.diagnose.data.changes import ModelKey, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -47,7 +47,7 @@ def test_what_another_model_gains_by_fitting_better_is_no_gain_of_its_own(proble
         round_.now = round_.criterion.score(badly)
         assert other.evidence > round_.now.evidence + round_.limit
         round_.led(other)
-        assert standing(round_.now.fit.changes) == standing([friction])
+        assert model_key(round_.now.fit.changes) == model_key([friction])
         assert other.evidence < round_.now.evidence + round_.limit
         kept = round_.now
         round_.led(replace(other, fit=replace(other.fit, changes=(away, other.fit.changes[1]))))
@@ -100,16 +100,16 @@ def test_what_laws_leave_is_asked_where_a_finding_acts_only_of_a_motion_that_is_
 def test_moves_that_failed_are_tried_again_where_nothing_else_gains(problem: Problem, round_: Round) -> None:
     friction, other = (guess(problem, suspect_of(problem, n, "elbow")) for n in ("coulomb_friction", "supply_voltage"))
     ways = [([friction], round_.limit), ([other], round_.limit)]
-    failed: set[Standing] = set()
+    failed: set[ModelKey] = set()
     found = grown(round_, [], failed, again=True, ways=ways)
     assert found is not None
-    right, wrong = standing([friction]), standing([other])
-    assert standing(found.fit.changes) == right
+    right, wrong = model_key([friction]), model_key([other])
+    assert model_key(found.fit.changes) == right
     assert right not in failed
     assert grown(round_, [], {right}, again=False, ways=ways) is None
     again = grown(round_, [], failed := {right}, again=True, ways=ways)
     assert again is not None
-    assert standing(again.fit.changes) == right
+    assert model_key(again.fit.changes) == right
     assert failed == {right, wrong}
 
 
@@ -123,12 +123,12 @@ def test_fewer_findings_may_lose_what_another_would_have_had_to_gain(problem: Pr
         round_.now = both
         fewer = grown(round_, [], set(), again=True, ways=[([both.fit.changes[0]], -round_.limit)])
         assert fewer is not None
-        assert standing(fewer.fit.changes) == standing([friction])
+        assert model_key(fewer.fit.changes) == model_key([friction])
         more = grown(round_, [], set(), again=True, ways=[([both.fit.changes[1]], -round_.limit)])
         assert more is None
         out = exchanged(round_, [], Exchanged())
         assert out.better is not None
-        assert standing(out.better.fit.changes) == standing([friction])
+        assert model_key(out.better.fit.changes) == model_key([friction])
         assert not out.rivals
     finally:
         round_.now = now
@@ -145,7 +145,7 @@ def test_what_promises_nothing_is_tried_too_and_what_gains_little_is_spared(
     assert found is not None
     at = Round(simulations, found.fit, [friction.suspect, other.suspect], needed(2), Fit((), left), print)
     at.candidates = []
-    assert any(standing(way) == standing([friction, other]) for way, _ in _ways(at))
+    assert any(model_key(way) == model_key([friction, other]) for way, _ in _ways(at))
     both = at.criterion.fit([*at.now.fit.changes, other], at.now.fit)
     without = at.criterion.fit([other])
     assert both is not None
@@ -208,7 +208,7 @@ def test_a_round_goes_on_beside_a_little_that_was_found_and_not_beside_much(
     assert {b.suspect.effect for b in at.blocks} == {"viscous_friction", "controller_gain"}
     assert {p.block.suspect for p in at.linear_gains} == {gain.suspect, everyone[2]}
     assert at.explained == pytest.approx(less.evidence - at.criterion.score(Fit((), left)).evidence)
-    assert standing(at.retold().fit.changes) == standing([friction])
+    assert model_key(at.retold().fit.changes) == model_key([friction])
 
 
 def test_what_straight_lines_wrongly_call_superfluous_stays_and_the_rest_goes(

@@ -80,12 +80,12 @@ class Change:
         return why is not None and any(why(plant, i, self.parameters) is not None for i in self.suspect.indices)
 
 
-Standing = frozenset[tuple[Suspect, tuple[str, ...]]]
-"""Which findings a model has, and what of each is free."""
+ModelKey = frozenset[tuple[Suspect, tuple[str, ...]]]
+"""The identity of a model whatever its values: which findings it has, and what of each is free."""
 
 
-def standing(changes: Sequence[Change]) -> Standing:
-    """What changes are, whatever their values."""
+def model_key(changes: Sequence[Change]) -> ModelKey:
+    """The key of the model with some changes."""
     return frozenset((c.suspect, c.free) for c in changes)
 
 

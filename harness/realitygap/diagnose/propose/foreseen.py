@@ -92,7 +92,7 @@ class Foreseen:
                 asked.setdefault(_simpler(fits, true, other), []).append(other)
         told = dict[int, tuple[float, bool]]()
         for at, beside in asked.items():
-            here = self._standing(first, fits[at], at)
+            here = self._criterion_at(first, fits[at], at)
             one, *two = (self._evidences(here, fits[k].fit, more) for k in (true, *beside))
             alike = [self._alike(here, fits[true].fit, fits[k].fit) for k in beside]
             odds = [float(np.median(one - e)) for e in two]
@@ -106,7 +106,7 @@ class Foreseen:
         apart = here.score(true).metric(other.residual - true.residual)
         return 0.5 * float(apart @ apart) < SAME
 
-    def _standing(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
+    def _criterion_at(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
         """The criterion where laws may be off, and facts count, as at an explanation that was fitted."""
         here = copy(first)
         here.discrepancy = replace(self.discrepancy.at(at, self.case), facts=first.discrepancy.facts)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from realitygap.diagnose.data.changes import Standing, Suspect, standing
+from realitygap.diagnose.data.changes import ModelKey, Suspect, model_key
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.grow import grown
 from realitygap.diagnose.search.round import Round
@@ -17,7 +17,7 @@ THROUGH = 2
 """Models that are gone through: those that gain most, of those that gain what findings need if laws were exact."""
 
 
-def by_two_steps(round_: Round, keep: Sequence[Suspect], seen: Collection[Standing]) -> Scored | None:
+def by_two_steps(round_: Round, keep: Sequence[Suspect], seen: Collection[ModelKey]) -> Scored | None:
     """The best model that one more step leads to from one that gained too little; None where that gains too little
     as well. What both steps gain is asked for as of any other move, by the criterion of the models there. `keep` stays;
     what was `seen` leads nowhere new.
@@ -28,7 +28,7 @@ def by_two_steps(round_: Round, keep: Sequence[Suspect], seen: Collection[Standi
         there = round_.at(through.fit)
         further = grown(there, keep, set(), again=True)
         before = there.criterion.settled(round_.now.fit)
-        if further is None or not _new(before, further) or standing(further.fit.changes) in seen:
+        if further is None or not _new(before, further) or model_key(further.fit.changes) in seen:
             continue
         needs = there.limit * (len(further.fit.changes) - len(before.fit.changes))
         leaves = there.leaves(further, {s.kind.law for s in _new(before, further)}, before)

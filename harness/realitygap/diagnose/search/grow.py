@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again, everyday, richer
-from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
+from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import linear_at
@@ -41,7 +41,7 @@ Ways = Sequence[tuple[list[Change], float]]
 
 
 def grown(
-    round_: Round, keep: Sequence[Suspect], failed: set[Standing], again: bool, ways: Ways | None = None
+    round_: Round, keep: Sequence[Suspect], failed: set[ModelKey], again: bool, ways: Ways | None = None
 ) -> Scored | None:
     """The best model with more in it, of all ways or of these, without what that makes superfluous; None where nothing
     gains enough.
@@ -54,15 +54,15 @@ def grown(
     many, where a model has many findings. Those that gain too little now join them. `again`: they are tried too, if
     nothing else gains enough.
     """
-    here = standing(round_.now.fit.changes)
-    moves = [(way, needs, here ^ standing(way)) for way, needs in (_ways(round_) if ways is None else ways)]
+    here = model_key(round_.now.fit.changes)
+    moves = [(way, needs, here ^ model_key(way)) for way, needs in (_ways(round_) if ways is None else ways)]
     first = [m for m in moves if m[2] not in failed]
     last = [m for m in moves if m[2] in failed]
     return _best(round_, keep, first, failed) or (_best(round_, keep, last, failed) if again else None)
 
 
 def _best(
-    round_: Round, keep: Sequence[Suspect], moves: Sequence[tuple[list[Change], float, Standing]], failed: set[Standing]
+    round_: Round, keep: Sequence[Suspect], moves: Sequence[tuple[list[Change], float, ModelKey]], failed: set[ModelKey]
 ) -> Scored | None:
     """The best of some moves; None where none gains enough."""
     tried = []

@@ -13,7 +13,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import plain_first, suspects
 from realitygap.diagnose.data.along import along_the_motion
-from realitygap.diagnose.data.changes import Change, Standing, Suspect, clash, standing
+from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit, as_seen
@@ -108,9 +108,9 @@ def search(
     limit, kept = needed(len(everyone)), [c.suspect for c in told]
     nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
     at = _along(simulations, nothing, everyone, limit, say, budget)
-    seen, plain, again = set[Standing](), set[Standing](), True
+    seen, plain, again = set[ModelKey](), set[ModelKey](), True
     asked = set(kept)  # whether they have the right name
-    looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[Standing]()
+    looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[ModelKey]()
     round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, budget), None, False
     fuller: Scored | None = None
     many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
@@ -120,12 +120,12 @@ def search(
             known = round_.blocks if round_.last else ()  # what is tried now promised most before
             round_ = Round(simulations, at, looked_at, limit, nothing, say, budget, known)
         began, explained = simulations.steps, round_.explained
-        here, whole = standing(round_.now.fit.changes), len(round_.everyone) == len(everyone)
+        here, whole = model_key(round_.now.fit.changes), len(round_.everyone) == len(everyone)
         first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
         following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
         if following is not None and not many:
             better = _renamed(round_, kept, asked)
-            if better is not None and standing(better.fit.changes) not in seen:
+            if better is not None and model_key(better.fit.changes) not in seen:
                 following = following if _richer(round_, following, better) else better
         if following is None and not whole and not _over(round_, first):
             round_.widened(everyone)
@@ -142,7 +142,7 @@ def search(
             last = exchanged(round_, kept, last)
             following = last.better
             fewer = following is not None and len(following.fit.changes) < len(round_.now.fit.changes)
-            there = None if following is None else standing(following.fit.changes)
+            there = None if following is None else model_key(following.fit.changes)
             if there in seen and not fewer and not (last.plainer and there not in plain):
                 following = None
             elif there is not None and last.plainer:  # a plain name that led to one which says no more is gone back to
@@ -237,7 +237,7 @@ def _over(round_: Round, first: bool) -> bool:
     return round_.late and not first
 
 
-def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[Standing]) -> Scored:
+def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[ModelKey]) -> Scored:
     """What more gains enough beside what was found in a round, with what it knows: the next one looks at all anew."""
     following: Scored | None = found
     while following is not None and not round_.late and round_.moved(following):
