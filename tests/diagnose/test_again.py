@@ -28,7 +28,7 @@ def test_what_an_interval_tells_beside_what_is_adjusted_is_named(there: bool) ->
         still, best = residual(simulations, [], criterion.train), criterion.fit([dry, viscous])
         assert still is not None
         assert best is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, suspects(problem)))
         best = criterion.score(best.fit)
         base, cautious, s = criterion.score(Fit((), still)), criterion.cautious(best.fit), viscous.suspect
         found = Found(base, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(s,))
@@ -59,7 +59,7 @@ def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_
         still, best = residual(simulations, [], criterion.train), criterion.fit([dry])
         assert still is not None
         assert best is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect]))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [dry.suspect]))
         base, best = criterion.score(Fit((), still)), criterion.score(best.fit)
         cautious = criterion.cautious(best.fit)
         found = Found(base, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
@@ -82,12 +82,12 @@ def test_what_other_values_may_take_over_is_no_more_than_laws_are_off_by(monkeyp
         best, without = criterion.fit([dry, load, viscous]), criterion.fit([load, viscous])
         assert best is not None
         assert without is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect, load.suspect, viscous.suspect]))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [dry.suspect, load.suspect, viscous.suspect]))
         best, without = criterion.score(best.fit), criterion.score(without.fit)
         cautious = criterion.cautious(best.fit)
         found = Found(without, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
         does = all_done(simulations, found)[dry.suspect]
-        apart = float(np.linalg.norm(criterion.stood(without.fit.residual - best.fit.residual)))
+        apart = float(np.linalg.norm(criterion.discrepancy_metric(without.fit.residual - best.fit.residual)))
         monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / 2.2)
         told = told_after_all(simulations, found, {})
     assert apart < 0.6 * does.whole
@@ -111,7 +111,7 @@ def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(
         criterion = Criterion(simulations, [dry, viscous])
         best = criterion.fit([dry, viscous])
         assert best is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, [dry.suspect, viscous.suspect]))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [dry.suspect, viscous.suspect]))
         best = criterion.score(best.fit)
         cautious, s = criterion.cautious(best.fit), viscous.suspect
         of = np.array([best.fit.changes[i].suspect == s for i, _ in best.fit.names])

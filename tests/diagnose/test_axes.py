@@ -34,7 +34,7 @@ def changes(problem: Problem) -> list[Change]:
 def _fitted(criterion: Criterion, changes: Sequence[Change]) -> tuple[Fit, Any]:
     left = residual(criterion.simulations, changes, criterion.train)
     assert left is not None
-    criterion.take_facts(left)
+    criterion.set_effective_fraction(left)
     found = Fit(tuple(changes), left)
     return found, criterion.plain(found).metric
 

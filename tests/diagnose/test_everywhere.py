@@ -22,7 +22,7 @@ def test_a_droop_that_motors_have_anyway_is_adjusted_and_a_large_one_is_named(sa
         criterion = Criterion(simulations, [missing])
         best = criterion.fit([missing])
         assert best is not None
-        criterion.stand_at(
+        criterion.set_discrepancy(
             best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "shoulder"])
         )
         best = criterion.score(best.fit)

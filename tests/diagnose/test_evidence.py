@@ -9,7 +9,7 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.diagnose.search.discrepancy import Accepted, Discrepancy
-from realitygap.diagnose.search.evidence import SHARP, Scored, beforehand, cautious, score, sharp
+from realitygap.diagnose.search.evidence import SHARP, Scored, cautious, log_prior, score, sharp
 
 NOISE = 0.5
 
@@ -34,7 +34,7 @@ def test_the_evidence_is_the_marginal_likelihood() -> None:
     dense = np.diag(NOISE**2 / got.metric.weight) + (responses * each**2) @ responses.T
     inside = np.eye(2) + SLAB**2 * slope.T @ np.linalg.solve(dense, slope)
     expected = -0.5 * residual @ np.linalg.solve(dense, residual) - 0.5 * np.linalg.slogdet(dense)[1]
-    expected += -0.5 * np.linalg.slogdet(inside)[1] + beforehand(got.discrepancy_scale)
+    expected += -0.5 * np.linalg.slogdet(inside)[1] + log_prior(got.discrepancy_scale)
     assert got.evidence == pytest.approx(expected)
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
+from realitygap.diagnose.likelihood.excess import excess_deviation
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
-from realitygap.diagnose.likelihood.rest import rest_of
-from realitygap.diagnose.likelihood.whitening import Channel, Whitening, facts
+from realitygap.diagnose.likelihood.whitening import Channel, Whitening, effective_fraction
 from realitygap.robot.drive import Array
 
 
@@ -18,8 +18,8 @@ def channel(n: int, noise: float = 0.5, slow: float = 0.2, case: int = 0, signal
 def measured_by(watched: Channel, rest: float, residual: Array, responses: Array) -> Metric:
     """The metric for what a residual leaves, of one channel."""
     whitening, weight = trusted([watched], np.ones(1), np.full(1, rest), residual)
-    white, determinant = whitening(responses, weight)
-    return marginalised(whitening, weight, ChannelBlocks.of(white, whitening.number), determinant)
+    white, half_log_det = whitening(responses, weight)
+    return marginalised(whitening, weight, ChannelBlocks.of(white, whitening.number), half_log_det)
 
 
 def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
@@ -32,7 +32,7 @@ def test_the_length_under_a_metric_is_that_of_the_dense_covariance() -> None:
     dense = variance + (responses * scale**2) @ responses.T
     whole = measure(residual)
     assert whole @ whole == pytest.approx(residual @ np.linalg.solve(dense, residual))
-    assert measure.determinant == pytest.approx(0.5 * np.linalg.slogdet(dense)[1])
+    assert measure.half_log_det == pytest.approx(0.5 * np.linalg.slogdet(dense)[1])
     columns = rng.standard_normal((n, 2))
     several = np.column_stack([residual, columns])
     assert measure.gram([residual, columns]) == pytest.approx(several.T @ np.linalg.solve(dense, several))
@@ -55,20 +55,20 @@ def test_white_noise_counts_in_full_and_what_lasts_once() -> None:
     lasting[0] = white[0]
     for k in range(1, n):
         lasting[k] = keep * lasting[k - 1] + np.sqrt(1 - keep**2) * white[k]
-    (one,), (few,) = facts([channel(n)], white), facts([channel(n)], lasting)
+    (one,), (few,) = effective_fraction([channel(n)], white), effective_fraction([channel(n)], lasting)
     assert one == pytest.approx(1.0)
     assert 1.0 / few == pytest.approx((1 + keep) / (1 - keep), rel=0.2)
 
 
 def test_a_motion_in_which_a_channel_was_not_measured_tells_nothing_of_how_long_it_lasts() -> None:
     lasting = np.full(400, 3.0)
-    (alone,) = facts([channel(400)], lasting)
-    both = facts([channel(400), channel(400, case=1)], np.concatenate([lasting, np.full(400, np.nan)]))
+    (alone,) = effective_fraction([channel(400)], lasting)
+    both = effective_fraction([channel(400), channel(400, case=1)], np.concatenate([lasting, np.full(400, np.nan)]))
     assert both == pytest.approx([alone, alone])
 
 
 def test_a_constant_gap_is_no_mean_that_could_be_left_out() -> None:
-    (few,) = facts([channel(400)], np.full(400, 3.0))
+    (few,) = effective_fraction([channel(400)], np.full(400, 3.0))
     assert few == pytest.approx(1 / 50)  # once in half a second
 
 
@@ -76,16 +76,16 @@ def test_the_rest_is_what_lies_beyond_the_floors() -> None:
     rng = np.random.default_rng(6)
     watched = [channel(20000, case=c) for c in range(2)]
     residual = rng.standard_normal(40000) * np.sqrt(0.5**2 + 0.2**2 + 0.7**2)
-    assert rest_of(watched, np.ones(2), residual) == pytest.approx([0.7, 0.7], rel=0.03)
-    assert not rest_of(watched, np.ones(2), 0.3 * residual).any()
+    assert excess_deviation(watched, np.ones(2), residual) == pytest.approx([0.7, 0.7], rel=0.03)
+    assert not excess_deviation(watched, np.ones(2), 0.3 * residual).any()
 
 
 def test_each_motion_has_a_rest_of_its_own_as_far_as_it_has_facts() -> None:
     rng = np.random.default_rng(9)
     watched = [channel(20000, case=c) for c in range(2)]
     residual = rng.standard_normal(40000) * np.hypot(np.hypot(0.5, 0.2), np.repeat([0.1, 2.0], 20000))
-    assert rest_of(watched, np.ones(2), residual) == pytest.approx([0.1, 2.0], rel=0.15)
-    shared = rest_of(watched, np.full(2, 1e-6), residual)
+    assert excess_deviation(watched, np.ones(2), residual) == pytest.approx([0.1, 2.0], rel=0.15)
+    shared = excess_deviation(watched, np.full(2, 1e-6), residual)
     assert shared == pytest.approx(np.full(2, np.sqrt(0.5 * (0.1**2 + 2.0**2))), rel=0.1)
 
 
@@ -95,16 +95,16 @@ def test_a_high_floor_somewhere_hides_no_rest_elsewhere() -> None:
     slow = np.where(np.arange(20000) < 10000, 1e-3, 50.0)
     watched = replace(channel(20000, noise=1e-3), slow=slow)
     residual = 0.7 * rng.standard_normal(20000)
-    assert rest_of([watched], np.ones(1), residual) == pytest.approx([0.7], rel=0.5)
+    assert excess_deviation([watched], np.ones(1), residual) == pytest.approx([0.7], rel=0.5)
 
 
 def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:
     residual = np.random.default_rng(7).standard_normal((50, 1))
-    (full, determinant), (half, less) = (
+    (full, half_log_det), (half, less) = (
         Whitening((channel(50),), np.zeros(1), np.full(1, share))(residual, np.ones(50)) for share in (1.0, 0.5)
     )
     assert half == pytest.approx(np.sqrt(0.5) * full)
-    assert less == pytest.approx(0.5 * determinant)
+    assert less == pytest.approx(0.5 * half_log_det)
 
 
 def test_columns_that_are_zero_elsewhere_multiply_as_the_whole_matrix() -> None:

@@ -37,7 +37,7 @@ def found(request: pytest.FixtureRequest) -> tuple[float, Found]:
         still, best = residual(simulations, [], criterion.train), criterion.fit(both)
         assert still is not None
         assert best is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, suspects(problem)))
         found = Found(criterion.score(Fit((), still)), best, best, 6.0, {}, criterion.floors, criterion)
         done = list(all_done(simulations, found))
         assert [s.effect for s in done] == ["coulomb_friction", "controller_gain"]

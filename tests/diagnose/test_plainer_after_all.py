@@ -28,7 +28,7 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
         alone = criterion.fit([])
         assert best is not None
         assert alone is not None
-        criterion.stand_at(
+        criterion.set_discrepancy(
             best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
         )
         best, alone = criterion.score(best.fit), criterion.score(alone.fit)
@@ -63,7 +63,7 @@ def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place
         criterion = Criterion(simulations, [load])
         best = criterion.fit([load])
         assert best is not None
-        criterion.stand_at(best.fit, criterion.responses(best.fit, suspects(problem)))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, suspects(problem)))
         best = criterion.score(best.fit)
         found = Found(best, best, best, 6.0, {load.suspect: 7.0}, criterion.floors, criterion)
         told = plainer(simulations, found, suspects(problem), [])
@@ -85,7 +85,7 @@ def test_a_spring_beside_a_constant_effort_is_one_that_rests_elsewhere(adjusted:
         criterion = Criterion(simulations, two)
         best = criterion.fit(two)
         assert best is not None
-        criterion.stand_at(
+        criterion.set_discrepancy(
             best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target == "elbow"])
         )
         best = criterion.score(best.fit)
@@ -114,7 +114,7 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
         criterion = Criterion(simulations, [friction, mass, inertia])
         best = criterion.fit([friction, mass, inertia])
         assert best is not None
-        criterion.stand_at(
+        criterion.set_discrepancy(
             best.fit, criterion.responses(best.fit, [s for s in suspects(problem) if s.target in ("forearm", "elbow")])
         )
         best = criterion.score(best.fit)

@@ -258,7 +258,7 @@ def test_foreseen_odds_are_those_of_the_recording_that_follows(
         criterion = Criterion(simulations, one.changes)
         near = criterion.fit(one.changes)
         assert near is not None
-        criterion.stand_at(near.fit, criterion.responses(near.fit, suspects(problem)))
+        criterion.set_discrepancy(near.fit, criterion.responses(near.fit, suspects(problem)))
         both = [criterion.fit(f.changes) for f in (one, other)]
     found = [b.evidence for b in both if b is not None]
     first = one.changes[0].suspect.effect == "controller_gain"

@@ -11,7 +11,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.prune import straight_losses, superfluous, untold
+from realitygap.diagnose.search.prune import superfluous, untold, wald_losses
 
 
 def beside_friction(simulations: Simulations, other: Change) -> tuple[Criterion, Scored]:
@@ -28,7 +28,7 @@ def test_an_interval_tells_what_was_planted_and_not_what_is_as_the_model_has_it(
     constant = suspect_of(problem, "constant_effort", "elbow")
     criterion, fitted = beside_friction(simulations, guess(problem, constant))
     friction = fitted.fit.changes[0].suspect
-    losses = straight_losses(problem, fitted)
+    losses = wald_losses(problem, fitted)
     limit = 5.0
     assert superfluous(problem, fitted, [], limit) == [constant]
     assert superfluous(problem, fitted, [constant], limit) == []

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from demo_problem import demo_problem, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.fit.space import SLAB, Space, against
+from realitygap.diagnose.fit.space import SLAB, Space, negative_log_prior
 from realitygap.diagnose.result.diagnosis import why
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.rivals import ODDS
@@ -36,7 +36,7 @@ def test_a_prior_is_the_square_of_its_residual(name: str, target: str, values: d
         x = space.expected * (1.0 + 0.05 * times) + times * np.array([1.0, 0.0])
         moved = [space.prior(x + 1e-6 * e) - space.prior(x - 1e-6 * e) for e in np.eye(2)]
         assert space.prior_slope(x) == pytest.approx(np.diag(moved) / 2e-6, rel=1e-4)
-        assert 0.5 * space.prior(x)[0] ** 2 == pytest.approx(float(against(np.array(times / SLAB))))
+        assert 0.5 * space.prior(x)[0] ** 2 == pytest.approx(float(negative_log_prior(np.array(times / SLAB))))
 
 
 def test_what_is_far_wrong_is_not_ruled_out_beforehand() -> None:
@@ -44,8 +44,10 @@ def test_what_is_far_wrong_is_not_ruled_out_beforehand() -> None:
     all that could be has a probability.
     """
     far = np.array([0.5 / 0.02 / SLAB])
-    assert float(against(far)[0]) < 5.0 < 0.5 * far[0] ** 2
+    assert float(negative_log_prior(far)[0]) < 5.0 < 0.5 * far[0] ** 2
     near = np.linspace(-1.5, 1.5, 7)
-    assert against(near) == pytest.approx(0.5 * near**2)
+    assert negative_log_prior(near) == pytest.approx(0.5 * near**2)
     ends = np.array([1e2, 1e4, 1e6])
-    assert (np.diff(against(ends)) > np.diff(np.log(ends))).all(), "what lies beyond has a finite probability"
+    assert (np.diff(negative_log_prior(ends)) > np.diff(np.log(ends))).all(), (
+        "what lies beyond has a finite probability"
+    )

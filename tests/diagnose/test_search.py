@@ -194,7 +194,7 @@ def test_laws_are_off_by_what_they_do_when_they_are_off_by_so_little(
     sag, gain = (suspect_of(problem, e, "elbow") for e in ("voltage_sag", "controller_gain"))
     blocks = criterion.responses(at, [gain, sag])
     near = nearer(problem, at, blocks, criterion.plain(at).metric)
-    criterion.stand_at(at, blocks)
+    criterion.set_discrepancy(at, blocks)
     start = next(s for s in near.values() if s.suspect == sag)
     assert start.share < 0.5
     less = _of(simulations, criterion, [start.simulated(0)])
@@ -227,7 +227,7 @@ def test_play_answers_either_side_in_its_own_way(
     at = Fit((play,), still)
     blocks = criterion.responses(at, [offset.suspect])
     assert {b.start.tries[0].parameters["angle"] > 0 for b in blocks} == {True, False}
-    criterion.stand_at(at, blocks)
+    criterion.set_discrepancy(at, blocks)
     done = np.nan_to_num(criterion.discrepancy.responses[:, [law == "" for law in criterion.discrepancy.laws]])
     for block in blocks:
         least = other * block.start.tries[0].parameters["angle"]
@@ -318,7 +318,7 @@ def test_what_discrepancies_do_alike_is_told_by_few(
     assert len(few.laws) < len(every.laws)
     for fit in (at, found.fit):
         told = [
-            score(criterion.channels, fit, replace(discrepancy, facts=every.facts)).evidence
+            score(criterion.channels, fit, replace(discrepancy, effective_fraction=every.effective_fraction)).evidence
             for discrepancy in (few, every)
         ]
         assert told[0] == pytest.approx(told[1], abs=0.1)
@@ -333,7 +333,7 @@ def test_a_fit_is_moved_on_to_where_its_evidence_is_best(
     assert found is not None
     own = Criterion(simulations, found.fit.changes)
     others = [suspect_of(problem, n, "elbow") for n in ("viscous_friction", "controller_gain")]
-    own.stand_at(found.fit, own.responses(found.fit, others))
+    own.set_discrepancy(found.fit, own.responses(found.fit, others))
     away = found.fit.changes[0].at({"torque": times * FRICTION})
     start = replace(found.fit, changes=(away,), residual=_of(simulations, own, [away]), here=False)
     scored = own.score(start)

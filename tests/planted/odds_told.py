@@ -57,21 +57,23 @@ def compared(problem: Problem, open_: Open, questions: Sequence[Question], right
         criterion = Criterion(simulations, base.changes)
         first = residual(simulations, base.changes, criterion.train)
         assert first is not None
-        criterion.take_facts(first)
+        criterion.set_effective_fraction(first)
         asked = sorted({n for q in questions for n in (q.one, q.other)})
         near = {n: _refitted(criterion, open_.explanations[n].fit.changes) for n in asked}
-        stood: dict[int, dict[int, Scored | None]] = {}
+        discrepancy_metric: dict[int, dict[int, Scored | None]] = {}
         for q in questions:
             pair = {n: s for n in (q.one, q.other) if (s := near[n]) is not None}
             odds = error = None
             if len(pair) == 2:
                 at = min(pair, key=lambda n: (len(pair[n].fit.changes), -pair[n].evidence))
-                if at not in stood:
-                    criterion.stand_at(pair[at].fit, criterion.responses(pair[at].fit, everyone))
+                if at not in discrepancy_metric:
+                    criterion.set_discrepancy(pair[at].fit, criterion.responses(pair[at].fit, everyone))
                     alike = {n for p in questions for n in (p.one, p.other) if at in (p.one, p.other)}
-                    stood[at] = {n: _refitted(criterion, s.fit.changes) for n in alike if (s := near[n]) is not None}
+                    discrepancy_metric[at] = {
+                        n: _refitted(criterion, s.fit.changes) for n in alike if (s := near[n]) is not None
+                    }
                 true, false = (q.one, q.other) if sides(q)[0] == right else (q.other, q.one)
-                one, other = stood[at][true], stood[at][false]
+                one, other = discrepancy_metric[at][true], discrepancy_metric[at][false]
                 if one is not None and other is not None:
                     odds, error = compare(criterion.channels, one, other)
             nested = len(open_.explanations[q.one].fit.changes) != len(open_.explanations[q.other].fit.changes)

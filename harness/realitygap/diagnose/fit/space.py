@@ -33,7 +33,7 @@ LEAST = 1e-6
 """A positive quantity is at least this many of its sizes."""
 
 
-def against(far: Array) -> Array:
+def negative_log_prior(far: Array) -> Array:
     """What speaks against values so many widths from where they are expected, in logarithms."""
     beyond = np.maximum(np.abs(far) / TAIL, 1.0)
     return np.asarray(0.5 * np.minimum(np.abs(far), TAIL) ** 2 + TAIL**2 * np.log(beyond))
@@ -88,12 +88,12 @@ class Space:
         The logarithm of a quantity that is there and positive counts: a tenth of a mass is as odd as its tenfold.
         """
         far = self._far(x)
-        return np.asarray(np.sign(far) * np.sqrt(2.0 * against(far)))
+        return np.asarray(np.sign(far) * np.sqrt(2.0 * negative_log_prior(far)))
 
     def prior_slope(self, x: Array) -> Array:
         """The derivative of that. Shape (p,)."""
         far = np.maximum(np.abs(self._far(x)), LEAST)  # the same on both sides
-        bent = np.minimum(far, TAIL**2 / far) / np.sqrt(2.0 * against(far))
+        bent = np.minimum(far, TAIL**2 / far) / np.sqrt(2.0 * negative_log_prior(far))
         own = np.where(self.positive, self.expected / np.maximum(x, LEAST), 1.0) / self.width
         return np.asarray(own * bent)
 

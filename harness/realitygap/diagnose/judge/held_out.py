@@ -17,7 +17,7 @@ from realitygap.diagnose.fit.fit import Care, Fit
 from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.gaps import held_out_gap
 from realitygap.diagnose.likelihood.floors import Floors, measure
-from realitygap.diagnose.likelihood.whitening import channels, facts
+from realitygap.diagnose.likelihood.whitening import channels, effective_fraction
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.discrepancy import Discrepancy
 from realitygap.diagnose.search.evidence import Scored, score
@@ -81,7 +81,7 @@ def predicted(
         return Verdict(np.inf, 0.0)
     if tuple(changes) == tuple(beside):
         return Verdict(0.0, 0.0)
-    nothing = Discrepancy(facts(watched, after), np.zeros((len(after), 0)))
+    nothing = Discrepancy(effective_fraction(watched, after), np.zeros((len(after), 0)))
     apart = compare(watched, *(score(watched, Fit((), r), nothing) for r in (after, before)))
     return Verdict(*apart)
 

@@ -134,7 +134,7 @@ def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
     asked = fit.changes
     rest = [[c for c in fit.changes if c is not change] for change in asked]
     still, *without = residuals(simulations, [fit.changes, *rest], criterion.train, criterion.floors.coarse)
-    exact, laws = criterion.stood, criterion.tolerant(fit)
+    exact, laws = criterion.discrepancy_metric, criterion.tolerant(fit)
     out = {}
     for change, answer in zip(asked, without, strict=True):
         if still is None or answer is None:

@@ -13,8 +13,8 @@ from realitygap.diagnose.data.noise import local_maximum
 from realitygap.diagnose.data.problem import Problem, Signals
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query
-from realitygap.diagnose.likelihood.beginning import beginnings
 from realitygap.diagnose.likelihood.disturbance import disturbances, sensitivities, spread
+from realitygap.diagnose.likelihood.initial_state import initial_state_spread
 from realitygap.robot.drive import Array
 
 COARSE = (0.25, 0.5)
@@ -56,7 +56,7 @@ def measure(simulations: Simulations, changes: Sequence[Change], cases: Sequence
     numerical = _numerical(simulations, changes, cases)
     moved = sensitivities(simulations, changes, cases)
     torque = disturbances(problem, moved)
-    begun = beginnings(simulations, changes, cases)
+    begun = initial_state_spread(simulations, changes, cases)
     disturbed = [spread(c, m, torque) for c, m in zip(problem.cases, moved, strict=True)]
     noise = _noise(problem, disturbed, cases, bool(torque.any()))
     slow = []

@@ -33,14 +33,14 @@ class Metric:
         weight: trust in every stacked sample, 0 where nothing was measured. Shape (m,).
         discrepancy: whitened responses times their scale, (r, q).
         factor: Cholesky factor of 1 + ΦᵀΦ of these.
-        determinant: half the logarithm of the covariance's determinant.
+        half_log_det: half the logarithm of the covariance's determinant.
     """
 
     whitening: Whitening
     weight: Array
     discrepancy: ChannelBlocks
     factor: tuple[Array, bool]
-    determinant: float
+    half_log_det: float
 
     def __call__(self, columns: Array) -> Array:
         """Shape (m, k) or (m,) -> (r + q, k) or (r + q,): what is left of the samples that are looked at, and the
@@ -63,16 +63,18 @@ class Metric:
         return np.asarray(both[:n, :n] - both[:n, n:] @ cho_solve(self.factor, both[n:, :n]))
 
 
-def trusted(channels: Sequence[Channel], facts: Array, rest: Array, residual: Array) -> tuple[Whitening, Array]:
+def trusted(
+    channels: Sequence[Channel], effective_fraction: Array, excess: Array, residual: Array
+) -> tuple[Whitening, Array]:
     """The whitening for what a residual leaves, and the trust in every stacked sample (m,): outliers count less.
 
     Args:
         channels: of the stacked residual.
-        facts: of a sample of each channel.
-        rest: what no law explains. Shape (channels,).
+        effective_fraction: of a sample of each channel.
+        excess: what no law explains. Shape (channels,).
         residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
     """
-    whitening = Whitening(tuple(channels), rest, facts)
+    whitening = Whitening(tuple(channels), excess, effective_fraction)
     finite = np.isfinite(residual).astype(float)
     rows = whitening.rows
     white, _ = whitening(residual[:, None], finite)
@@ -88,7 +90,7 @@ def marginalised(
     whitening: Whitening,
     weight: Array,
     discrepancy: ChannelBlocks,
-    determinant: float,
+    half_log_det: float,
     factor: tuple[Array, bool] | None = None,
 ) -> Metric:
     """The metric in which the discrepancy counts for nothing.
@@ -97,12 +99,12 @@ def marginalised(
         whitening: noise and what lasts.
         weight: trust in every stacked sample. Shape (m,).
         discrepancy: whitened responses of laws that are off by one standard deviation, (r, q).
-        determinant: half the logarithm of that of what lasts and of noise.
+        half_log_det: half the logarithm of that of what lasts and of noise.
         factor: the Cholesky factor of 1 + ΦᵀΦ of these, where it is known.
     """
     if not discrepancy.width:
-        return Metric(whitening, weight, discrepancy, (np.zeros((0, 0)), True), determinant)
+        return Metric(whitening, weight, discrepancy, (np.zeros((0, 0)), True), half_log_det)
     if factor is None:
         factor = cho_factor(np.eye(discrepancy.width) + discrepancy.gram(), lower=True)
-    determinant += float(np.sum(np.log(np.diag(factor[0]))))
-    return Metric(whitening, weight, discrepancy, factor, determinant)
+    half_log_det += float(np.sum(np.log(np.diag(factor[0]))))
+    return Metric(whitening, weight, discrepancy, factor, half_log_det)

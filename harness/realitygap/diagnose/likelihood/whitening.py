@@ -80,7 +80,7 @@ def spans(channels: Sequence[Channel]) -> list[tuple[Channel, slice]]:
     return [(c, slice(a, b)) for c, (a, b) in zip(channels, pairwise(ends), strict=True)]
 
 
-def facts(channels: Sequence[Channel], residual: Array) -> Array:
+def effective_fraction(channels: Sequence[Channel], residual: Array) -> Array:
     """How many facts a sample of each channel is: one over the integrated autocorrelation time. Shape (channels,).
 
     Motions of one channel are taken together, so that a short one has not a share of its own.
@@ -120,18 +120,20 @@ class Whitening:
     """
 
     channels: tuple[Channel, ...]
-    rest: Array
-    facts: Array
+    excess: Array
+    effective_fraction: Array
 
     def elsewhere(self, channels: Sequence[Channel]) -> Whitening:
         """The same for channels of other motions too: what no law explains there is the mean square of its channel."""
-        facts = {c.key: fact for c, fact in zip(self.channels, self.facts, strict=True)}
+        effective_fraction = {
+            c.key: fraction for c, fraction in zip(self.channels, self.effective_fraction, strict=True)
+        }
         squares: dict[tuple[str, int], list[float]] = {}
-        for c, rest in zip(self.channels, self.rest, strict=True):
-            squares.setdefault(c.key, []).append(float(rest) ** 2)
-        own = {(c.case, *c.key): rest for c, rest in zip(self.channels, self.rest, strict=True)}
-        rest = [own.get((c.case, *c.key), np.sqrt(np.mean(squares[c.key]))) for c in channels]
-        return Whitening(tuple(channels), np.array(rest), np.array([facts[c.key] for c in channels]))
+        for c, excess in zip(self.channels, self.excess, strict=True):
+            squares.setdefault(c.key, []).append(float(excess) ** 2)
+        own = {(c.case, *c.key): excess for c, excess in zip(self.channels, self.excess, strict=True)}
+        excess = [own.get((c.case, *c.key), np.sqrt(np.mean(squares[c.key]))) for c in channels]
+        return Whitening(tuple(channels), np.array(excess), np.array([effective_fraction[c.key] for c in channels]))
 
     @cached_property
     def rows(self) -> NDArray[np.int64]:
@@ -148,13 +150,14 @@ class Whitening:
     @cached_property
     def share(self) -> Array:
         """How many facts each of them is. Shape (k,)."""
-        return np.repeat(self.facts * self.every, self.number)
+        return np.repeat(self.effective_fraction * self.every, self.number)
 
     @cached_property
     def variance(self) -> Array:
         """The variance of each of them. Shape (k,)."""
         parts = [
-            c.floor[::every] + rest**2 for c, rest, every in zip(self.channels, self.rest, self.every, strict=True)
+            c.floor[::every] + excess**2
+            for c, excess, every in zip(self.channels, self.excess, self.every, strict=True)
         ]
         return np.concatenate(parts)
 
@@ -166,7 +169,7 @@ class Whitening:
     @cached_property
     def every(self) -> NDArray[np.int64]:
         """Of each channel every so manieth sample is looked at. Shape (channels,)."""
-        return np.maximum(1.0 / (DENSE * self.facts), 1.0).astype(int)
+        return np.maximum(1.0 / (DENSE * self.effective_fraction), 1.0).astype(int)
 
     def __call__(self, columns: Array, weight: Array) -> tuple[Array, float]:
         """Scaled columns of the samples that are looked at, and half the logarithm of their covariance's determinant.
@@ -175,8 +178,8 @@ class Whitening:
             columns: NaN where nothing was measured. Shape (m, n).
             weight: trust in each sample: 0 leaves it out. Shape (m,).
         """
-        scale, determinant = self.scale(weight)
-        return self.thinned(columns) * scale[:, None], determinant
+        scale, half_log_det = self.scale(weight)
+        return self.thinned(columns) * scale[:, None], half_log_det
 
     def thinned(self, columns: Array) -> Array:
         """Of stacked columns the samples that are looked at, 0 where nothing was measured. Shape (m, n) -> (k, n)."""
@@ -188,5 +191,5 @@ class Whitening:
         """What each of the samples that are looked at is multiplied by, (k,), and the determinant of a call."""
         trust = weight[self.rows]
         good = trust > 0
-        determinant = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))
-        return np.asarray(np.sqrt(self.share * trust / self.variance)), determinant
+        half_log_det = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))
+        return np.asarray(np.sqrt(self.share * trust / self.variance)), half_log_det

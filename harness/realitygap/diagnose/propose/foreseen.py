@@ -109,9 +109,11 @@ class Foreseen:
     def _criterion_at(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
         """The criterion where laws may be off, and facts count, as at an explanation that was fitted."""
         here = copy(first)
-        here.discrepancy = replace(self.discrepancy.at(at, self.case), facts=first.discrepancy.facts)
-        here.take_facts(fitted.fit.residual)
-        here.take_facts(here.score(fitted.fit).left)
+        here.discrepancy = replace(
+            self.discrepancy.at(at, self.case), effective_fraction=first.discrepancy.effective_fraction
+        )
+        here.set_effective_fraction(fitted.fit.residual)
+        here.set_effective_fraction(here.score(fitted.fit).left)
         return here
 
     def _evidences(self, here: Criterion, fit: Fit, more: Sequence[Array]) -> Array:
@@ -127,7 +129,7 @@ class Foreseen:
         criterion = Criterion(simulations, changes, self.floors)
         left = residual(simulations, changes, criterion.train)
         assert left is not None
-        criterion.take_facts(left)
+        criterion.set_effective_fraction(left)
         return criterion
 
     def _noise(self, true: Scored, random: np.random.Generator) -> Array:

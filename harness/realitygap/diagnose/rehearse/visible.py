@@ -21,7 +21,7 @@ from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.likelihood.floors import Floors
-from realitygap.diagnose.likelihood.whitening import Whitening, channels, facts
+from realitygap.diagnose.likelihood.whitening import Whitening, channels, effective_fraction
 from realitygap.diagnose.rehearse.planting import planted
 from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.rivals import ODDS
@@ -150,7 +150,7 @@ class Look:
 
     def _white(self, column: Array, weight: Array) -> Array:
         """Whitened, and as long as what would be recorded has facts: the change and the sensors' noise."""
-        few = facts(self.channels, column + self.noise)
+        few = effective_fraction(self.channels, column + self.noise)
         plain = Whitening(self.channels, np.zeros(len(few)), np.ones(len(few)))(column[:, None], weight)[0][:, 0]
         counted = plain * np.sqrt(np.repeat(few, [len(c.time) for c in self.channels]))
         return np.asarray(plain * np.linalg.norm(counted) / max(float(np.linalg.norm(plain)), 1e-30))

@@ -19,7 +19,7 @@ from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near, st
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
-from realitygap.diagnose.likelihood.whitening import channels, facts, spans
+from realitygap.diagnose.likelihood.whitening import channels, effective_fraction, spans
 from realitygap.diagnose.search.discrepancy import SHARE, Discrepancy, law_discrepancy, nearer
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.linear import linear_at
@@ -67,7 +67,7 @@ class Criterion:
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
         self.discrepancy = Discrepancy(np.ones(len(self.channels)), none)
-        self._stood: Metric | None = None
+        self._discrepancy_metric: Metric | None = None
 
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """The responses of every suspect that can stand beside the changes of a fit."""
@@ -104,7 +104,7 @@ class Criterion:
         plant = changed(self.problem.plant, at.changes, self.problem.plant)
         return [s for s in everyone if s.possible(plant)]
 
-    def stand_at(self, at: Fit, blocks: Sequence[Block]) -> None:
+    def set_discrepancy(self, at: Fit, blocks: Sequence[Block]) -> None:
         """Let laws be as far off as they may be at a fit, which responses tell, and count facts as what that leaves
         lasts.
 
@@ -114,22 +114,22 @@ class Criterion:
         viscous friction and friction that is off by 16 % was likelier by 106 than the true one, whose laws are off by
         4 %; with ordinary laws it is 190 behind.
         """
-        self.take_facts(at.residual)
-        self._stood = metric = self.plain(at).metric
+        self.set_effective_fraction(at.residual)
+        self._discrepancy_metric = metric = self.plain(at).metric
         near = nearer(self.problem, at, blocks, metric)
         answers = self._respond(at, list(near.values()))
         of = {start: number for number, start in near.items()}
         again = {of[b.start]: b for b in answers}
         self.discrepancy = law_discrepancy(self.problem, at, [again.get(i, b) for i, b in enumerate(blocks)], metric)
         there = self.score(at)
-        self.take_facts(there.left)
+        self.set_effective_fraction(there.left)
         self.discrepancy = replace(
             self.discrepancy, most={law: max(scale, 1.0) for law, scale in there.discrepancy_scale.items()}
         )
 
-    def take_facts(self, left: Array) -> None:
+    def set_effective_fraction(self, left: Array) -> None:
         """Count facts as what is left of a residual lasts. Shape (m,)."""
-        self.discrepancy = replace(self.discrepancy, facts=facts(self.channels, left))
+        self.discrepancy = replace(self.discrepancy, effective_fraction=effective_fraction(self.channels, left))
 
     def score(self, found: Fit) -> Scored:
         """The evidence of a fit."""
@@ -155,7 +155,7 @@ class Criterion:
         and 5 to 8 % uneven over the angle, was told by side at three joints, as 5 % more. Of four servos and axes whose
         friction needs telling so, planted or recorded, it was 14 to 50 % more.
         """
-        change = float(np.linalg.norm(self.stood(np.nan_to_num(other.residual - fit.residual))))
+        change = float(np.linalg.norm(self.discrepancy_metric(np.nan_to_num(other.residual - fit.residual))))
         return change <= self.typical(suspect) / TYPICAL
 
     def sharp(self, found: Fit) -> Scored:
@@ -173,11 +173,11 @@ class Criterion:
         return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
 
     @property
-    def stood(self) -> Metric:
+    def discrepancy_metric(self) -> Metric:
         """The metric in which what laws do was told (`Discrepancy.does`)."""
-        if self._stood is None:
+        if self._discrepancy_metric is None:
             raise RuntimeError("nobody has said what laws do")
-        return self._stood
+        return self._discrepancy_metric
 
     def tolerant(self, found: Fit) -> Scored:
         """The evidence where the laws of what a fit has not are as far off as a typical machine's."""
@@ -185,7 +185,9 @@ class Criterion:
 
     def plain(self, found: Fit) -> Scored:
         """The same as if laws were exact: quick, and enough to tell what is worth more."""
-        return sharp(self.channels, found, Discrepancy(self.discrepancy.facts, self.discrepancy.responses[:, :0]))
+        return sharp(
+            self.channels, found, Discrepancy(self.discrepancy.effective_fraction, self.discrepancy.responses[:, :0])
+        )
 
     def fit(self, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole") -> Scored | None:
         """Changes fitted, with their evidence; None where they cannot be simulated, or where the values that fit are

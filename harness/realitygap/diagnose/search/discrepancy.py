@@ -80,7 +80,7 @@ class Discrepancy:
         most: the largest scale of the discrepancy of each kind of law, in multiples of what is ordinary.
     """
 
-    facts: Array
+    effective_fraction: Array
     responses: Array
     laws: tuple[str, ...] = ()
     accepted: tuple[Accepted, ...] = ()
@@ -181,7 +181,7 @@ def law_discrepancy(problem: Problem, at: Fit, blocks: Sequence[Block], metric: 
     columns += of_clocks(problem, metric.whitening.channels, at.residual)
     accepted = tuple(a for k, a in own if k.times > 0.0)
     responses = np.column_stack([c for _, c in columns]) if columns else np.zeros((len(at.residual), 0))
-    return Discrepancy(metric.whitening.facts, responses, tuple(law for law, _ in columns), accepted, does)
+    return Discrepancy(metric.whitening.effective_fraction, responses, tuple(law for law, _ in columns), accepted, does)
 
 
 def nearer(problem: Problem, at: Fit, blocks: Sequence[Block], metric: Metric) -> dict[int, Start]:
@@ -252,7 +252,7 @@ def _shown(columns: Array, metric: Metric) -> Array:
 
     What has no sample in common has no direction in common either, and stays apart (`ChannelBlocks`).
     """
-    bare = replace(metric.whitening, rest=np.zeros(len(metric.whitening.rest)))
+    bare = replace(metric.whitening, excess=np.zeros(len(metric.whitening.excess)))
     white = bare(columns, metric.weight)[0]
     number, group = connected_components(white.T @ white != 0.0, directed=False)
     few = []

@@ -20,8 +20,8 @@ from scipy.linalg import cho_factor, cho_solve
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.space import SLAB
 from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
+from realitygap.diagnose.likelihood.excess import excess_deviation
 from realitygap.diagnose.likelihood.metric import Metric, marginalised, trusted
-from realitygap.diagnose.likelihood.rest import rest_of
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.discrepancy import Discrepancy
 from realitygap.robot.drive import Array
@@ -86,10 +86,10 @@ class Scored:
         if not len(self.fit.names):
             return np.zeros((0, 0))
         whitening = self.metric.whitening
-        return _covariance(stretches(whitening.channels)[whitening.rows], *self._white, self.likely)
+        return _covariance(stretches(whitening.channels)[whitening.rows], *self._white, self.laplace_covariance)
 
     @cached_property
-    def likely(self) -> Array:
+    def laplace_covariance(self) -> Array:
         """The same as the likelihood says, of which evidence is made. Shape (p, p)."""
         slope, _ = self._white
         return np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
@@ -162,7 +162,7 @@ class _Look:
         scale: what the samples that are looked at are multiplied by. Shape (k,).
         determinant: half the logarithm of the covariance's.
         thin: the residual, its p slopes and q responses of the discrepancy in these samples, (k, 1 + p + q).
-        odds: of them.
+        log_evidence: of the model, by the scales of the discrepancy.
     """
 
     fit: Fit
@@ -171,9 +171,9 @@ class _Look:
     whitening: Whitening
     weight: Array
     scale: Array
-    determinant: float
+    half_log_det: float
     thin: ChannelBlocks
-    odds: _Odds
+    log_evidence: _LogEvidence
 
     def again(self, left: Array) -> _Look:
         """The same in the metric of another residual. Shape (m,)."""
@@ -188,44 +188,52 @@ def _first(channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy) -> _
 def _look(
     channels: Sequence[Channel], fit: Fit, discrepancy: Discrepancy, left: Array, thin: ChannelBlocks | None = None
 ) -> _Look:
-    whitening, weight = trusted(channels, discrepancy.facts, rest_of(channels, discrepancy.facts, left), left)
+    whitening, weight = trusted(
+        channels, discrepancy.effective_fraction, excess_deviation(channels, discrepancy.effective_fraction, left), left
+    )
     if thin is None:
         own = np.column_stack([fit.residual, fit.slope.reshape(len(left), -1)])
         thin = ChannelBlocks.of(whitening.thinned(own), whitening.number).beside(discrepancy.thinned(whitening))
-    scale, determinant = whitening.scale(weight)
+    scale, half_log_det = whitening.scale(weight)
     shares = discrepancy.shares(fit)
     columns = np.concatenate([np.ones(thin.width - len(shares)), shares])
-    odds = _Odds(thin.scaled(scale).gram() * np.outer(columns, columns), discrepancy.laws)
-    return _Look(fit, discrepancy, shares, whitening, weight, scale, determinant, thin, odds)
+    log_evidence = _LogEvidence(thin.scaled(scale).gram() * np.outer(columns, columns), discrepancy.laws)
+    return _Look(fit, discrepancy, shares, whitening, weight, scale, half_log_det, thin, log_evidence)
 
 
 def _at(look: _Look, scales: Sequence[float], most: Mapping[str, float] = MappingProxyType({})) -> Scored:
     fit, discrepancy, shares = look.fit, look.discrepancy, look.shares
 
     def best(look: _Look) -> tuple[dict[str, float], Array, Array]:
-        chosen = look.odds.best(scales, most)
+        chosen = look.log_evidence.best(scales, most)
         each = np.array([chosen[law] for law in discrepancy.laws])
-        return chosen, each, fit.residual - discrepancy.times(shares * look.odds.taken(each), look.whitening.channels)
+        return (
+            chosen,
+            each,
+            fit.residual - discrepancy.times(shares * look.log_evidence.taken(each), look.whitening.channels),
+        )
 
     chosen, each, left = best(look)
     for _ in range(PASSES - 1 if discrepancy.laws else 0):
         look = look.again(left)
         chosen, each, left = best(look)
-    evidence = look.odds(chosen) - look.determinant - 0.5 * float(fit.prior @ fit.prior)
+    evidence = look.log_evidence(chosen) - look.half_log_det - 0.5 * float(fit.prior @ fit.prior)
     taken = discrepancy.thinned(look.whitening).scaled(look.scale).stretched(shares * each)
-    metric = marginalised(look.whitening, look.weight, taken, look.determinant, look.odds.factor(each))
+    metric = marginalised(look.whitening, look.weight, taken, look.half_log_det, look.log_evidence.factor(each))
     return Scored(fit, evidence, metric, chosen, left)
 
 
-def beforehand(chosen: Mapping[str, float]) -> float:
-    """The logarithm of the odds, beforehand, for the discrepancy of each kind of law having this scale."""
+def log_prior(chosen: Mapping[str, float]) -> float:
+    """The logarithm of the prior odds for the discrepancy of each kind of law having this scale."""
     worse = sum(WORSE.get(law, 0.0) for law, scale in chosen.items() if scale > 1.0)
     octaves = np.log2(list(chosen.values()))
-    alike = (odds - APART * float(np.abs(octaves - np.log2(scale)).sum()) for scale, odds in DISCREPANCY_SCALES.items())
+    alike = (
+        prior - APART * float(np.abs(octaves - np.log2(scale)).sum()) for scale, prior in DISCREPANCY_SCALES.items()
+    )
     return worse + max(alike)
 
 
-class _Odds:
+class _LogEvidence:
     """The logarithm of a model's likelihood as a function of the scales of its law discrepancy.
 
     Args:
@@ -242,7 +250,7 @@ class _Odds:
         """
         known: dict[tuple[float, ...], float] = {}  # where a sweep changes little, the next asks much the same
 
-        def odds(tried: Mapping[str, float]) -> float:
+        def log_evidence(tried: Mapping[str, float]) -> float:
             at = tuple(tried.values())
             if at not in known:
                 known[at] = self(tried)
@@ -251,10 +259,10 @@ class _Odds:
         def capped(law: str, scale: float) -> float:
             return min(scale, most.get(law, scale))
 
-        chosen = max(({law: capped(law, scale) for law in self.laws} for scale in scales), key=odds)
+        chosen = max(({law: capped(law, scale) for law in self.laws} for scale in scales), key=log_evidence)
         for _ in range(SWEEPS if len(scales) > 1 else 0):
             for law in chosen:
-                chosen = max(({**chosen, law: capped(law, scale)} for scale in scales), key=odds)
+                chosen = max(({**chosen, law: capped(law, scale)} for scale in scales), key=log_evidence)
         return chosen
 
     def taken(self, each: Array) -> Array:
@@ -264,14 +272,14 @@ class _Odds:
 
     def __call__(self, chosen: Mapping[str, float]) -> float:
         each, model = np.array([chosen[law] for law in self.laws]), self.gram[: self.model, : self.model]
-        odds = beforehand(chosen)
+        value = log_prior(chosen)
         if len(each):
             factor, right = self._solved(each)
             model = model - right.T @ cho_solve(factor, right)
-            odds -= float(np.sum(np.log(np.diag(factor[0]))))
+            value -= float(np.sum(np.log(np.diag(factor[0]))))
         curvature = model[1:, 1:]
         occam = 0.5 * float(np.linalg.slogdet(np.eye(len(curvature)) + SLAB**2 * curvature)[1])
-        return odds - 0.5 * float(model[0, 0]) - occam
+        return value - 0.5 * float(model[0, 0]) - occam
 
     def factor(self, each: Array) -> tuple[Array, bool]:
         """The Cholesky factor of what the discrepancy adds to a unit matrix. Shape (q, q)."""

@@ -16,7 +16,7 @@ from scipy.linalg import cho_factor, cho_solve
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.responses import Block
-from realitygap.diagnose.fit.space import SLAB, against
+from realitygap.diagnose.fit.space import SLAB, negative_log_prior
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
@@ -202,7 +202,7 @@ class Linear:
         if free:
             g = self.gram[np.ix_(free, free)]
             inside = np.isin(at, free)
-            gain -= float(np.sum(against(x[inside] / SLAB)))
+            gain -= float(np.sum(negative_log_prior(x[inside] / SLAB)))
             gain -= 0.5 * float(np.linalg.slogdet(np.eye(len(free)) + SLAB**2 * g)[1])
         return gain
 

@@ -12,7 +12,7 @@ from realitygap.diagnose.candidates.starts import sized
 from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.prune import straight_losses
+from realitygap.diagnose.search.prune import wald_losses
 from realitygap.diagnose.search.rivals import CLOSE, Place, Rival, lines_at
 
 FIRST, SECOND = 4, 3
@@ -59,5 +59,5 @@ def _beside(place: Place, rival: Rival) -> list[Change]:
 
 def _needed(place: Place, scored: Scored, pair: Collection[Suspect]) -> bool:
     """Whether a model needs either of two findings, as far as straight lines tell."""
-    losses = straight_losses(place.round_.simulations.problem, scored)
+    losses = wald_losses(place.round_.simulations.problem, scored)
     return all(losses.get(s, 0.0) >= place.round_.limit for s in pair)

@@ -50,7 +50,7 @@ def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = F
         elif not told:
             needed.update(some)
     while True:
-        losses = straight_losses(problem, now)
+        losses = wald_losses(problem, now)
         vague = untold(problem, round_.criterion.as_told(now.fit)) if told else set[Suspect]()
         losses = dict.fromkeys(vague, 0.0) | losses
         doubtful = {s: d for s, d in losses.items() if s not in needed and (s in vague or d < DOUBTFUL * limit)}
@@ -87,7 +87,7 @@ def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], lim
     return out
 
 
-def straight_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
+def wald_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
     """The evidence that a model loses without each finding, by the straight lines at its fit (Wald 1943).
 
     What is absent only at an infinite value, as a compliance, is left out.
@@ -118,7 +118,7 @@ def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
     """The evidence that is lost without some values. As stretches scatter by what is still missing they say less, and
     of a humanoid's fit that without half of it nothing is lost, where 250 are.
     """
-    information = np.linalg.inv(scored.likely[np.ix_(at, at)])
+    information = np.linalg.inv(scored.laplace_covariance[np.ix_(at, at)])
     occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])
     return 0.5 * float(away[at] @ information @ away[at]) - max(occam, 0.0)
 

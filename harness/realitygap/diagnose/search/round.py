@@ -93,7 +93,7 @@ class Round:
         self.budget = budget
         self.criterion = criterion = Criterion(simulations, at.changes)
         first = demanded(simulations, at.changes, criterion.train)
-        criterion.take_facts(first)
+        criterion.set_effective_fraction(first)
         start = criterion.score(replace(at, residual=first))  # what is free is known from before where no fit is found
         done = criterion.fit(at.changes, at) if any(c.free for c in at.changes) else None
         self._at = (start if done is None else criterion.elsewhere(done)).fit
@@ -126,7 +126,7 @@ class Round:
         criterion, say, before = self.criterion, self.say, self.simulations.steps
         self.blocks = [*self.blocks, *criterion.responses(self._at, more)]
         self._looks += self.simulations.steps - before
-        criterion.stand_at(self._at, self.blocks)
+        criterion.set_discrepancy(self._at, self.blocks)
         self.told, self.now = criterion.score(self._at), criterion.settled(self._at)
         self._led, self._began = False, self.now.evidence
         self._bare = criterion.score(self._nothing)

@@ -207,7 +207,7 @@ def _along(
     named = [c for c in found.best.fit.changes if c.suspect.table is None]
     new = [c for c in named if not any(clash(c.suspect, t.suspect) for t in nothing.changes)]
     criterion = Criterion(simulations, nothing.changes)
-    criterion.take_facts(nothing.residual)
+    criterion.set_effective_fraction(nothing.residual)
     there = criterion.fit([*nothing.changes, *new], care="compared") if new else None
     if there is None or there.evidence - criterion.score(nothing).evidence < limit * len(new):
         return nothing

@@ -17,7 +17,7 @@ STEPS, EXACT = 100, 1e-3
 """Newton's steps at most, and how far from one a mean may stay."""
 
 
-def rest_of(channels: Sequence[Channel], facts: Array, residual: Array) -> Array:
+def excess_deviation(channels: Sequence[Channel], effective_fraction: Array, residual: Array) -> Array:
     """What lasts in a residual beyond the floors, by channel of each motion (Paule & Mandel 1982). Shape (channels,).
 
     The standard deviation with which the mean square of what is left, each sample in its own deviation, is one: where
@@ -27,17 +27,19 @@ def rest_of(channels: Sequence[Channel], facts: Array, residual: Array) -> Array
 
     Args:
         channels: of the stacked residual.
-        facts: of a sample of each channel.
+        effective_fraction: of a sample of each channel.
         residual: NaN where nothing was measured. Shape (m,).
     """
     keys = list(dict.fromkeys(c.key for c in channels))
     which = np.array([keys.index(c.key) for c in channels])
     ends = np.cumsum([0, *(len(c.time) for c in channels)])
-    return np.asarray(_rest_of(residual, np.concatenate([c.floor for c in channels]), ends, which, facts))
+    return np.asarray(
+        _excess_deviation(residual, np.concatenate([c.floor for c in channels]), ends, which, effective_fraction)
+    )
 
 
 @partial(compiled, nogil=True)
-def _rest_of(residual, floor, ends, which, facts):  # type: ignore[no-untyped-def]
+def _excess_deviation(residual, floor, ends, which, effective_fraction):  # type: ignore[no-untyped-def]
     """Of the variance `floor` (m,), where channel k has samples `ends[k]` to `ends[k + 1]` and those of one signal and
     joint have the same number in `which` (k,).
 
@@ -53,7 +55,7 @@ def _rest_of(residual, floor, ends, which, facts):  # type: ignore[no-untyped-de
     for k in range(count):
         if known[k] == 0.0:
             continue
-        total, added = SHARED + facts[k] * known[k], 0.0
+        total, added = SHARED + effective_fraction[k] * known[k], 0.0
         for _ in range(STEPS):
             mean, falls = 0.0, 0.0
             for j in range(count):
@@ -66,7 +68,7 @@ def _rest_of(residual, floor, ends, which, facts):  # type: ignore[no-untyped-de
                         scaled = residual[i] * residual[i] / variance
                         one += scaled
                         slope += scaled / variance
-                share = (SHARED / (known[j] * motions[which[k]]) + (facts[k] if j == k else 0.0)) / total
+                share = (SHARED / (known[j] * motions[which[k]]) + (effective_fraction[k] if j == k else 0.0)) / total
                 mean += share * one
                 falls += share * slope
             if mean <= 1.0 + EXACT:

@@ -15,7 +15,9 @@ TRIES = 4
 """States that the readings allow as well and that are tried: their spread is known to a third."""
 
 
-def beginnings(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]) -> list[dict[str, Array]]:
+def initial_state_spread(
+    simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]
+) -> list[dict[str, Array]]:
     """The standard deviation of each sample of cases with windows, by signal, shape (t, n); empty for other cases."""
     problem = simulations.problem
     cut = [c for c in cases if problem.cases[c].windows]
