@@ -80,7 +80,7 @@ def test_the_rest_is_what_lies_beyond_the_floors() -> None:
     assert not excess_deviation(watched, np.ones(2), 0.3 * residual).any()
 
 
-def test_each_motion_has_a_rest_of_its_own_as_far_as_it_has_facts() -> None:
+def test_each_motion_has_an_excess_of_its_own_as_far_as_it_has_effective_samples() -> None:
     rng = np.random.default_rng(9)
     watched = [channel(20000, case=c) for c in range(2)]
     residual = rng.standard_normal(40000) * np.hypot(np.hypot(0.5, 0.2), np.repeat([0.1, 2.0], 20000))

@@ -1,4 +1,4 @@
-"""The search on the bundled demo (synthetic): moves that the straight-line model promises come true in simulation."""
+"""The search on the bundled demo (synthetic): moves that the linearised model predicts come true in simulation."""
 
 import sys
 from dataclasses import replace
@@ -317,10 +317,8 @@ def test_what_discrepancies_do_alike_is_told_by_few(
     every = law_discrepancy(problem, at, blocks, metric)
     assert len(few.laws) < len(every.laws)
     for fit in (at, found.fit):
-        told = [
-            score(criterion.channels, fit, replace(discrepancy, effective_fraction=every.effective_fraction)).evidence
-            for discrepancy in (few, every)
-        ]
+        alike = [replace(off, effective_fraction=every.effective_fraction) for off in (few, every)]
+        told = [score(criterion.channels, fit, off).evidence for off in alike]
         assert told[0] == pytest.approx(told[1], abs=0.1)
 
 

@@ -47,9 +47,9 @@ def diagnosed(problem: Problem, right: set[str]) -> dict[str, Any]:
 
 def compared(problem: Problem, open_: Open, questions: Sequence[Question], right: str) -> list[dict[str, Any]]:
     """What recordings make of questions, with the explanations refitted to old and new ones together: the logarithm of
-    the odds for the truth, where laws may be off and facts count as at the explanation with fewer findings, where a
-    diagnosis asks whether anything more is named, or at the better one of two with as many; and whether that settles
-    the question by the rules of a diagnosis.
+    the odds for the truth, where laws may be off and effective samples count as at the explanation with fewer findings,
+    where a diagnosis asks whether anything more is named, or at the better one of two with as many; and whether that
+    settles the question by the rules of a diagnosis.
     """
     everyone, out = suspects(problem), []
     with Simulations(problem, 1) as simulations:

@@ -1,9 +1,10 @@
-"""What fitted values do to the traces, by differences along the axes of a fit.
+"""The Jacobian of a fit by finite differences along its principal axes.
 
 Contacts, play and sticking make simulated motions rough: two that differ by nothing that counts differ by some
 deviations of the noise. Where values stand in for each other, as a gain for friction, each of them alone does much and
 all of them together little; a difference of what two of them do alone is then mostly roughness, and a fit stops
-anywhere in that valley. So values are moved together, along the axes of their common covariance, as far as shows.
+anywhere in that valley. So values are moved together, along the axes of their common covariance (the right singular
+vectors of the whitened Jacobian), as far as shows.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def along_axes(
     coarse: Sequence[float],
     own: Sequence[Channel] | None = None,
 ) -> Array:
-    """The change of the stacked residual per scaled value, by differences along the axes that known slopes have.
+    """The Jacobian of the stacked residual per scaled value, by differences along the principal axes of a known one.
 
     Args:
         simulations: of the problem.
@@ -125,12 +126,14 @@ def _blocks(
 
 
 def _moves(space: Space, x: Array, white: Array, values: Sequence[int]) -> Array:
-    """A move along every axis of some values, downhill, as far as shows. Shape (axes, p).
+    """A move along every principal axis of some values, downhill, as far as shows. Shape (axes, p).
+
+    Far enough for the residual to change by `LONG`, as the singular value of the axis tells.
 
     Args:
         space: of all values.
         x: where.
-        white: whitened change of the residual per step of each of these values, and the residual. Shape (r, n + 1).
+        white: whitened Jacobian per step of each of these values, and the residual. Shape (r, n + 1).
         values: their numbers.
     """
     v = np.array(values)

@@ -14,8 +14,8 @@ EXCHANGES = 10
 def bounded(matrix: Array, right: Array, low: Array, high: Array) -> Array:
     """The x within bounds that makes |matrix·x - right| least. (m, n), (m,), (n,), (n,) -> (n,).
 
-    By active sets (Stark & Parker 1995), which is exact and, of up to 20 values, five to ten times as fast as going
-    through the inside; that way where no set is found to be the right one.
+    By active sets (BVLS, Stark & Parker 1995), which is exact and, of up to 20 values, five to ten times as fast as
+    going through the inside; that way (an interior method) where no set is found to be the right one.
     """
     n = matrix.shape[1]
     if not n:

@@ -1,10 +1,11 @@
 """Fitting changes in simulation: bounded least squares in the metric of the residuals, with few derivatives.
 
-Gauss-Newton steps within a box that grows and shrinks with its success (Moré 1983). What the values do to the traces is
-simulated anew only where a step does not do what it promised: a derivative costs as many simulations as there are
-values, a step costs one. Of many values it is taken along the axes of the fit (`axes`). A whole fit ends with the
-derivatives of where it is; one that only has to be compared takes what it can from a fitted model near by, and a quick
-one stops early.
+The maximum a posteriori estimate, by Gauss-Newton steps within a trust region, a box that grows and shrinks with its
+success (Moré 1983). The Jacobian, what the values do to the traces, is updated by secants (Broyden 1965) and simulated
+anew only where a step does not do what was predicted: a derivative costs as many simulations as there are values, a
+step costs one. Of many values it is taken along the axes of the fit (`axes`). A whole fit ends with the derivatives of
+where it is; one that only has to be compared takes what it can from a fitted model near by, and a quick one stops
+early.
 """
 
 from __future__ import annotations
@@ -55,13 +56,13 @@ Care = Literal["quick", "compared", "whole"]
 
 @dataclass(frozen=True)
 class Fit:
-    """Fitted changes.
+    """Fitted changes: a maximum a posteriori estimate, with the Jacobian there.
 
     Attributes:
         changes: with their values.
         names: (number of the change, parameter) of every fitted value.
         residual: stacked, of the training motions. Shape (m,).
-        slope: change of the residual per size of each value. Shape (m, p).
+        slope: the Jacobian: change of the residual per size of each value. Shape (m, p).
         size: of every value, in its unit. Shape (p,).
         prior: how far each value is from where its prior expects it, in standard deviations. Shape (p,).
         here: whether the slope is of these values, not of others near by, and what each does is told by all samples.
@@ -162,7 +163,7 @@ def stretched(
     train: Sequence[int],
     coarse: Sequence[float],
 ) -> Fit | None:
-    """A fit that many times as far from where it began; None where that cannot be simulated."""
+    """A fit extrapolated that many times as far from where it began; None where that cannot be simulated."""
     space = Space(simulations.problem, found.changes)
     began = np.array([before[i].parameters[name] for i, name in space.names]) / space.scale
     low, high = space.bounds()
@@ -197,7 +198,7 @@ def residual_near(
 
 
 def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array, box: float) -> tuple[Array, float]:
-    """The best step within a box and the bounds, and what it promises: how much less the cost would be."""
+    """The Gauss-Newton step within the trust region and the bounds, and the reduction of the cost that it predicts."""
     white = space.with_prior(x, metric(np.column_stack([slopes, residual])))
     low, high = space.bounds()
     reach = box * np.maximum(np.abs(x), AWAY)
@@ -206,14 +207,19 @@ def _step(metric: Metric, space: Space, x: Array, residual: Array, slopes: Array
 
 
 def nearest(white: Array, low: Array, high: Array) -> Array:
-    """The amounts of all columns but the last that take most away from that one, within bounds. (r, p + 1) -> (p,)."""
+    """Bounded least squares: the amounts of all columns but the last that take most away from that one.
+
+    By a QR decomposition. (r, p + 1) -> (p,).
+    """
     triangle = np.asarray(np.linalg.qr(white, mode="r"))
     step = bounded(triangle[:-1, :-1], -triangle[:-1, -1], low - TINY, high + TINY)
     return np.asarray(np.clip(step, low, high))
 
 
 def secant(slopes: Array, step: Array, change: Array) -> Array:
-    """What has to be added to slopes for them to tell what a step changed, and as they did across it (Broyden 1965)."""
+    """Broyden's rank-one update (1965): what is added to slopes for them to tell what a step changed, and as they did
+    across it.
+    """
     return np.asarray(np.outer(np.nan_to_num(change) - slopes @ step, step / (step @ step)))
 
 
@@ -230,7 +236,7 @@ def _slopes(
     coarse: Sequence[float],
     own: Sequence[Channel] | None,
 ) -> tuple[Array, bool]:
-    """The change of the residual per scaled value at the first guess, (m, p), and whether all of it is of there.
+    """The Jacobian per scaled value at the first guess, (m, p), and whether all of it is of there.
 
     What is known is taken as it is, what is new is simulated.
     """
@@ -257,7 +263,7 @@ def slope(
     own: Sequence[Channel] | None = None,
     values: Sequence[int] | None = None,
 ) -> Array:
-    """The change of the stacked residual per scaled value, by differences, simulated side by side. Shape (m, p).
+    """The Jacobian of the stacked residual per scaled value, by finite differences, simulated side by side. (m, p).
 
     Args:
         simulations: of the problem.

@@ -1,4 +1,4 @@
-"""Responses: how the residual changes with a try of every suspect, simulated at the model as it stands."""
+"""Responses: finite-difference sensitivities of the residual to a try of every suspect, at the model as it stands."""
 
 from __future__ import annotations
 

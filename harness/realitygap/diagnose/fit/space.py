@@ -34,7 +34,7 @@ LEAST = 1e-6
 
 
 def negative_log_prior(far: Array) -> Array:
-    """What speaks against values so many widths from where they are expected, in logarithms."""
+    """The negative log prior density, beside a constant, of values so many widths from where they are expected."""
     beyond = np.maximum(np.abs(far) / TAIL, 1.0)
     return np.asarray(0.5 * np.minimum(np.abs(far), TAIL) ** 2 + TAIL**2 * np.log(beyond))
 
@@ -83,7 +83,7 @@ class Space:
         return self.low / self.scale, self.high / self.scale
 
     def prior(self, x: Array) -> Array:
-        """A residual for each scaled value, half of whose square is what priors have against it. Shape (p,).
+        """A pseudo-residual for each scaled value, half of whose square is its negative log prior. Shape (p,).
 
         The logarithm of a quantity that is there and positive counts: a tenth of a mass is as odd as its tenfold.
         """
@@ -104,11 +104,11 @@ class Space:
         return np.asarray(far / self.width)
 
     def with_prior(self, x: Array, white: Array, unit: Array | float = 1.0) -> Array:
-        """Whitened slopes and residual, with rows of what priors say. Shape (r, p + 1) -> (r + p, p + 1).
+        """Whitened slopes and residual, augmented by rows of what priors say. Shape (r, p + 1) -> (r + p, p + 1).
 
         Args:
             x: the scaled values.
-            white: the change of the whitened residual per unit of each value, and the residual.
+            white: the Jacobian of the whitened residual per unit of each value, and the residual.
             unit: of the values. Shape (p,) or one for all.
         """
         prior = np.column_stack([np.diag(self.prior_slope(x) * unit), self.prior(x)])

@@ -37,7 +37,7 @@ Moved = dict[int, dict[str, Array]]
 
 
 def sensitivities(simulations: Simulations, changes: Sequence[Change], cases: Sequence[int]) -> list[Moved]:
-    """How far each sample of cases moves per N·m of a disturbing torque on each joint, in root mean square.
+    """The sensitivity of each sample of cases to a disturbing torque on each joint, per N·m, in root mean square.
 
     Empty for other cases, and where no motion was repeated, the joints are many, or a simulation failed.
     """

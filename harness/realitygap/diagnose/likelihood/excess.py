@@ -1,4 +1,4 @@
-"""What lasts in a residual beyond the floors, which no law explains."""
+"""Excess variance: what lasts in a residual beyond the floors, which no law explains."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ STEPS, EXACT = 100, 1e-3
 
 
 def excess_deviation(channels: Sequence[Channel], effective_fraction: Array, residual: Array) -> Array:
-    """What lasts in a residual beyond the floors, by channel of each motion (Paule & Mandel 1982). Shape (channels,).
+    """The excess standard deviation of a residual, by channel of each motion (Paule & Mandel 1982). Shape (channels,).
 
-    The standard deviation with which the mean square of what is left, each sample in its own deviation, is one: where
-    the floor is high, little is told of it. What laws leave is larger in a fast motion than in a slow one; so each
-    motion has its own, of which all motions of the channel say as much as `SHARED` facts of it would, each as much as
-    the other, however long.
+    The standard deviation of what lasts beyond the floors and no law explains: that with which the mean square of what
+    is left, each sample in its own deviation, is one (the method of moments, as for the variance between studies).
+    Where the floor is high, little is told of it. What laws leave is larger in a fast motion than in a slow one; so
+    each motion has its own, of which all motions of the channel say as much as `SHARED` effective samples of it would,
+    each as much as the other, however long.
 
     Args:
         channels: of the stacked residual.
-        effective_fraction: of a sample of each channel.
+        effective_fraction: how many effective samples a sample of each channel is. Shape (channels,).
         residual: NaN where nothing was measured. Shape (m,).
     """
     keys = list(dict.fromkeys(c.key for c in channels))
@@ -44,7 +45,7 @@ def _excess_deviation(residual, floor, ends, which, effective_fraction):  # type
     joint have the same number in `which` (k,).
 
     The variance that has to be added for the mean of scaled squares to be one: Newton's method, from below, on the
-    inverse of that mean, which is concave and nearly a straight line.
+    inverse of that mean, which is concave and nearly linear.
     """
     count = len(which)
     known, motions = np.zeros(count), np.zeros(which.max() + 1)

@@ -1,4 +1,7 @@
-"""How far the measured state at which a window begins may be off, as a spread of every sample that follows."""
+"""The initial state's spread: how far the measured state at which a window begins may be off, and every sample with it.
+
+Propagated by simulations from states that are drawn (Monte Carlo).
+"""
 
 from __future__ import annotations
 

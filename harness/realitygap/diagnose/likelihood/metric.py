@@ -1,10 +1,10 @@
 """The metric of residuals: whitened, and with a small discrepancy of every law on the list marginalised.
 
-No law is exact: beside what is missing, everything on the list is wrong by a little. Each discrepancy is a multiple
-of an effect's response with a normal prior of a common scale, so that the covariance of a residual is that of noise and
-what lasts, plus Φ·diag(scale²)·Φᵀ (Kennedy & O'Hagan 2001, with the discrepancy spanned by known laws). A parameter
-that a discrepancy could mimic gets a wider interval, and a small effect that mends the law of a large one gains
-nothing.
+No law is exact: beside what is missing, everything on the list is wrong by a little. Each discrepancy is a multiple of
+an effect's response with a normal prior of a common scale, so that the covariance of a residual is the diagonal one of
+noise and what lasts, plus Φ·diag(scale²)·Φᵀ of low rank, inverted by the Woodbury identity (Kennedy & O'Hagan 2001,
+with the discrepancy spanned by known laws). A parameter that a discrepancy could mimic gets a wider interval, and a
+small effect that mends the law of a large one gains nothing.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ OUTLIER = 3.0
 
 @dataclass(frozen=True)
 class Metric:
-    """Turns stacked residuals and responses into vectors whose squared length is that under the covariance.
+    """Turns stacked residuals and responses into vectors whose squared length is their squared Mahalanobis distance.
+
+    Under the covariance Σ, which is diagonal, plus ΦΦᵀ in whitened samples.
 
     Attributes:
         whitening: noise and what lasts.
@@ -44,7 +46,8 @@ class Metric:
 
     def __call__(self, columns: Array) -> Array:
         """Shape (m, k) or (m,) -> (r + q, k) or (r + q,): what is left of the samples that are looked at, and the
-        amounts of the discrepancy that were taken.
+        amounts of the discrepancy that were taken (their posterior mean). The sum of both squared lengths is that under
+        the precision Σ⁻¹, by the Woodbury identity.
         """
         one = columns.ndim == 1
         white, _ = self.whitening(columns.reshape(len(columns), -1), self.weight)
@@ -53,8 +56,8 @@ class Metric:
         return out[:, 0] if one else out
 
     def gram(self, columns: Sequence[Array]) -> Array:
-        """The inner products of columns, each (m,) or (m, k), under the covariance: of what a call gives, in less time
-        where they are zero in most channels. Shape (n, n), where n are all columns.
+        """The Gram matrix Xᵀ·Σ⁻¹·X of columns, each (m,) or (m, k), under the precision: the inner products of what a
+        call gives, in less time where they are zero in most channels. Shape (n, n), where n are all columns.
         """
         thin = np.hstack([self.whitening.thinned(c.reshape(len(c), -1)) for c in columns])
         n, (scale, _) = thin.shape[1], self.whitening.scale(self.weight)
@@ -68,10 +71,12 @@ def trusted(
 ) -> tuple[Whitening, Array]:
     """The whitening for what a residual leaves, and the trust in every stacked sample (m,): outliers count less.
 
+    By the weights of a robust (Cauchy) likelihood, as in iteratively reweighted least squares.
+
     Args:
         channels: of the stacked residual.
-        effective_fraction: of a sample of each channel.
-        excess: what no law explains. Shape (channels,).
+        effective_fraction: how many effective samples a sample of each channel is. Shape (channels,).
+        excess: the standard deviation of what no law explains. Shape (channels,).
         residual: of the model as it stands, which says what is missing and what is an outlier. Shape (m,).
     """
     whitening = Whitening(tuple(channels), excess, effective_fraction)
@@ -93,13 +98,13 @@ def marginalised(
     half_log_det: float,
     factor: tuple[Array, bool] | None = None,
 ) -> Metric:
-    """The metric in which the discrepancy counts for nothing.
+    """The metric with the discrepancy marginalised: what it could do counts for little.
 
     Args:
         whitening: noise and what lasts.
         weight: trust in every stacked sample. Shape (m,).
         discrepancy: whitened responses of laws that are off by one standard deviation, (r, q).
-        half_log_det: half the logarithm of that of what lasts and of noise.
+        half_log_det: that of what lasts and of noise. The discrepancy adds its own, by the matrix determinant lemma.
         factor: the Cholesky factor of 1 + ΦᵀΦ of these, where it is known.
     """
     if not discrepancy.width:

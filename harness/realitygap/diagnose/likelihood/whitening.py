@@ -1,9 +1,10 @@
-"""The likelihood of residuals: a standard deviation for every sample, and how many facts the samples are.
+"""The likelihood of residuals: normal, with a variance for every sample, and how many effective samples they are.
 
-Every sample has the variance of its sensor, its floors (numerics, disturbances) and of what no law explains. Samples
-that follow one another are not as many facts: a channel's log likelihood is divided by the integrated autocorrelation
-time of its residual, in samples (Sokal 1997; a composite likelihood with the adjustment of Pauli, Racugno & Ventura
-2011). White noise counts in full; a residual that lasts for 0.3 s counts once in 0.3 s.
+Every sample has the variance of its sensor, its floors (numerics, disturbances) and of what no law explains (the excess
+variance). Samples that follow one another are autocorrelated and not as many facts (effective samples): a channel's log
+likelihood is divided by the integrated autocorrelation time of its residual, in samples (Sokal 1997; a composite
+likelihood with the adjustment of Pauli, Racugno & Ventura 2011). White noise counts in full; a residual that lasts for
+0.3 s counts once in 0.3 s.
 """
 
 from __future__ import annotations
@@ -81,7 +82,9 @@ def spans(channels: Sequence[Channel]) -> list[tuple[Channel, slice]]:
 
 
 def effective_fraction(channels: Sequence[Channel], residual: Array) -> Array:
-    """How many facts a sample of each channel is: one over the integrated autocorrelation time. Shape (channels,).
+    """How many effective samples (facts) a sample of each channel is: one over the integrated autocorrelation time.
+
+    Shape (channels,).
 
     Motions of one channel are taken together, so that a short one has not a share of its own.
     """
@@ -111,12 +114,14 @@ def _lasting(value: Array, longest: int) -> float:
 
 @dataclass(frozen=True)
 class Whitening:
-    """Scales what is stacked over channels, so that its squared length is minus twice the log likelihood.
+    """Diagonal whitening of what is stacked over channels.
+
+    The squared length of what is whitened is minus twice the log likelihood, beside the determinant.
 
     Attributes:
         channels: in their order.
-        rest: the standard deviation of what no law explains. Shape (channels,).
-        facts: of each sample of a channel. Shape (channels,).
+        excess: the standard deviation of what no law explains. Shape (channels,).
+        effective_fraction: how many effective samples a sample of a channel is. Shape (channels,).
     """
 
     channels: tuple[Channel, ...]
@@ -137,7 +142,7 @@ class Whitening:
 
     @cached_property
     def rows(self) -> NDArray[np.int64]:
-        """The samples that are looked at, `DENSE` of them for a fact: the others say the same. Shape (k,)."""
+        """The samples that are looked at, `DENSE` of them for an effective one: the others say the same. Shape (k,)."""
         parts = zip(spans(self.channels), self.every, strict=True)
         return np.concatenate([np.arange(span.start, span.stop, every) for (_, span), every in parts])
 
@@ -149,7 +154,7 @@ class Whitening:
 
     @cached_property
     def share(self) -> Array:
-        """How many facts each of them is. Shape (k,)."""
+        """How many effective samples each of them is. Shape (k,)."""
         return np.repeat(self.effective_fraction * self.every, self.number)
 
     @cached_property
@@ -172,7 +177,7 @@ class Whitening:
         return np.maximum(1.0 / (DENSE * self.effective_fraction), 1.0).astype(int)
 
     def __call__(self, columns: Array, weight: Array) -> tuple[Array, float]:
-        """Scaled columns of the samples that are looked at, and half the logarithm of their covariance's determinant.
+        """Whitened columns of the samples that are looked at, and half the log determinant of their covariance.
 
         Args:
             columns: NaN where nothing was measured. Shape (m, n).
@@ -188,7 +193,7 @@ class Whitening:
         return np.asarray(found)
 
     def scale(self, weight: Array) -> tuple[Array, float]:
-        """What each of the samples that are looked at is multiplied by, (k,), and the determinant of a call."""
+        """What each of the samples that are looked at is multiplied by, (k,), and the half log determinant."""
         trust = weight[self.rows]
         good = trust > 0
         half_log_det = 0.5 * float(np.sum(self.share[good] * np.log(self.variance[good] / trust[good])))

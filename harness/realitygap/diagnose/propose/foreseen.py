@@ -3,8 +3,8 @@
 Recordings of the motion are what the explanation that is taken for true predicts as it stands, with noise as it lasts
 in the present ones. Both explanations are then fitted in simulation to the old recordings and the foreseen one
 together, and compared by the evidence that a diagnosis goes by. What laws may be off by, what no law explains, what is
-an outlier and how many facts there are is thus told by what the wrong one leaves, as it will be: a likelihood in which
-all of that was known beforehand promises odds that no diagnosis gives.
+an outlier and how many effective samples there are is thus told by what the wrong one leaves, as it will be: a
+likelihood in which all of that was known beforehand promises odds that no diagnosis gives.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ class Foreseen:
         return 0.5 * float(apart @ apart) < SAME
 
     def _criterion_at(self, first: Criterion, fitted: Scored, at: int) -> Criterion:
-        """The criterion where laws may be off, and facts count, as at an explanation that was fitted."""
+        """The criterion where laws may be off, and effective samples count, as at an explanation that was fitted."""
         here = copy(first)
         here.discrepancy = replace(
             self.discrepancy.at(at, self.case), effective_fraction=first.discrepancy.effective_fraction

@@ -159,7 +159,7 @@ def opened(simulations: Simulations, changes: Sequence[Change] | None, say: Say)
 
 
 def _unnamed(round_: Round) -> dict[Suspect, Scored]:
-    """Models with one more effect, which the recordings neither show nor exclude: those that promise most."""
+    """Models with one more effect, which the recordings neither show nor exclude: those of most predicted gain."""
     now, least = round_.now, 0.0 if not round_.now.fit.changes else ODDS
     likely = {p.block.suspect: p for p in reversed(round_.candidates) if p.gain > least}
     fitted = {}

@@ -149,7 +149,7 @@ class Look:
         return [self._white(column, np.isfinite(still).astype(float)) for column in columns]
 
     def _white(self, column: Array, weight: Array) -> Array:
-        """Whitened, and as long as what would be recorded has facts: the change and the sensors' noise."""
+        """Whitened, and as long as what would be recorded has effective samples: the change and the sensors' noise."""
         few = effective_fraction(self.channels, column + self.noise)
         plain = Whitening(self.channels, np.zeros(len(few)), np.ones(len(few)))(column[:, None], weight)[0][:, 0]
         counted = plain * np.sqrt(np.repeat(few, [len(c.time) for c in self.channels]))

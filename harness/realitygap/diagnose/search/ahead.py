@@ -1,7 +1,8 @@
 """Moves by two steps: through a finding that gains too little alone to what both gain together.
 
-A beam of two. Of a joint that lacked a delay of 30 ms, a spring and viscous friction each alone gained less than what
-laws leave of a gap of 51 floors, and all three took it to 2.4: only beside the delay the spring promised most.
+A beam search of width two. Of a joint that lacked a delay of 30 ms, a spring and viscous friction each alone gained
+less than what laws leave of a gap of 51 floors, and all three took it to 2.4: only beside the delay the spring had the
+largest predicted gain.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """What does the same as a finding, told by responses beside the finding rather than where it is missing.
 
-Where a finding that explains most is missing, a motion goes another way, and straight lines from there tell little of
-where a rival leads: of a pendulum that was swung up, all of friction, limits and springs promised more than the mass
-that was missing, and a gain, which does what a mass does, only half of it. Beside the finding responses are short and
-straight: what the finding does there, a rival that cannot be told from it does too.
+Where a finding that explains most is missing, a motion goes another way, and the linearised model there tells little of
+where a rival leads: of a pendulum that was swung up, all of friction, limits and springs had more predicted gain than
+the mass that was missing, and a gain, which does what a mass does, only half of it. Beside the finding responses are
+short and linear: what the finding does there, a rival that cannot be told from it does too.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from realitygap.diagnose.search.round import Round
 MOST = 0.8
 """Those are told that do more than this share of what the finding does, in squares, as if laws were exact: what laws
 may be off by hides that two do the same. Of a pendulum that was swung up a gain did 0.88 of what its mass does, as far
-as straight lines tell, and of one that swings 0.995.
+as the linearised model tells, and of one that swings 0.995.
 """
 OF_THE_LAW = 0.25
 """The same for what changes the same law at the same joints, which fits bend most: beside a torque ripple the mass of a
@@ -70,7 +70,7 @@ def same(
 
 
 def in_place(criterion: Criterion, fit: Fit, findings: Sequence[Change], blocks: Sequence[Block]) -> Linear | None:
-    """Straight lines of what could stand in the place of findings, beside them; None where there are none.
+    """The linearised model of what could stand in the place of findings, beside them; None where there is none.
 
     Args:
         criterion: of the search.

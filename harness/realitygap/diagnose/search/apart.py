@@ -30,7 +30,7 @@ def compare(channels: Sequence[Channel], best: Scored, other: Scored) -> tuple[f
 
 def told_apart(best: Scored, other: Scored) -> float:
     """The evidence that recordings are expected to give for the one of two models that is true over the other one: half
-    of the squared length of what parts their traces (Kullback & Leibler 1951).
+    of the squared length of what parts their traces, whitened (the divergence of Kullback & Leibler 1951).
     """
     return 0.5 * float(np.sum(best.metric(best.fit.residual - other.fit.residual) ** 2))
 

@@ -105,8 +105,8 @@ class Criterion:
         return [s for s in everyone if s.possible(plant)]
 
     def set_discrepancy(self, at: Fit, blocks: Sequence[Block]) -> None:
-        """Let laws be as far off as they may be at a fit, which responses tell, and count facts as what that leaves
-        lasts.
+        """Let laws be as far off as they may be at a fit, which responses tell (`discrepancy`), and count
+        effective samples as what that leaves lasts.
 
         None of the models that are compared with the fit has laws that are further off than it says, or than is
         ordinary: noise is told by the larger of nested models (Mallows 1973). What is missing makes laws look poor,
@@ -128,11 +128,11 @@ class Criterion:
         )
 
     def set_effective_fraction(self, left: Array) -> None:
-        """Count facts as what is left of a residual lasts. Shape (m,)."""
+        """Count effective samples by how long what is left of a residual lasts (its autocorrelation). Shape (m,)."""
         self.discrepancy = replace(self.discrepancy, effective_fraction=effective_fraction(self.channels, left))
 
     def score(self, found: Fit) -> Scored:
-        """The evidence of a fit."""
+        """The evidence of a fit: its log marginal likelihood, with the scales of the discrepancy at their best."""
         return score(self.channels, found, self.discrepancy)
 
     def ordinary(self, found: Scored, joint: int, other: Fit) -> bool:
@@ -167,7 +167,7 @@ class Criterion:
         return cautious(self.channels, found, self.discrepancy)
 
     def cautious(self, found: Fit) -> Scored:
-        """The same with how far the likeliest values are in simulation, since a limit is no straight line."""
+        """The same with how far the likeliest values are in simulation, since a limit does not respond linearly."""
         at = self.as_told(found)
         likeliest = fit(self.simulations, found.changes, self.train, at.metric, self.floors.coarse, found, "compared")
         return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
@@ -195,8 +195,8 @@ class Criterion:
 
         Values are fitted as if laws were exact, which tells them best: what laws may be wrong by could do much the same
         as they. Models that are only compared are moved on from there to where their evidence is best (`settled`).
-        Each pass fits in the metric of what the one before left: what is an outlier, and what no law explains, is told
-        by the model itself.
+        Each pass fits in the metric of what the one before left (iteratively reweighted least squares): what is an
+        outlier, and what no law explains, is told by the model itself.
 
         Args:
             changes: with first guesses; what stands in the known fit too may turn with a joint's zero (`as_read`).
@@ -241,7 +241,7 @@ class Criterion:
         return None if found is None else self.score(found)
 
     def _further(self, began: Sequence[Change], found: Scored) -> Scored:
-        """A pass from some values, and beyond what it found as far as evidence grows."""
+        """A pass from some values, extrapolated beyond what it found as far as evidence grows."""
         best = found
         for times in FURTHER if found.fit.names else ():
             there = stretched(self.simulations, began, found.fit, times, self.train, self.floors.coarse)

@@ -71,7 +71,8 @@ class Discrepancy:
     """The law discrepancy that all models of a round are compared with: a linear basis with a normal prior.
 
     Attributes:
-        facts: how many facts a sample of each channel is, where the search stands. Shape (channels,).
+        effective_fraction: how many effective samples a sample of each channel is, where the search stands. Shape
+            (channels,).
         responses: what the residual changes by when a law is off by what it is known to, one standard deviation each.
             Shape (m, q).
         laws: the kind of law that each is a fault of: friction, drive, load, clock, or empty for any other.
@@ -89,8 +90,8 @@ class Discrepancy:
     _blocks: dict[str, ChannelBlocks] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def thinned(self, whitening: Whitening) -> ChannelBlocks:
-        """The responses in the samples that are looked at, which facts tell: they are the same for every model of a
-        round. (k, q).
+        """The responses in the samples that are looked at, which autocorrelation tells: they are the same for every
+        model of a round. (k, q).
         """
         if "thin" not in self._blocks:
             self._blocks["thin"] = self._whole(whitening.channels).every(whitening.every.tolist())
@@ -158,7 +159,7 @@ def law_discrepancy(problem: Problem, at: Fit, blocks: Sequence[Block], metric: 
     Args:
         problem: whose motions were recorded.
         at: the fit, whose changes are part of the model.
-        blocks: responses of what could be added: those that follow a straight line at single targets count.
+        blocks: responses of what could be added: those that respond linearly at single targets count.
         metric: in which effects are compared.
     """
     own = _accepted(problem, at)
@@ -205,7 +206,7 @@ def _scales(
     """What the largest of each kind of law does at each place, and how many times its response each value may be off.
 
     As much in all recordings together as its kind of law, in no signal of a motion where it shows more than that, and
-    what the model has not as far as a straight line is followed.
+    what the model has not as far as the linearised model holds.
 
     A law that does much in one motion may be no more wrong in another, and what lasts shows in positions, what is fast
     in velocities: 4 % of what inertia does in a free swing would be an offset of a joint by five degrees elsewhere.
@@ -236,7 +237,7 @@ def _once(white: Array, most: float) -> Array:
     by. Shape (n, n).
 
     Laws of one kind do much the same: Coulomb friction, friction by direction and the Stribeck effect are one fault of
-    friction, not three that add up. So of their common covariance no direction has more than `most`².
+    friction, not three that add up. So the eigenvalues of their common covariance are clipped at `most`².
 
     Args:
         white: what they do, in the metric. Shape (r, n).
@@ -247,10 +248,10 @@ def _once(white: Array, most: float) -> Array:
 
 
 def _shown(columns: Array, metric: Metric) -> Array:
-    """The same discrepancies, all of one kind of law, as few as do the same: the directions of their common covariance
-    that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
+    """The same discrepancies, all of one kind of law, as few as do the same: their principal components, of which those
+    are kept that would show at all if nothing but noise and floors were left. Shape (m, n) -> (m, few).
 
-    What has no sample in common has no direction in common either, and stays apart (`ChannelBlocks`).
+    What has no sample in common has no component in common either, and stays apart (`ChannelBlocks`).
     """
     bare = replace(metric.whitening, excess=np.zeros(len(metric.whitening.excess)))
     white = bare(columns, metric.weight)[0]
@@ -264,7 +265,7 @@ def _shown(columns: Array, metric: Metric) -> Array:
 
 
 def _directions(white: Array) -> tuple[Array, Array]:
-    """The lengths of the directions of a common covariance, (n,), and what turns into them, (n, n)."""
+    """The singular values of whitened responses, (n,), and their right singular vectors, (n, n)."""
     square, turn = np.linalg.eigh(white.T @ white)
     return np.sqrt(np.maximum(square, 0.0)), turn
 
@@ -287,7 +288,7 @@ def known_to(suspect: Suspect) -> float:
 
 
 def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
-    """What could be added at single targets, and follows a straight line, or turns with the angle as friction does.
+    """What could be added at single targets, and responds linearly, or turns with the angle as friction does.
 
     To both sides where a joint answers them unevenly, as one with play does a pull to one side and to the other.
     """
@@ -311,7 +312,7 @@ def _of(blocks: Sequence[Block], metric: Metric) -> list[_Known]:
 
 
 def usual(start: Start) -> bool:
-    """Whether laws are off by what a start tries: by what follows a straight line, and friction by the angle."""
+    """Whether laws are off by what a start tries: by what responds linearly, and friction by the angle."""
     return start.kind == "linear" or (start.kind == "wave" and start.suspect.kind.law == "friction")
 
 

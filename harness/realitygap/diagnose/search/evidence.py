@@ -1,9 +1,10 @@
 """The evidence of a model: one number for every move of the search.
 
-The marginal likelihood of the residual, with the fitted values integrated out (Laplace), what no law explains estimated
-for this model, and the discrepancy of each kind of law marginalised at the scale that the recordings support best
-(type-II maximum likelihood, MacKay 1992). "Something else" is thus a model too, the one that has no change and leaves
-everything to what no law explains: a name has to beat it.
+The log marginal likelihood of the residual, with the fitted values integrated out (the Laplace approximation at the
+fit: likelihood, prior and Occam factor), what no law explains estimated for this model, and the discrepancy of each
+kind of law marginalised at the scale that the recordings support best (type-II maximum likelihood, MacKay 1992).
+"Something else" is thus a model too, the one that has no change and leaves everything to what no law explains: a name
+has to beat it.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ class Scored:
     @cached_property
     def covariance(self) -> Array:
         """Of the values that are likeliest where laws are off, in sizes², as the likelihood says or as stretches
-        of the recordings scatter, whichever is wider. Shape (p, p).
+        of the recordings scatter (a sandwich), whichever is wider. Shape (p, p).
         """
         if not len(self.fit.names):
             return np.zeros((0, 0))
@@ -90,7 +91,10 @@ class Scored:
 
     @cached_property
     def laplace_covariance(self) -> Array:
-        """The same as the likelihood says, of which evidence is made. Shape (p, p)."""
+        """The same as the likelihood says, in the Laplace approximation of which evidence is made. Shape (p, p).
+
+        The inverse of the Gauss-Newton Hessian plus the precision of the prior.
+        """
         slope, _ = self._white
         return np.asarray(np.linalg.inv(slope.T @ slope + np.eye(slope.shape[1]) / SLAB**2))
 
@@ -99,7 +103,7 @@ class Scored:
         """How far the fitted values may be off in root mean square, in their units. Shape (p,).
 
         Values are told as if laws were exact. What laws are off by draws them away from those that are likeliest: as
-        far as these are, or by one straight step there.
+        far as these are, or by one Gauss-Newton step there.
         """
         if not len(self.fit.names):
             return np.zeros(0)
@@ -108,7 +112,7 @@ class Scored:
 
     @property
     def _step(self) -> Array:
-        """A straight step to the likeliest values, in sizes. Shape (p,)."""
+        """A Gauss-Newton step to the likeliest values, in sizes. Shape (p,)."""
         slope, whole = self._white
         prior = np.eye(slope.shape[1]) / SLAB
         return np.asarray(np.linalg.lstsq(np.vstack([slope, prior]), np.pad(whole, (0, len(prior))))[0])
@@ -234,7 +238,9 @@ def log_prior(chosen: Mapping[str, float]) -> float:
 
 
 class _LogEvidence:
-    """The logarithm of a model's likelihood as a function of the scales of its law discrepancy.
+    """The log evidence of a model as a function of the scales of its law discrepancy, from one Gram matrix.
+
+    Normal in closed form, with the discrepancy marginalised by the Woodbury identity and the matrix determinant lemma.
 
     Args:
         gram: inner products of the whitened residual, its p slopes and the q responses. Shape (1 + p + q, 1 + p + q).
@@ -246,7 +252,7 @@ class _LogEvidence:
 
     def best(self, scales: Sequence[float], most: Mapping[str, float]) -> dict[str, float]:
         """The scale of each kind of law, at `most` so much, that makes the recordings most probable: the best that all
-        have, then one kind after the other.
+        have, then one kind after the other (coordinate ascent).
         """
         known: dict[tuple[float, ...], float] = {}  # where a sweep changes little, the next asks much the same
 
@@ -266,7 +272,7 @@ class _LogEvidence:
         return chosen
 
     def taken(self, each: Array) -> Array:
-        """How far each law is off, in its responses, where each may be off by so much. Shape (q,)."""
+        """The posterior mean of how far each law is off, in its responses, where each may be off by so much. (q,)."""
         factor, right = self._solved(each)
         return np.asarray(each * cho_solve(factor, right[:, 0])) if len(each) else each
 
@@ -282,7 +288,7 @@ class _LogEvidence:
         return value - 0.5 * float(model[0, 0]) - occam
 
     def factor(self, each: Array) -> tuple[Array, bool]:
-        """The Cholesky factor of what the discrepancy adds to a unit matrix. Shape (q, q)."""
+        """The Cholesky factor of 1 + ΦᵀΦ, where Φ is what laws do that are off by so much. Shape (q, q)."""
         inner = self.gram[self.model :, self.model :] * np.outer(each, each) + np.eye(len(each))
         return cho_factor(inner, lower=True) if len(each) else (inner, True)
 

@@ -60,7 +60,7 @@ class Exchanged:
 
 
 def exchanged(round_: Round, keep: Sequence[Suspect], before: Exchanged) -> Exchanged:
-    """Every finding left out, and exchanged for what promises most in its place; `keep` stays.
+    """Every finding left out, and exchanged for what would gain most in its place; `keep` stays.
 
     Where one is superfluous, that is all that is said, unless it is late: then nothing new is looked for beside what is
     left. What was far behind `before` is not tried again. A name that is no simpler has to gain what a new one has to

@@ -1,4 +1,7 @@
-"""Moves that add: a finding, several at once, a richer shape, a value for every joint of a group; or one for all."""
+"""Moves that add: a finding, several at once, a richer shape, a value for every joint of a group; or one for all.
+
+Forward selection.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +22,14 @@ from realitygap.diagnose.search.round import Round, told_change
 from realitygap.robot.plant import Plant
 
 TRIED = 4
-"""Suspects that are tried one by one: those that promise most, also where none promises anything. A friction beside a
-play that had been fitted without it promised less than nothing, and gained 118 where both were fitted."""
+"""Suspects that are tried one by one: those of most predicted gain, also where none has any. A friction beside a
+play that had been fitted without it had a predicted gain below zero, and gained 118 where both were fitted."""
 BEYOND = 2
-"""The same of those that are far from any straight line, which were simulated at few sizes and promise too little; and
-of those that lead the right way, as little of them as would. A torque that falls with speed did nothing at 8 N·m and
-too much at 4, from where its fit gained 136, at 5.3."""
+"""The same of those that are far from linear, which were simulated at few sizes and whose predicted gain is too small;
+and of those that lead the right way, as little of them as would. A torque that falls with speed did nothing at 8 N·m
+and too much at 4, from where its fit gained 136, at 5.3."""
 AT_ONCE = 3
-"""Suspects that are tried together, as two that mean nothing alone, beside all that straight lines would take."""
+"""Suspects that are tried together, as two that mean nothing alone, beside all that the linearised model would take."""
 FITTED = 3
 """Ways that are fitted: those that gain most in a quick fit."""
 HOPEFUL = 0.5
@@ -199,10 +202,10 @@ def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
 
 
 def _plain_fits(round_: Round) -> list[list[Change]]:
-    """All that a plain fit would have free beside the accepted model, where straight lines lead: alone, and beside each
-    of those that are far from a straight line that promise most there. What limits a motion shows little before its
-    friction and gains are right, and these are mended in its place. Once less is promised than is explained, what
-    straight lines say is superfluous is left out: near by they are true.
+    """All that a plain fit would have free beside the accepted model, where the linearised model leads: alone, and
+    beside each of those that are far from linear that would gain most there. What limits a motion shows little before
+    its friction and gains are right, and these are mended in its place. Once less is predicted than is explained, what
+    the linearised model says is superfluous is left out: near by it is true.
     """
     lines, plain = round_.lines, _plain_blocks(round_)
     suspect = [b.suspect for b in lines.blocks]
@@ -247,7 +250,9 @@ def _plain_blocks(round_: Round) -> list[int]:
 
 
 def _everywhere(round_: Round, start: Change) -> list[Change]:
-    """The effect of one joint at all where it promises enough, as joints of a robot are alike; none if at one alone."""
+    """The effect of one joint at all where it would gain enough, as joints of a robot are alike; none if at one
+    alone.
+    """
     if not single(start.suspect):
         return []
     found = {start.suspect: start}

@@ -1,7 +1,7 @@
-"""Moves at a glance: what adding suspects would gain, in the straight-line model of their responses.
+"""Moves at a glance: what adding suspects would gain, in the linearised model of their responses.
 
-All in the metric of the residual, orthogonalised on what is already in: a suspect that does the same as an accepted
-value, or as a law discrepancy, gains nothing.
+All from one Gram matrix in the metric of the residual, orthogonalised on what is already in (a Schur complement): a
+suspect that does the same as an accepted value, or as a law discrepancy, gains nothing.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class LinearGain:
 
 
 class Linear:
-    """The straight-line model around an accepted model.
+    """The linearised (Gauss-Newton) model around an accepted model, in amounts of the responses.
 
     Args:
         metric: of the residual.
@@ -83,7 +83,7 @@ class Linear:
         return part * slope - 0.5 * part**2 * curve
 
     def limits(self) -> dict[Suspect, Change]:
-        """What is far from any straight line and leads the right way, as little of it as would; best first, each as the
+        """What is far from linear and leads the right way, as little of it as would; best first, each as the
         try that leads furthest.
         """
         numbers = [i for i, b in enumerate(self.blocks) if b.start.kind == "whole"]
@@ -98,7 +98,9 @@ class Linear:
         return sorted((self.gain_of(i) for i in range(len(self.blocks))), key=lambda p: -p.gain)
 
     def gain(self, numbers: Sequence[int], tried: int | None = None) -> float:
-        """The gain in evidence of some blocks at once, at most: nothing is taken off for what they could do besides.
+        """The gain in evidence of some blocks at once, at most: without an Occam factor for what they could do besides.
+
+        The log likelihood ratio at their best amounts (profile likelihood).
 
         With a block that is `tried` beside them it is what both gain, that one as it was simulated.
         """
@@ -110,7 +112,7 @@ class Linear:
 
     def earning(self, numbers: Sequence[int], least: float, tried: int | None = None) -> list[int]:
         """Of some blocks at once, beside one that is `tried`, those that each gain at least so much beside the others:
-        without the one that gains least, one after the other.
+        without the one that gains least, one after the other (backward elimination).
         """
         kept, beside = list(numbers), [] if tried is None else [tried]
         while kept:
@@ -133,7 +135,9 @@ class Linear:
         ]
 
     def several(self, least: float) -> list[LinearGain]:
-        """Blocks added one after the other, and exchanged, as long as each gains at least so much beside the others."""
+        """Blocks added one after the other (forward selection), and exchanged, as long as each gains at least so much
+        beside the others.
+        """
         taken: list[int] = []
         while True:
             best = self._best(taken)
@@ -191,7 +195,7 @@ class Linear:
         return self._clashes[number]
 
     def _gain(self, numbers: Sequence[int]) -> float:
-        """The gain in evidence of some blocks together, at their best amounts within reach."""
+        """The gain in evidence of some blocks together, at their best amounts within reach: Laplace's approximation."""
         if not numbers:
             return 0.0
         at = np.concatenate([self.places[i] for i in numbers])
@@ -207,7 +211,7 @@ class Linear:
         return gain
 
     def _amounts(self, numbers: Sequence[int], tried: int | None = None) -> Array:
-        """The best amounts of some blocks together, within reach."""
+        """The best amounts of some blocks together, within reach: bounded least squares by the Cholesky factor."""
         if not numbers:
             return np.zeros(0)
         at = np.concatenate([self.places[i] for i in numbers])
@@ -229,5 +233,5 @@ class Linear:
 
 
 def linear_at(at: Scored, blocks: Sequence[Block]) -> Linear:
-    """The straight-line model around a fit, in its own metric."""
+    """The linearised model around a fit, in its own metric."""
     return Linear(at.metric, at.fit.residual, at.fit.slope, blocks)

@@ -21,7 +21,7 @@ FIRST, SECOND = 4, 3
 
 def pairs_for(place: Place, rivals: Sequence[Rival]) -> list[Rival]:
     """Two laws in the place of a finding with two values or more, as far as recordings do not tell them from it, the
-    closest first: a rival, and what promises the rest of what the finding does beside it. Either has to be needed.
+    closest first: a rival, and what would gain the rest of what the finding does beside it. Either has to be needed.
     """
     round_, own, out = place.round_, place.change.suspect, list[Rival]()
     if len(sized(place.change)) < 2 or own.table is not None:
@@ -45,7 +45,7 @@ def pairs_for(place: Place, rivals: Sequence[Rival]) -> list[Rival]:
 
 
 def _beside(place: Place, rival: Rival) -> list[Change]:
-    """What promises most beside a rival, as it answers beside the finding, if both may do what that does."""
+    """What would gain most beside a rival, as it answers beside the finding, if both may do what that does."""
     round_, here = place.round_, [c.suspect for c in rival.scored.fit.changes]
     known = [b for b in round_.blocks if not any(clash(b.suspect, s) for s in [*here, place.change.suspect])]
     gains = lines_at(round_, rival.scored, [b for b in known if b.start.kind != "whole"]).gains()
@@ -58,6 +58,6 @@ def _beside(place: Place, rival: Rival) -> list[Change]:
 
 
 def _needed(place: Place, scored: Scored, pair: Collection[Suspect]) -> bool:
-    """Whether a model needs either of two findings, as far as straight lines tell."""
+    """Whether a model needs either of two findings, as far as the linearised model tells."""
     losses = wald_losses(place.round_.simulations.problem, scored)
     return all(losses.get(s, 0.0) >= place.round_.limit for s in pair)

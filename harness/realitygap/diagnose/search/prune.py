@@ -1,4 +1,4 @@
-"""Moves that leave out: findings that a model does not need, the least first."""
+"""Moves that leave out (backward elimination): findings that a model does not need, the least first."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ well. Beside nearly right laws of seeds nobody had looked into, three true frict
 def pruned(round_: Round, found: Scored, keep: Sequence[Suspect], told: bool = False) -> Scored:
     """A model without the findings that gain less than a name needs, judged by quick fits; `keep` stays.
 
-    First at once what straight lines say that can go together: a plain fit of a robot has a dozen too many. Where that
-    loses what a name needs, each half of it is tried, and so on: of 45 that straight lines said were worth nothing on a
-    humanoid, one was worth 49. Then what is doubtful, one by one.
+    First at once what the linearised model says that can go together: a plain fit of a robot has a dozen too many.
+    Where that loses what a name needs, each half of it is tried, and so on: of 45 that the linearised model said were
+    worth nothing on a humanoid, one was worth 49. Then what is doubtful, one by one.
 
     With `told`, also without those that their intervals do not tell, and without which little more is lost: of a model
     that is whole. Before, stretches scatter by what is still missing.
@@ -72,7 +72,7 @@ def _left_out(round_: Round, now: Scored, some: Collection[Suspect]) -> Scored |
 
 
 def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], limit: float) -> list[Suspect]:
-    """What could go together by the straight lines at a fit, the least first: each loses less than the limit beside
+    """What could go together by the linearised model at a fit, the least first: each loses less than the limit beside
     those before it.
     """
     places = {s: at for s, at in _places(problem, scored).items() if s not in keep}
@@ -88,7 +88,7 @@ def superfluous(problem: Problem, scored: Scored, keep: Collection[Suspect], lim
 
 
 def wald_losses(problem: Problem, scored: Scored) -> dict[Suspect, float]:
-    """The evidence that a model loses without each finding, by the straight lines at its fit (Wald 1943).
+    """The evidence that a model loses without each finding, by the linearised model at its fit (Wald's test, 1943).
 
     What is absent only at an infinite value, as a compliance, is left out.
     """
@@ -115,8 +115,9 @@ def untold(problem: Problem, scored: Scored, sure: Collection[Suspect] = ()) -> 
 
 
 def _loss(scored: Scored, away: Array, at: Sequence[int]) -> float:
-    """The evidence that is lost without some values. As stretches scatter by what is still missing they say less, and
-    of a humanoid's fit that without half of it nothing is lost, where 250 are.
+    """The evidence that is lost without some values: half of Wald's statistic, less the Occam factor. As stretches
+    scatter by what is still missing they say less, and of a humanoid's fit that without half of it nothing is lost,
+    where 250 are.
     """
     information = np.linalg.inv(scored.laplace_covariance[np.ix_(at, at)])
     occam = 0.5 * float(np.linalg.slogdet(SLAB**2 * information)[1])

@@ -1,4 +1,4 @@
-"""What could stand in the place of one finding: what promises most where it is missing, and beside it.
+"""What could stand in the place of one finding: what would gain most where it is missing, and beside it.
 
 Where it is missing, everything else that is in the model is fitted anew.
 """
@@ -24,22 +24,22 @@ from realitygap.diagnose.search.simpler import limits, narrower
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
 LOOKED = 12
-"""Suspects whose responses are simulated anew where a finding is missing: those that promise most by their responses
-beside it. What does the same as the finding does little more once it is there (a gain beside a risen supply), or little
-before (an offset of a joint that sticks): the better one of both counts."""
+"""Suspects whose responses are simulated anew where a finding is missing: those of most predicted gain by their
+responses beside it. What does the same as the finding does little more once it is there (a gain beside a risen supply),
+or little before (an offset of a joint that sticks): the better one of both counts."""
 ROUGHLY = 0.05
-"""Of these none that promises less than this share of what the finding gains: on the SO-101 those that came close
-promised 0.10, 0.38 and 1.0 of it."""
+"""Of these none with a predicted gain below this share of what the finding gains: on the SO-101 those that came close
+had 0.10, 0.38 and 1.0 of it."""
 EXCHANGED, LATE = 4, 2
-"""Suspects that are tried in the place of a finding: of these, those that promise most. Fewer, of twice as many, once
-there is no more time to find a better name for it."""
+"""Suspects that are tried in the place of a finding: of these, those of most predicted gain. Fewer, of twice as many,
+once there is no more time to find a better name for it."""
 CLOSE = 0.75
-"""Beside the one that promises most, and late that one too, those are tried that promise this share of what the finding
-does where it is missing. On the SO-101, of 77 rivals that promised 0.25 of it or more, the nine that came close when
-they were fitted promised 0.89 to 1.3 of it."""
+"""Beside the one of most predicted gain, and late that one too, those are tried of which this share of what the finding
+does where it is missing is predicted. On the SO-101, of 77 rivals with 0.25 of it or more, the nine that came close
+when they were fitted had 0.89 to 1.3 of it."""
 BEYOND = 2
-"""Suspects far from any straight line that are tried besides, from their first sizes: those that promise most. They
-were simulated at few sizes, and promise too little."""
+"""Suspects far from linear that are tried besides, from their first sizes: those of most predicted gain. They were
+simulated at few sizes, and their predicted gain is too small."""
 LOOSER = (1.0, 2.0, 4.0)
 """What the first size of a limit is multiplied by, where another fit is near by."""
 FAR = 2.0
@@ -98,7 +98,7 @@ class Place:
 
     @classmethod
     def of(cls, round_: Round, change: Change, alone: Scored, late: bool, looked: int) -> Place:
-        """What promises anything there, so many of it simulated anew."""
+        """What would gain anything there, so many of it simulated anew."""
         rest, gain = [c.suspect for c in alone.fit.changes], round_.now.evidence - alone.evidence
 
         def fits(suspect: Suspect) -> bool:
@@ -118,7 +118,7 @@ class Place:
 
     @cached_property
     def lines(self) -> Linear:
-        """The straight-line model of what could stand there."""
+        """The linearised model of what could stand there."""
         return lines_at(self.round_, self.alone, self.blocks)
 
     def quick(self, changes: Sequence[Change], beside: bool = False) -> Scored | None:
@@ -139,7 +139,7 @@ class Place:
 
 
 def lines_at(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
-    """The straight-line model where a finding is missing.
+    """The linearised model where a finding is missing.
 
     What explains nearly as much leaves as little as the model with the finding, in whose metric it is looked for: where
     the finding is missing, most of what it explains is taken for what no law does.
@@ -148,7 +148,7 @@ def lines_at(round_: Round, alone: Scored, blocks: Sequence[Block]) -> Linear:
 
 
 def _far(round_: Round, finding: Suspect) -> list[Suspect]:
-    """What is far from any straight line at the joints of a finding, as a limit: what it does beside the finding, which
+    """What is far from linear at the joints of a finding, as a limit: what it does beside the finding, which
     does nearly the same, says nothing of what it does in its place.
     """
     whole = dict.fromkeys(b.suspect for b in round_.blocks if b.start.kind == "whole")
@@ -222,8 +222,8 @@ def several_for(place: Place) -> Scored | None:
 
 def _said_otherwise(place: Place, changes: Sequence[Change]) -> list[list[Change]]:
     """The same changes with one of them in the words of an effect that excludes it there, as it says the same and more:
-    of friction by side an effort and dry friction promise as much, and only beside that effort the friction may fall
-    with speed, which straight lines do not tell.
+    of friction by side an effort and dry friction would gain as much, and only beside that effort the friction may fall
+    with speed, which the linearised model does not tell.
     """
     problem, own, ways = place.round_.simulations.problem, place.change.suspect, []
     for i, change in enumerate(changes):

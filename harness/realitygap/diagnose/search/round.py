@@ -1,4 +1,4 @@
-"""One round of the search: where it stands, and what everything that could be added promises there."""
+"""One round of the search: where it stands, and what everything that could be added would gain there."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.robot.drive import Array
 
 BEAM = 4
-"""Tries far from a straight line that are kept: those that promise most."""
+"""Tries far from linear that are kept: those of most predicted gain."""
 GLANCED = 64
 """Tries of which that is asked: those that come closest in the metric that there is. A humanoid has 700."""
 DEEP = 14
-"""Suspects that are simulated at the amount that they promise: those that promise most, if anything. A straight line
-promises too little of what leaves less unexplained (1.7 of 18, for half of an ordinary constant effort)."""
+"""Suspects that are simulated at the amount that fits best in the linearised model: those of most linear gain, if any.
+That predicts too little of what leaves less unexplained (1.7 of 18, for half of an ordinary constant effort)."""
 FOLLOWED = (0.5, 1.0, 2.0)
-"""What that amount is multiplied by: a straight line may lead too far, or end too early."""
+"""What that amount is multiplied by: the linearised model may lead too far, or end too early."""
 
 DOUBTFUL = 2.0
 """A finding that gains less than this many times what a name needs is doubtful: it is tried without where a straight
@@ -70,7 +70,7 @@ class Round:
         now: the same where its evidence is best, for comparisons: the best fit of it that is known (`led`).
         look: the same, in the metric in which moves are looked for.
         blocks: responses of everything that could be added.
-        lines: the straight-line model of all blocks.
+        lines: the linearised model of all blocks.
         linear_gains: what each gains in the linearised model, best first.
         candidates: what gains most, simulated where the linearised model leads, best first.
         short: of what was fitted and gains too little, what it gains and what it would have to.
@@ -138,7 +138,7 @@ class Round:
         self._looked()
 
     def _looked(self) -> None:
-        """What everything promises beside the accepted model."""
+        """The predicted gains of everything beside the accepted model."""
         self.look = self.criterion.sharp(self.now.fit)
         self.lines = linear_at(self.look, self.blocks)
         self.linear_gains = self.lines.gains()
@@ -207,7 +207,7 @@ class Round:
 
         Where a motion is followed, friction of the shoulder that is a little off is no effort of the elbow: of a UR10e
         the viscous friction of the elbow was refused for what laws of six joints leave. Where it is simulated, what is
-        off at one joint moves all of them, further than straight lines tell.
+        off at one joint moves all of them, further than the linearised model tells.
         """
         known = set(SHARE).intersection(laws)
         alike = [scale * SHARE[law] for law, scale in scored.discrepancy_scale.items() if law in (known or SHARE)]
@@ -251,7 +251,7 @@ class Round:
         return max(known, key=lambda s: self.criterion.plain(s.fit).evidence, default=self.now)
 
     def likely(self, number: int) -> list[Suspect]:
-        """So many suspects that promise most, those of a plain fit, and the accepted effects, in the order of all."""
+        """So many suspects of most predicted gain, those of a plain fit, and the accepted effects, in order of all."""
         ranked = [*self.candidates, *self.linear_gains]
         best = set(list(dict.fromkeys(p.block.suspect for p in ranked))[:number])
         problem = self.simulations.problem
@@ -261,7 +261,7 @@ class Round:
         return [s for s in self.everyone if s in best or s.effect in here or everyday(problem, s)]
 
     def _jumps(self) -> list[LinearGain]:
-        """Tries that are far from a straight line, as a slippery ground or a stop, by the evidence that they have."""
+        """Tries that are far from linear, as a slippery ground or a stop, by the evidence that they have."""
         plain = self.criterion.plain(self.now.fit)
         here = plain.metric(plain.fit.residual)
 
@@ -296,8 +296,9 @@ class Round:
         return replace(self.now.fit, residual=self.now.fit.residual + change)
 
     def _followed(self, linear_gains: Sequence[LinearGain]) -> list[LinearGain]:
-        """The suspects that promise most, simulated where their straight lines lead, by the evidence there: with less
-        that no law explains, recordings tell more than straight lines promise.
+        """The suspects of most linear gain, simulated where the linearised model leads, by the evidence there.
+
+        With less that no law explains, recordings tell more than the linearised model predicts.
         """
         chosen: list[LinearGain] = []
         for p in linear_gains:

@@ -1,5 +1,7 @@
 """The search: from the scenario's model to the one with the best evidence, by adding, exchanging and dropping.
 
+Stepwise model selection by evidence, with a penalty for the number of suspects (`needed`).
+
 Where the effort was measured it begins at what that says along the measured motion: inverse dynamics takes a tenth of
 the time of a simulation, in which no error adds up, and no servo hides what its joint lacks.
 """
@@ -248,5 +250,8 @@ def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[
 
 
 def needed(suspects: int) -> float:
-    """The gain in evidence that a name needs among so many suspects."""
+    """The gain in evidence that a name needs among so many suspects.
+
+    The logarithm of their number, as in the extended BIC (Chen & Chen 2008, γ = 1), and odds of 20 to 1.
+    """
     return float(np.log(max(suspects, 1))) + SURE

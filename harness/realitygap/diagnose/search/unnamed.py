@@ -15,7 +15,7 @@ from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored
 from realitygap.diagnose.search.round import Round
 
 TRIED = 2
-"""Ways that are fitted: those that promise most."""
+"""Ways that are fitted: those of most predicted gain."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def _alike(round_: Round, keep: Sequence[Suspect], joint: int, other: Scored) ->
 
 
 def _best_ways(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
-    """The ways that promise most, each simulated as its tables were drawn."""
+    """The ways that gain most, each simulated as its tables were drawn."""
     criterion, now = round_.criterion, round_.now.fit
     problem = criterion.problem
     joints = [int(j) for j in np.flatnonzero(problem.judged)]
