@@ -1,19 +1,35 @@
-"""How large a robot is."""
+"""How large a robot and its links are."""
 
 import numpy as np
 from realitygap_engines.model.robot import Link, Model
 
 
 def reach(model: Model) -> float:
-    """How far a robot reaches from its base, stretched out [m]: offsets of joints, centres of mass and contact."""
+    """How far a robot reaches, stretched out [m], from its base, or from the first joint where the base stands still:
+    offsets of joints, centres of mass and contact.
+    """
     far = np.zeros(len(model.links))
     for i, joint in enumerate(model.joints):
-        far[i + 1] = far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
-    own = [
-        max([float(np.linalg.norm(x.com)), *(float(np.linalg.norm(s.center)) + s.radius for s in x.spheres)])
-        for x in model.links
-    ]
-    return float(np.max(far + np.array(own)))
+        stands = joint.parent == 0 and not model.floating  # a stand of any height reaches nowhere
+        far[i + 1] = 0.0 if stands else far[joint.parent] + float(np.linalg.norm(joint.origin[:3, 3]))
+    moving = 0 if model.floating else 1
+    own = [max(float(np.linalg.norm(x.com)), _contact(x)) for x in model.links]
+    return float(np.max((far + np.array(own))[moving:], initial=0.0))
+
+
+def extent(model: Model, index: int) -> float:
+    """How far a link reaches from its own frame [m]: to the joints that it carries, to its contact, and to the end of a
+    rod of even thickness with its centre of mass and its inertia, whose half length is √3 times its radius of gyration.
+    """
+    link = model.links[index]
+    carried = [float(np.linalg.norm(j.origin[:3, 3])) for j in model.joints if j.parent == index]
+    rod = float(np.linalg.norm(link.com)) + float(np.sqrt(3.0)) * gyration(link)
+    return max([rod, _contact(link), *carried])
+
+
+def _contact(link: Link) -> float:
+    """How far from its frame a link touches, at most [m]."""
+    return max((float(np.linalg.norm(s.center)) + s.radius for s in link.spheres), default=0.0)
 
 
 def gyration(link: Link) -> float:

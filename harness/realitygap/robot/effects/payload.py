@@ -5,13 +5,14 @@ import math
 from realitygap.robot.effects.body import moves
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values
 from realitygap.robot.plant import Plant
-from realitygap.robot.reach import gyration, reach
+from realitygap.robot.reach import extent, reach
 
 WHERE = 1.0
 """A load lies no further than this from the link's frame [m]."""
 FURTHER = 2.0
-"""Nor further than the robot itself reaches, so many times: centres of mass lie half-way along links. What turned too
-slowly was told as a load of 7.6 g at 0.71 m, of two links of 0.2 m, for a link's inertia."""
+"""Nor further than its link itself reaches, so many times, or the whole robot once, where that is more: a load is as
+long as what carries it, and a tool at a small wrist no longer than the arm. What turned too slowly was told as a load
+of 7.6 g at 0.71 m, of two links of 0.2 m, for a link's inertia; what motors lost as one of 4 g at 1 m."""
 
 
 def _own(plant: Plant, index: int) -> dict[str, float]:
@@ -39,9 +40,9 @@ def _none(plant: Plant, index: int, values: Values) -> str | None:
     if max(abs(values[axis]) for axis in "xyz") >= WHERE:
         return f"a load {WHERE:g} m or more beside its link is none: a lever and no weight would be added"
     far = math.hypot(*(values[axis] for axis in "xyz"))
-    size = max(reach(plant.model), gyration(plant.model.links[index]))
-    if far > FURTHER * size > 0.0:
-        return f"a load {far:.3g} m beside its link is none of a robot that reaches {size:.3g} m"
+    size = max(FURTHER * extent(plant.model, index), reach(plant.model))
+    if far > size > 0.0:
+        return f"a load {far:.3g} m beside its link is none: neither twice the link nor the robot reaches {size:.3g} m"
     return None
 
 
