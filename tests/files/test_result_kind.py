@@ -68,3 +68,12 @@ def test_what_was_on_its_way_when_a_run_was_killed_is_its_own(tmp_path: Path) ->
     (part / MANIFEST).write_text(json.dumps({"files": ["gaps.csv"]}))
     assert folder_for(tmp_path, command="run") == tmp_path
     assert not part.exists()
+
+
+def test_and_no_diagnosis_is_saved_over_it(tmp_path: Path) -> None:
+    """As a library's `save` asks, which no command precedes."""
+    part = tmp_path / f"{FINISHED}x"
+    part.mkdir()
+    (part / MANIFEST).write_text(json.dumps({"files": ["gaps.csv"]}))
+    with pytest.raises(InputError, match="holds the result of `run`"):
+        check_free(tmp_path, "diagnose", "save")

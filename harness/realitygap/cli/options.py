@@ -42,7 +42,6 @@ def folder_for(out: Path | None, name: str = "", command: str | None = None) -> 
 
     What a command left there that was killed is removed, or, where it was whole, put in its place.
     """
-    from realitygap.files.result_folder import settle
     from realitygap.files.result_kind import check_free
     from realitygap.files.unfinished import sweep
     from realitygap.files.whole import check_writable
@@ -50,7 +49,6 @@ def folder_for(out: Path | None, name: str = "", command: str | None = None) -> 
     folder = out or Path(RUNS) / name
     check_writable(folder)
     if command is not None:
-        settle(folder)
         check_free(folder, command)
     sweep(folder)
     return folder

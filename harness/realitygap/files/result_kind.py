@@ -4,7 +4,7 @@ from pathlib import Path
 
 from realitygap.files.errors import InputError
 from realitygap.files.own_files import content
-from realitygap.files.result_folder import FILES, MANIFEST
+from realitygap.files.result_folder import FILES, MANIFEST, settle
 
 WRITTEN = {
     "run": (MANIFEST, FILES),
@@ -38,11 +38,13 @@ def held_scenario(folder: Path) -> str | None:
 
 def check_free(folder: Path, command: str, option: str = "--out") -> None:
     """Make sure that a folder holds nothing that a command would write over: no other command's result, as each writes
-    its own page, and no manifest, table or page of somebody else's.
+    its own page, and no manifest, table or page of somebody else's. What a killed run had on its way there is put in
+    its place first, as it tells whose the files are.
 
     Raises:
         InputError: where it does.
     """
+    settle(folder)
     others = [held for held in held_results(folder) if held != command]
     if others:
         raise InputError(
