@@ -126,3 +126,32 @@ def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(
     assert told.best is best, "values are as they were"
     assert kept.adjusted == ()
     assert none == []
+
+
+@pytest.mark.parametrize(
+    ("whole", "clear", "named"),
+    [(2.2, 1e6, True), (1.8, 1e6, False), (1.8, 1.3, True)],
+    ids=["more", "usual", "missed"],
+)
+def test_what_laws_may_be_off_by_has_no_name_but_where_held_out_runs_clearly_miss_it(
+    whole: float, clear: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(again, "CLEAR", clear)
+    bare = demo_problem()
+    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
+    problem = planted(dry)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [dry])
+        best = criterion.fit([dry])
+        assert best is not None
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [dry.suspect]))
+        best = criterion.score(best.fit)
+        found = Found(best, best, criterion.cautious(best.fit), 6.0, {}, criterion.floors, criterion)
+        does = all_done(simulations, found)[dry.suspect]
+        monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / whole)
+        told, small = again.usual_after_all(simulations, found, [])
+        kept, none = again.usual_after_all(simulations, found, [dry.suspect])
+    assert small == [dry.suspect] * (not named)
+    assert told.adjusted == (dry.suspect,) * (not named)
+    assert told.best is best, "values are as they were"
+    assert (kept.adjusted, none) == ((), [])

@@ -138,3 +138,14 @@ def test_a_load_lies_at_the_frame_of_its_link_along_an_axis_of_which_no_motion_t
     (silent,) = np.flatnonzero(problem.plant.model.joints[1].axis)
     tried = blocks[0].start.tries[1 + silent].parameters
     assert abs(place["xyz"[silent]]) < 0.01 * abs(tried["xyz"[silent]])
+
+
+def test_of_what_answers_by_rounding_alone_no_amount_is_asked_for() -> None:
+    """The mass of a load in a frame where axes meet: its place followed from whatever was made of that."""
+    problem, rng = demo_problem(), np.random.default_rng(3)
+    columns = 10.0 * rng.standard_normal((40, 4))
+    columns[:, 0] *= 1e-9
+    left = -columns @ [0.0, 0.4, 0.0, 0.2] + rng.standard_normal(40)
+    blocks = [Block(starts(problem, suspect_of(problem, "payload", "forearm"))[0], columns)]
+    amounts = Linear(white(40), left, np.zeros((40, 0)), blocks).gain_of(0).amounts
+    np.testing.assert_allclose(amounts, [0.0, 0.4, 0.0, 0.2], atol=0.05)

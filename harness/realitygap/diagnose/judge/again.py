@@ -77,6 +77,22 @@ def untold_after_all(simulations: Simulations, found: Found, keep: Collection[Su
     return replace(found, adjusted=(*found.adjusted, *vague)), vague
 
 
+def usual_after_all(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> tuple[Found, list[Suspect]]:
+    """What was found with those adjusted, and not named, that do no more than laws of their kind may be off by (`USUAL`
+    times what is ordinary), beside what else is adjusted, where the gap of held-out runs is not clearly larger without
+    them, the other values fitted anew; and these. `keep` stays.
+
+    Of 66 machines of three plants which nobody had seen, and of 20 of the own one, two names of this kind were false: a
+    mass 5 % up where motors lose 2 % of what was recorded, and an inertia, 1.6 and 0.5 times what is ordinary, without
+    which the gap was 1.16 and 0.99 times as large. The four that were true, which sag and ripple were, did 1.07 to 1.74
+    times that, without which it was 2.9 to 8.5 times.
+    """
+    named = {c.suspect for c in found.best.fit.changes}.difference(keep, found.adjusted)
+    done = all_done(simulations, found) if named else {}
+    small = [s for s in named if s in done and not done[s].unusual and not _clearly_missed(simulations, found, s)]
+    return replace(found, adjusted=(*found.adjusted, *small)), small
+
+
 def _clearly_missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
     """Whether the gap of held-out runs is clearly larger without a finding, the other values fitted anew."""
     with_ = found.best.fit.changes

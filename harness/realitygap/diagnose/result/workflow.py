@@ -18,7 +18,7 @@ from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.processes import Process
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.adjust import adjusted
-from realitygap.diagnose.judge.again import told_after_all, untold_after_all
+from realitygap.diagnose.judge.again import told_after_all, untold_after_all, usual_after_all
 from realitygap.diagnose.judge.closest import closest
 from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
@@ -206,10 +206,11 @@ def _searched(
     found = told_plainly(simulations, found, everyone, keep)
     found = told_after_all(simulations, found, rivals)
     found, wide = untold_after_all(simulations, found, keep)
+    found, small = usual_after_all(simulations, found, keep)
     named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
     why_not = [_against(s, told) for s, told in against.items()]
-    why_not += [_vague(s, s in found.adjusted) for s in vague if s not in named and s not in wide]
-    why_not += [_wide(s) for s in wide]
+    why_not += [_vague(s, s in found.adjusted) for s in vague if s not in {*named, *wide, *small}]
+    why_not += [*(_wide(s) for s in wide), *(_usual(s) for s in small)]
     return found, [*why_not, *(_beaten(s) for s in found.adjusted if s in found.beaten)]
 
 
@@ -224,6 +225,14 @@ def _beaten(suspect: Suspect) -> str:
 def _wide(suspect: Suspect) -> str:
     """Why a finding is adjusted whose interval did tell it, before others were adjusted beside it."""
     return f"{suspect} is adjusted and not named: beside what else is, its interval holds what the model has already"
+
+
+def _usual(suspect: Suspect) -> str:
+    """Why a finding is adjusted that laws may be off by, once others are adjusted beside it."""
+    return (
+        f"{suspect} is adjusted and not named: beside what else is, it does no more than laws of its kind may be off "
+        "by, and the held-out gap is hardly larger without it"
+    )
 
 
 def _vague(suspect: Suspect, adjusted: bool) -> str:
