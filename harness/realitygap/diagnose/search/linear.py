@@ -21,14 +21,13 @@ from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.robot.drive import Array
 
-NOWHERE, PRIOR = 1e-9, 1 / SLAB**2
-"""The curvature that every amount has at least, and that of its prior, which what is silent has and what is beside the
-origin of a centre: along an axis of which no motion tells where a load is, it lies at its link's frame, and not halfway
-to where it was tried."""
+NOWHERE, BESIDE = 1e-9, 1e-6
+"""The curvature that every amount has at least, and that of what is beside the origin of a centre: along an axis of
+which no motion tells where a load is, it lies at its link's frame, and not halfway to where it was tried."""
 SILENT = 1e-3
-"""A response shorter than so many standard deviations of all samples together answers by rounding alone: of it no
-amount is asked for. The axes of a pan and tilt meet in the frame, where a mass does nothing: a load of 0.15 kg began as
-1.9 kg at 3 mm or as 8 g at 1 m, and as 0.09 kg at its place with this."""
+"""A response shorter than so many standard deviations of all samples together answers by rounding alone: it has the
+curvature of its prior, and so no amount. The axes of a pan and tilt meet in the frame, where a mass does nothing: a
+load of 0.15 kg began as 1.9 kg at 3 mm or as 8 g at 1 m, and as 0.09 kg at its place with this."""
 LOOKED = 8
 """Blocks whose gain beside others is worked out within all bounds, of those that gain most roughly."""
 
@@ -71,8 +70,8 @@ class Linear:
         reach = [b.start.reach(k) for b in blocks for k in range(b.columns.shape[1])]
         self.low, self.high = np.array([r[0] for r in reach]), np.array([r[1] for r in reach])
         off_centre = [b.start.kind == "centre" and k > 0 for b in blocks for k in range(b.columns.shape[1])]
-        silent = np.diag(self.gram)[1:] < SILENT**2
-        self.least = np.where(np.logical_or(off_centre, silent), PRIOR, NOWHERE)
+        least = np.where(off_centre, BESIDE, NOWHERE)
+        self.least = np.where(np.diag(self.gram)[1:] < SILENT**2, 1.0 / SLAB**2, least)
         self._clashes: dict[int, Array] = {}
 
     def gain_of(self, number: int) -> LinearGain:
