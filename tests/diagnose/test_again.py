@@ -129,29 +129,34 @@ def test_what_an_interval_does_not_tell_beside_what_is_adjusted_has_no_name(
 
 
 @pytest.mark.parametrize(
-    ("whole", "clear", "named"),
-    [(2.2, 1e6, True), (1.8, 1e6, False), (1.8, 1.3, True)],
-    ids=["more", "usual", "missed"],
+    ("effect", "value", "whole", "clear", "named"),
+    [
+        ("coulomb_friction", {"torque": 0.6}, 2.2, 1e6, True),
+        ("coulomb_friction", {"torque": 0.6}, 1.8, 1e6, False),
+        ("coulomb_friction", {"torque": 0.6}, 1.8, 1.3, True),
+        ("viscous_friction", {"coefficient": 0.4}, 1.8, 1e6, True),
+    ],
+    ids=["more", "usual", "missed", "of which the model has none"],
 )
 def test_what_laws_may_be_off_by_has_no_name_but_where_held_out_runs_clearly_miss_it(
-    whole: float, clear: float, named: bool, monkeypatch: pytest.MonkeyPatch
+    effect: str, value: dict[str, float], whole: float, clear: float, named: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(again, "CLEAR", clear)
     bare = demo_problem()
-    dry = guess(bare, suspect_of(bare, "coulomb_friction", "elbow")).at({"torque": 0.6})
-    problem = planted(dry)
+    change = guess(bare, suspect_of(bare, effect, "elbow")).at(value)
+    problem = planted(change)
     with Simulations(problem, 2) as simulations:
-        criterion = Criterion(simulations, [dry])
-        best = criterion.fit([dry])
+        criterion = Criterion(simulations, [change])
+        best = criterion.fit([change])
         assert best is not None
-        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [dry.suspect]))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [change.suspect]))
         best = criterion.score(best.fit)
         found = Found(best, best, criterion.cautious(best.fit), 6.0, {}, criterion.floors, criterion)
-        does = all_done(simulations, found)[dry.suspect]
+        does = all_done(simulations, found)[change.suspect]
         monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / whole)
         told, small = again.usual_after_all(simulations, found, [])
-        kept, none = again.usual_after_all(simulations, found, [dry.suspect])
-    assert small == [dry.suspect] * (not named)
-    assert told.adjusted == (dry.suspect,) * (not named)
+        kept, none = again.usual_after_all(simulations, found, [change.suspect])
+    assert small == [change.suspect] * (not named)
+    assert told.adjusted == (change.suspect,) * (not named)
     assert told.best is best, "values are as they were"
     assert (kept.adjusted, none) == ((), [])
