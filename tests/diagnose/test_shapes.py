@@ -4,6 +4,8 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
+import pytest
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again
@@ -12,9 +14,11 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
+from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.search.grow import _ways
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import _richer, needed
+from realitygap.robot.effects import EFFECTS
 
 FREE = ("static", "coulomb", "velocity")
 CREEPING = {"static": 0.6, "coulomb": 0.45, "velocity": 1e-3}
@@ -55,3 +59,29 @@ def test_a_shape_that_gains_more_than_another_name_comes_first(problem: Problem)
     assert _richer(round_, model(9.0, shaped), model(5.0, other))
     assert not _richer(round_, model(5.0, shaped), model(9.0, other))
     assert not _richer(round_, model(9.0, friction, other), model(5.0, other))
+
+
+def test_every_shape_that_may_be_about_zero_says_what_is_much_of_it() -> None:
+    signed = [(e, p) for e in EFFECTS.values() for p in e.parameters if p.shape and p.low < 0.0 < p.high]
+    assert {(e.name, p.name) for e, p in signed} >= {
+        ("payload", "x"),
+        ("cable_spring", "rest"),
+        ("torque_ripple", "phase"),
+    }
+    assert all(0.0 < p.typical < p.high for _, p in signed)
+    assert not any(p.typical for e in EFFECTS.values() for p in e.parameters if not p.shape)
+
+
+@pytest.mark.parametrize(
+    ("effect", "target", "shape"), [("payload", "forearm", "x"), ("cable_spring", "elbow", "rest")]
+)
+def test_how_far_a_shape_may_be_off_does_not_hang_on_how_close_to_zero_it_is(
+    problem: Problem, effect: str, target: str, shape: str
+) -> None:
+    first = guess(problem, suspect_of(problem, effect, target))
+    change = replace(first, free=(first.suspect.kind.parameters[0].name, shape))
+    there = [Space(problem, [change.at({shape: value})]).scale for value in (0.0, 1e-12, -1e-3, 0.01)]
+    assert np.ptp(there, axis=0).max() == 0.0
+    far = Space(problem, [change.at({shape: 0.5})])
+    assert far.scale[1] > there[0][1]
+    assert far.scale[0] == there[0][0]

@@ -46,3 +46,11 @@ def test_a_value_that_shows_nowhere_is_the_models_own(problem: Problem) -> None:
     seen = as_seen(problem, found)
     assert seen.changes == (away.at({"y": 0.0}), stop), "what does nothing at all stays, too"
     assert as_seen(problem, replace(found, slope=np.abs(shows) + 1e-3)).changes == found.changes
+
+
+def test_a_load_lies_at_its_links_frame_along_an_axis_of_which_nothing_tells(problem: Problem) -> None:
+    load = guess(problem, suspect_of(problem, "payload", "forearm")).at({"x": 0.03, "y": 4e-13, "z": -0.2})
+    shows = np.array([[1.0, 0.2, 1e-9, 0.1], [0.0, 0.3, 0.0, 1.0]])
+    found = Fit((load,), np.zeros(2), tuple((0, n) for n in load.free), shows, np.ones(4), np.zeros(4))
+    assert load.free == ("mass", "x", "y", "z")
+    assert as_seen(problem, found).changes == (load.at({"y": 0.0}),)

@@ -202,7 +202,7 @@ def sizes(plant: Plant, suspect: Suspect) -> dict[str, float]:
     for p in effect.parameters:
         change = abs(first[p.name] - zero[p.name])
         if not np.isfinite(change) or change == 0.0:
-            change = 0.3 * abs(first[p.name]) or common or 0.01
+            change = 0.3 * abs(first[p.name]) or p.typical or common or 0.01
         out[p.name] = change
     return out
 

@@ -182,9 +182,9 @@ def as_seen(problem: Problem, found: Fit) -> Fit:
     still = [dict[str, float]() for _ in found.changes]
     for (i, name), size in zip(found.names, sizes, strict=True):
         suspect = found.changes[i].suspect
-        zero = neutral(problem.plant, suspect)[name]
+        zero, parameter = neutral(problem.plant, suspect)[name], suspect.kind.parameter(name)
         silent = size < SILENT * max(s for s, k in zip(sizes, own, strict=True) if k == i)
-        if silent and np.isfinite(zero) and not suspect.kind.parameter(name).shape:
+        if silent and np.isfinite(zero) and (parameter.typical or not parameter.shape):
             still[i][name] = zero
     return replace(found, changes=tuple(c.at(values) for c, values in zip(found.changes, still, strict=True)))
 

@@ -52,7 +52,7 @@ class Space:
                 p, value = change.suspect.kind.parameter(name), change.parameters[name]
                 names.append((i, name))
                 plain = np.isfinite(zero[name]) and not p.shape and not whole(change.suspect.kind)
-                scale.append(max(size[name] if plain or value == 0.0 else abs(value), 1e-12))
+                scale.append(max(size[name] if plain or value == 0.0 else abs(value), p.typical, 1e-12))
                 expected.append(zero[name] if plain else value)
                 width.append(SLAB if plain else LOOSE)
                 positive.append(plain and p.absent is None and p.low >= 0.0 and zero[name] > 0.0)

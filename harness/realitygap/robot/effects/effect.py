@@ -22,6 +22,8 @@ class Parameter:
         default: the value where the scenario leaves it out; None where it must be given.
         logarithmic: whether sizes are compared by ratio.
         shape: a parameter that does nothing on its own (an exponent, a phase) and is not fitted first.
+        typical: of a shape that may as well be about zero, as a phase or a place: a size of it that is neither
+            negligible nor absurd, where its value says nothing of that; 0 of all else.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Parameter:
     default: float | None = None
     logarithmic: bool = False
     shape: bool = False
+    typical: float = 0.0
 
     @property
     def with_unit(self) -> str:

@@ -35,7 +35,7 @@ DIRECTION_FRICTION = Effect(
     parameters=(
         Parameter("forward", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("backward", "N·m", 0.0, FRICTION_HIGH, 0.2),
-        Parameter("asymmetry", "", -1.0, 1.0, 0.1, absent=0.0, default=0.0, shape=True),
+        Parameter("asymmetry", "", -1.0, 1.0, 0.1, absent=0.0, default=0.0, shape=True, typical=0.1),
     ),
     signals=("position", "velocity"),
     own=_own_directions,
@@ -73,7 +73,7 @@ FRICTION_RIPPLE = Effect(
     parameters=(
         Parameter("share", "", 0.0, 1.0, 0.5, absent=0.0),
         Parameter("periods", "per 2π", 0.5, 2000.0, 3.0, shape=True),
-        Parameter("phase", "rad", -2 * math.pi, 2 * math.pi, 0.0, default=0.0, shape=True),
+        Parameter("phase", "rad", -2 * math.pi, 2 * math.pi, 0.0, default=0.0, shape=True, typical=1.0),
     ),
     signals=("position", "velocity"),
     own=reads(share="friction_ripple", periods="friction_periods", phase="friction_phase"),

@@ -230,7 +230,7 @@ TORQUE_RIPPLE = Effect(
     parameters=(
         Parameter("amplitude", "N·m", 0.0, 200.0, 0.1, absent=0.0),
         Parameter("periods", "per 2π", 0.5, 2000.0, 20.0, shape=True),
-        Parameter("phase", "rad", -2 * math.pi, 2 * math.pi, 0.0, default=0.0, shape=True),
+        Parameter("phase", "rad", -2 * math.pi, 2 * math.pi, 0.0, default=0.0, shape=True, typical=1.0),
     ),
     signals=("position", "velocity"),
     own=reads(amplitude="ripple", periods="ripple_periods", phase="ripple_phase"),

@@ -53,7 +53,7 @@ PAYLOAD = Effect(
     law="load",
     parameters=(
         Parameter("mass", "kg", 0.0, 1000.0, 0.5, absent=0.0),
-        *(Parameter(axis, "m", -WHERE, WHERE, 0.0, absent=0.0, default=0.0, shape=True) for axis in "xyz"),
+        *(Parameter(axis, "m", -WHERE, WHERE, 0.0, absent=0.0, default=0.0, shape=True, typical=0.1) for axis in "xyz"),
     ),
     signals=("position", "effort"),
     own=_own,

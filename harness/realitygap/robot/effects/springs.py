@@ -59,7 +59,7 @@ CABLE_SPRING = Effect(
     law="load",
     parameters=(
         Parameter("stiffness", "N·m/rad", 0.0, 1e5, 0.2, absent=0.0),
-        Parameter("rest", "rad", -100.0, 100.0, 0.0, absent=0.0, default=0.0, shape=True),
+        Parameter("rest", "rad", -100.0, 100.0, 0.0, absent=0.0, default=0.0, shape=True, typical=0.3),
     ),
     signals=("position", "effort"),
     own=reads(stiffness="cable_stiffness", rest="cable_rest"),
