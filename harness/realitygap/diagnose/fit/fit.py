@@ -18,7 +18,6 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.bounded import bounded
@@ -46,8 +45,8 @@ TINY = 1e-12
 """A box has an inside."""
 LITTLE = 0.2
 """A gain in evidence that no judgement hangs on."""
-SILENT = 1e-6
-"""What answers less than this share of what else an effect does is numerics."""
+SILENT = 0.1
+"""What a value changes the residual by, in standard deviations of all samples together, for it to be seen at all."""
 
 
 Care = Literal["quick", "compared", "whole"]
@@ -174,19 +173,40 @@ def stretched(
     return replace(found, changes=space.at(x), residual=there, prior=space.prior(x), here=False)
 
 
-def as_seen(problem: Problem, found: Fit) -> Fit:
-    """A fit of which every value that shows nowhere is that of the scenario's model: a centre of mass along the axis of
-    the only hinge stays where it was, whatever numerics made of it.
+def as_seen(simulations: Simulations, found: Fit, metric: Metric, train: Sequence[int], coarse: Sequence[float]) -> Fit:
+    """A fit of which every value that could as well be that of the scenario's model is it: a centre of mass along the
+    axis of the only hinge stays where it was, and a load there lies at its link's frame, whatever numerics made of it.
+    Its slope is none. What does nothing by any of its values stays as it is.
+
+    Args:
+        simulations: of the problem.
+        found: the fit.
+        metric: whose whitening says what is seen.
+        train: the cases that it was fitted to.
+        coarse: how coarsely each is simulated.
     """
-    sizes, own = np.linalg.norm(found.slope, axis=0), [i for i, _ in found.names]
-    still = [dict[str, float]() for _ in found.changes]
-    for (i, name), size in zip(found.names, sizes, strict=True):
+    own, tried = [i for i, _ in found.names], list[tuple[int, dict[str, float]]]()
+    for k, (i, name) in enumerate(found.names):
         suspect = found.changes[i].suspect
-        zero, parameter = neutral(problem.plant, suspect)[name], suspect.kind.parameter(name)
-        silent = size < SILENT * max(s for s, k in zip(sizes, own, strict=True) if k == i)
-        if silent and np.isfinite(zero) and (parameter.typical or not parameter.shape):
-            still[i][name] = zero
-    return replace(found, changes=tuple(c.at(values) for c, values in zip(found.changes, still, strict=True)))
+        zero, parameter = neutral(simulations.problem.plant, suspect)[name], suspect.kind.parameter(name)
+        away = np.isfinite(zero) and found.changes[i].parameters[name] != zero
+        if own.count(i) > 1 and away and (parameter.typical or not parameter.shape):
+            tried.append((k, {name: zero}))
+    if not tried:
+        return found
+    models = [[c.at(values) if j == own[k] else c for j, c in enumerate(found.changes)] for k, values in tried]
+    still, *answers = residuals(simulations, [found.changes, *models], train, coarse)
+    silent = {
+        k: values
+        for (k, values), answer in zip(tried, answers, strict=True)
+        if still is not None and answer is not None and metric.seen(answer - still) < SILENT
+    }
+    slope, changes = found.slope.copy(), list(found.changes)
+    for k, values in silent.items():
+        if any(i == own[k] and j not in silent for j, i in enumerate(own)):
+            changes[own[k]] = changes[own[k]].at(values)
+            slope[:, k] = 0.0
+    return replace(found, changes=tuple(changes), slope=slope)
 
 
 def residual_near(

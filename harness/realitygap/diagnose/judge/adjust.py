@@ -15,7 +15,6 @@ import numpy as np
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import SILENT, as_seen
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
 from realitygap.diagnose.judge.held_out import as_wide, predicted
@@ -24,6 +23,9 @@ from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.linear import LinearGain, linear_at
 from realitygap.diagnose.search.search import Found
+
+NUMERICS = 1e-6
+"""What answers less than this share of what else an effect does is numerics."""
 
 
 def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect]) -> Found:
@@ -57,9 +59,10 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
     shown = measure(simulations, after)
     if held_out_gap(simulations, shown, after) >= held_out_gap(simulations, shown, before.changes):
         return found
+    fitted = found.criterion.seen(fitted)
     return replace(
         found,
-        best=replace(fitted, fit=as_seen(simulations.problem, fitted.fit)),
+        best=fitted,
         cautious=as_wide(found.criterion.cautious(fitted.fit), found.cautious),
         floors=shown,
         adjusted=(*found.adjusted, *(c.suspect for c in after if c.suspect not in named)),
@@ -136,7 +139,7 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
 def _seen(told: LinearGain) -> Change:
     """A change of which only what answers is free: a slide that tilts about its own axis does nothing."""
     start, sizes = told.block.start, np.linalg.norm(told.block.columns, axis=0)
-    answers = {n for k, size in enumerate(sizes) if size > SILENT * sizes.max() for n in start.moved(k)}
+    answers = {n for k, size in enumerate(sizes) if size > NUMERICS * sizes.max() for n in start.moved(k)}
     change = told.change
     return replace(change, free=tuple(n for n in change.free if n in answers))
 

@@ -55,6 +55,11 @@ class Metric:
         out = np.vstack([white - self.discrepancy.times(taken), taken])
         return out[:, 0] if one else out
 
+    def seen(self, change: Array) -> float:
+        """How many standard deviations of all samples together a change of the residual is, were laws exact. (m,)."""
+        white, _ = self.whitening(np.nan_to_num(change)[:, None], self.weight)
+        return float(np.linalg.norm(white))
+
     def gram(self, columns: Sequence[Array]) -> Array:
         """The Gram matrix Xᵀ·Σ⁻¹·X of columns, each (m,) or (m, k), under the precision: the inner products of what a
         call gives, in less time where they are zero in most channels. Shape (n, n), where n are all columns.

@@ -15,7 +15,7 @@ from realitygap.diagnose.candidates.starts import Start, softer, starts, swings
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, fit, residual_near, stretched
+from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, as_seen, fit, residual_near, stretched
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
@@ -250,6 +250,11 @@ class Criterion:
                 break
             best = further
         return best
+
+    def seen(self, found: Scored) -> Scored:
+        """A fitted model of which values that show nowhere are the scenario's own (`fit.as_seen`)."""
+        seen = as_seen(self.simulations, found.fit, found.metric, self.train, self.floors.coarse)
+        return replace(found, fit=seen)
 
     def refined(self, quick: Scored) -> Scored | None:
         """A quick fit, fitted to be compared; as it is where it has more evidence, since it may be near another best

@@ -9,7 +9,7 @@ the time of a simulation, in which no error adds up, and no servo hides what its
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from realitygap.diagnose.data.along import along_the_motion
 from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
-from realitygap.diagnose.fit.fit import Fit, as_seen
+from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.search.ahead import by_two_steps
@@ -165,7 +165,7 @@ def search(
         at, looked_at = following.fit, list(everyone) if dropped or (first and not whole) else round_.likely(LIKELY)
     start = round_.criterion.score(nothing)
     best = round_.retold()
-    best = replace(best, fit=as_seen(simulations.problem, best.fit))
+    best = round_.criterion.seen(best)
     floors = measure(simulations, best.fit.changes)
     cautious = round_.criterion.cautious(best.fit)
     named = [c.suspect for c in best.fit.changes]
