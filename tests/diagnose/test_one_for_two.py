@@ -24,18 +24,3 @@ def test_an_inertia_is_not_a_mass_and_another_centre_of_it() -> None:
     assert better is not None
     assert at.right <= model_key(better.fit.changes)
     assert len(better.fit.changes) < len(at.round_.now.fit.changes)
-
-
-def test_a_load_is_not_another_centre_of_its_link_and_a_rotor_of_a_joint_that_carries_it() -> None:
-    missing: Effects = {("payload", "forearm"): {"mass": 0.2, "x": 0.0, "y": 0.0, "z": -0.25}}
-    wrong: Effects = {
-        ("center_of_mass", "forearm"): {"x": 0.0, "y": 0.0, "z": -0.19},
-        ("rotor_inertia", "shoulder"): {"armature": 0.02},
-    }
-    at = stood(missing, wrong, [])
-    with at.simulations:
-        ways = one_for_two(at.round_)
-        better = grown(at.round_, [], set(), again=True, ways=ways)
-    assert [{c.suspect.effect for c in way} for way, _ in ways] == [{"payload"}]
-    assert better is not None
-    assert model_key(better.fit.changes) == at.right

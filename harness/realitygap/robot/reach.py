@@ -17,17 +17,6 @@ def reach(model: Model) -> float:
     return float(np.max((far + np.array(own))[moving:], initial=0.0))
 
 
-def chain(model: Model, joint: int) -> set[int]:
-    """The joints that carry a joint, from the base on, and the joint itself: what its link weighs acts at all of
-    them.
-    """
-    found = {joint}
-    while (parent := model.joints[joint].parent) > 0:
-        joint = parent - 1
-        found.add(joint)
-    return found
-
-
 def extent(model: Model, index: int) -> float:
     """How far a link reaches from its own frame [m]: to the joints that it carries, to its contact, and to the end of a
     rod of even thickness with its centre of mass and its inertia, whose half length is √3 times its radius of gyration.

@@ -21,7 +21,6 @@ from realitygap.diagnose.search.alike import in_place, same
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.grow import with_shape
-from realitygap.diagnose.search.one_for_two import weigh_together
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
 from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.simpler import narrower
@@ -92,20 +91,14 @@ def _shaped(simulations: Simulations, found: Found, keep: Collection[Suspect]) -
 
 
 def _both_of(found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Iterator[Way]:
-    """What two findings are special cases of, of those that may stand in their place, with these two; and of what one
-    of them is, where both are of what joints carry, unless a quick fit tells that it is far behind.
-
-    A load on a SCARA's second arm was another centre of that and a rotor of the first joint, 65 behind.
-    """
-    changes, problem = found.best.fit.changes, found.criterion.problem
+    """What two findings are special cases of, of those that may stand in their place, with these two."""
+    changes = found.best.fit.changes
     for a, b in combinations([c.suspect for c in changes if c.free and c.suspect not in keep], 2):
-        rest, carried = _without(changes, {a, b}), weigh_together(problem, a, b)
+        rest = _without(changes, {a, b})
         for suspect in everyone:
-            special = [narrower(s, suspect) for s in (a, b)]
-            if any(special) and not any(suspect == c.suspect or clash(suspect, c.suspect) for c in rest):
-                way = [*rest, _like(found, suspect, {a, b})] if all(special) or carried else None
-                if way is not None and (all(special) or _near(found, way)):
-                    yield way, {a, b}
+            both = narrower(a, suspect) and narrower(b, suspect)
+            if both and not any(suspect == c.suspect or clash(suspect, c.suspect) for c in rest):
+                yield [*rest, _like(found, suspect, {a, b})], {a, b}
 
 
 def _like(found: Found, suspect: Suspect, gone: Collection[Suspect]) -> Change:
