@@ -143,7 +143,8 @@ def test_a_step_is_not_a_glitch() -> None:
 
 
 @pytest.mark.parametrize(
-    ("signal", "joint", "value"), [("velocity", 0, -381.95), ("velocity", 1, 40.0), ("position", 0, 12)]
+    ("signal", "joint", "value"),
+    [("velocity", 0, -381.95), ("velocity", 1, 40.0), ("position", 0, 12), ("position", 0, 1e300)],
 )
 def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal: str, joint: int, value: float) -> None:
     sound = recording()
@@ -193,3 +194,11 @@ def test_repetitions_whose_clocks_run_apart(rate: float) -> None:
     fault = there(drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0)))
     assert fault.numbers["rate"] == pytest.approx(rate, rel=0.25)
     assert drift_between(reference, recording()) is None
+
+
+def test_a_garbled_reading_of_a_robot_of_one_joint_is_no_size_of_its_quantum() -> None:
+    time = np.linspace(0.0, 5.0, 500)
+    position = np.round(np.sin(time) * 4096)[:, None] / 4096
+    position[200] = 1e300
+    (outlier,) = without_outliers(Trace(time, ("elbow",), position=position))[1]
+    assert outlier.time == time[200]

@@ -16,6 +16,7 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
     from realitygap.check import check as look
     from realitygap.compare.comparison import motions_of
     from realitygap.matrix.plan import Reader
+    from realitygap.recording.outliers import told
     from realitygap.scenario.file import load_scenario
 
     file, read = load_scenario(scenario), Reader()
@@ -28,8 +29,8 @@ def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -
     # a run prepares the motions, too, and refuses what cannot be simulated or judged
     prepared = [e for motion in motions_of(file, read) for e in motion.experiments]
     for name, recording in ((e.name, e.recording) for e in prepared if e.recording is not None):
-        for lack in recording.absent:
-            typer.echo(f"note: {name}: {lack.text}")
+        for text in (*(lack.text for lack in recording.absent), *told(recording.outliers).values()):
+            typer.echo(f"note: {name}: {text}")
     for note in advice(file, read):
         typer.echo(f"note: {note}")
     if not found:

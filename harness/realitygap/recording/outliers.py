@@ -79,7 +79,8 @@ def _jumps(value: Array) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
         sizes = np.abs(steps)
         known = sizes[np.isfinite(sizes)]
         far = FAR * max(np.quantile(known, USUAL), least) if len(known) else np.inf
-        alone[:] = (steps[:-1] * steps[1:] < 0) & (np.minimum(sizes[:-1], sizes[1:]) > far)
+        back = (steps[:-1] < 0) != (steps[1:] < 0)  # by their product, garbled readings overflow
+        alone[:] = back & (np.minimum(sizes[:-1], sizes[1:]) > far)
     return out
 
 
