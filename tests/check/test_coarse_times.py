@@ -30,6 +30,31 @@ def told(team: Team, folder: Path, form: str | None, slower: float = 1.0) -> lis
     return [m for m in check(load_scenario(path)) if m.certainty == "certain"]
 
 
+def logged(team: Team, folder: Path, resolution: float, *, again: bool = False) -> list[Mistake]:
+    """What is found where times are logged to a resolution [s], or, again, one row of each is logged at all of it."""
+    path = team.write(folder)
+    for table in folder.glob("*.csv"):
+        frame = pd.read_csv(table)
+        steps = (frame["time"] / resolution).round(6) // 1.0
+        if again:
+            frame = frame.groupby(steps).transform("last")
+        frame.assign(time=steps * resolution).to_csv(table, index=False)
+    return check(load_scenario(path))
+
+
+def test_times_in_tenths_of_a_second_are_coarse(team: Team, tmp_path: Path) -> None:
+    (found,) = logged(team, tmp_path, 0.1)
+    assert (found.kind, found.certainty, len(found.runs)) == ("coarse_times", "likely", len(team.tables))
+    assert " have a resolution of 0.1 s: " in found.text
+
+
+@pytest.mark.parametrize(("resolution", "again"), [(0.02, False), (0.1, True)])
+def test_rows_without_which_the_motion_still_shows_or_that_are_the_same_are_fine(
+    resolution: float, again: bool, team: Team, tmp_path: Path
+) -> None:
+    assert [m.kind for m in logged(team, tmp_path, resolution, again=again) if m.kind == "coarse_times"] == []
+
+
 @pytest.mark.parametrize("form", ["%Y-%m-%d %H:%M:%S", None])
 def test_times_in_whole_seconds_are_coarse(form: str | None, team: Team, tmp_path: Path) -> None:
     (found,) = told(team, tmp_path, form)

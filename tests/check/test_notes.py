@@ -3,8 +3,11 @@
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
+from realitygap.check.observed import observe
 from realitygap.cli.main import main
+from realitygap.scenario.file import load_scenario
 
 sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 
@@ -34,3 +37,24 @@ def test_a_reading_that_is_not_taken_is_told(
     garbled.tables["chirp_1"].position[100, 1] = value
     (note,) = notes(garbled.write(tmp_path), capsys)
     assert note.startswith(f"chirp_1: 1 position reading of elbow jumps far away and back ({value:.4g} at ")
+
+
+def test_rows_that_came_in_no_order_are_told(team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = team.write(tmp_path)
+    table = tmp_path / "chirp_1.csv"
+    frame = pd.read_csv(table).sample(frac=1.0, random_state=1)
+    frame.to_csv(table, index=False)
+    back = (frame["time"].diff() < 0).sum()
+    assert notes(path, capsys) == [f"chirp_1: {back} rows came out of order and were sorted"]
+
+
+def test_rows_that_are_the_same_are_told_and_nothing_is_lost(
+    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = team.write(tmp_path)
+    table = tmp_path / "chirp_1.csv"
+    frame = pd.read_csv(table)
+    pd.concat([frame, frame]).sort_values("time").to_csv(table, index=False)
+    repeated = f"chirp_1: {len(frame)} rows repeat the time of another and were dropped, of {2 * len(frame)}"
+    assert notes(path, capsys) == [repeated]
+    assert [lack.kind for o in observe(load_scenario(path)) for lack in o.recording.absent] == ["copies"]

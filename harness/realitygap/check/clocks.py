@@ -11,6 +11,8 @@ from realitygap.check.words import FAR_BETTER, WEAKEST
 SLOW, FAST = 0.2, 2e-5
 """s: a robot's motion is not recorded less often than this (a servo's bandwidth is some Hz, which needs ten samples a
 second), and no bus is read more often than 50 000 times a second."""
+FINE = 0.025
+"""s: what is left of rows that repeat one another's time still shows the motion of a servo at this spacing."""
 CERTAIN_SLOW = 1.0
 """s: at this spacing nothing is left of any motion of a servo."""
 SEARCHED = 5.0
@@ -39,7 +41,7 @@ def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
     slopes = travel_slopes(o, judged)
     by_velocity = float(np.median(np.abs(slopes))) if len(slopes) else 1.0  # a sign is another mistake
     key = f"{o.key}.path"
-    if o.period >= SLOW and (coarse := _coarse(o)):
+    if coarse := _coarse(o):
         certain = o.period >= CERTAIN_SLOW
         return [Mistake("coarse_times", "certain" if certain else "likely", o.joints, coarse, key, (o.name,))]
     for factor, name in ((1e3, "ms"), (1e6, "µs"), (1e9, "ns")):
@@ -65,15 +67,15 @@ def time_unit(o: Observed, judged: Mask) -> list[Mistake]:
 
 
 def _coarse(o: Observed) -> str:
-    """What is said of times that lack fractions of a second: most rows repeat one, or they are dates, which are in no
-    other unit; "" of others.
+    """What is said of times that lack fractions of a second: most rows repeat one, so that less is left than shows a
+    motion, or they are dates, which are in no other unit; "" of others.
     """
     same = max((lack for lack in o.recording.absent if lack.kind == "repeats"), key=lambda m: m.part, default=None)
     wanted = "; expected times with fractions of a second: log them so"
-    if same is not None and same.part > 0.5:
+    if same is not None and same.part > 0.5 and o.period > FINE:
         told = f"the times of {o.name} have a resolution of {o.period:.3g} s: {same.text}"
         return f"{told}{wanted}, or number the rows in steps of their period where they came evenly"
-    if o.recording.dated:
+    if o.recording.dated and o.period >= SLOW:
         return f"the samples of {o.name} are {o.period:.3g} s apart, as those of no recorded motion{wanted}"
     return ""
 

@@ -24,6 +24,7 @@ from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.streamed import between_samples
 from realitygap.init.table_sections import table_sections
 from realitygap.recording import Recording, read_recording, reader_of
+from realitygap.recording.lack import noticed
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
 from realitygap.scenario.schema_file import COMMENT, SCHEMA
@@ -98,6 +99,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 *_following(sections, model).values(),
                 *sections.told,
                 *repeated(loaded, recordings),
+                *noticed((r.name, lack) for r in recordings.values() for lack in r.absent),
             ]
             better = in_degrees(loaded, sections, model, recordings) or sections
             better = between_samples(loaded, better, recordings.values()) or better

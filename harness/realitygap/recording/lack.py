@@ -12,7 +12,8 @@ class Lack:
     """What is not as it should be in a recording: its kind, one sentence, and which part of the recording it is.
 
     Samples or readings are absent or were dropped (`samples`, `readings`, `pause`, `repeats` or `cut`), stamps are of
-    no use (`clock`), or turns of an encoder are not counted in it (`turns`).
+    no use (`clock`), turns of an encoder are not counted in it (`turns`), or something was mended in which nothing is
+    lost: rows that came out of `order`, or are `copies` of others.
     """
 
     kind: str
@@ -22,7 +23,7 @@ class Lack:
     @property
     def of_readings(self) -> bool:
         """Whether readings are absent or were dropped."""
-        return self.kind not in ("clock", "turns")
+        return self.kind not in ("clock", "turns", "order", "copies")
 
 
 def noticed(found: Iterable[tuple[str, Lack]]) -> list[str]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap.recording.lack import Lack
+from realitygap.recording.readers.rows import out_of_order
 from realitygap.trace.trace import Array
 
 Nanoseconds = NDArray[np.int64]
@@ -22,31 +24,28 @@ class Clock:
     received: dict[str, Nanoseconds]
     by_reception: bool = False
 
-    def times(self, topic: str) -> tuple[Array, Array, NDArray[np.int64], str]:
-        """Times [s] that strictly increase, times of reception [s], the messages they belong to, and what was done.
+    def times(self, topic: str) -> tuple[Array, Array, NDArray[np.int64], Lack | None]:
+        """Times [s] that strictly increase, times of reception [s], the messages they belong to, and what was mended.
 
         Both start at the bag's first message of any topic. Messages are sorted by time; of several with one stamp, the
         last is kept.
         """
         time = self.chosen[topic]
         order = np.argsort(time, kind="stable")
-        done = []
-        backwards = int((np.diff(time) < 0).sum())
-        if backwards:
-            done.append(f"{backwards} messages came out of order and were sorted")
+        mended = out_of_order(time, "messages")
         last = np.append(np.diff(time[order]) > 0, True)
         keep = order[last]
         if len(keep) < len(time):
-            done.append(
-                f"{len(time) - len(keep)} messages repeat the stamp of another and were dropped, of {len(time)}"
-            )
+            same = f"{len(time) - len(keep)} messages repeat the stamp of another and were dropped, of {len(time)}"
+            text = same if mended is None else f"{mended.text}; {same}"
+            mended = Lack("repeats", text, 1 - len(keep) / len(time))
         zero = min(int(t.min()) for t in self.chosen.values())
         zero_received = min(int(t.min()) for t in self.received.values())
         return (
             (time[keep] - zero) * 1e-9,
             (self.received[topic][keep] - zero_received) * 1e-9,
             keep,
-            "; ".join(done),
+            mended,
         )
 
 

@@ -9,7 +9,7 @@ from realitygap.files.errors import InputError
 from realitygap.recording.lack import Lack
 from realitygap.recording.readers.lerobot_folder import DataFolder, EpisodeRows, open_folder
 from realitygap.recording.readers.lerobot_units import scale_of
-from realitygap.recording.readers.rows import Rows, last_of_each, repeats
+from realitygap.recording.readers.rows import Rows, last_of_each, out_of_order, repeats
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT
 from realitygap.trace.trace import Array
@@ -97,6 +97,8 @@ def _times(table: pa.Table, folder: DataFolder, episode: EpisodeRows) -> tuple[A
         raise InputError(f"{episode.file}: a timestamp of episode {episode.number} is not finite, expected s")
     order = np.argsort(time, kind="stable")
     keep = order[last_of_each(time[order])]
+    if disorder := out_of_order(time):
+        dropped.append(disorder)
     if len(keep) < len(time):
         dropped.append(repeats(len(keep), len(time)))
     return time[keep], keep, notes, dropped

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -80,11 +80,9 @@ def read(path: Path, request: Request) -> Streams:
     for topic in topics:
         source, parts = f"{path}: {topic.name}", []
         for own in kinds[topic.name]:
-            time, received, keep, note = clock.times(own.name)
-            if len(keep) < len(own.rows):
-                dropped.append(Lack("repeats", f"{own.name}: {note}", 1 - len(keep) / len(own.rows)))
-            elif note:
-                notes.append(f"{own.name}: {note}")
+            time, received, keep, mended = clock.times(own.name)
+            if mended is not None:
+                dropped.append(replace(mended, text=f"{own.name}: {mended.text}"))
             parts.append((time, received, own.rows[keep]))
         if isinstance(topic.collector, Trajectories):
             (time, _, keep), *_ = parts

@@ -35,11 +35,31 @@ def rows_with(mask: Mask) -> Mask:
     return np.asarray(mask.reshape(len(mask), -1).any(axis=1))
 
 
-def repeats(kept: int, rows: int) -> Lack:
-    """The rows that were not kept, as they repeat the time of another."""
-    return Lack(
-        "repeats", f"{rows - kept} rows repeat the time of another and were dropped, of {rows}", 1 - kept / rows
-    )
+def repeats(kept: int, rows: int, *, alike: bool = False) -> Lack:
+    """The rows that were not kept, as they repeat the time of another; or all of it, so that nothing is lost."""
+    text = f"{rows - kept} rows repeat the time of another and were dropped, of {rows}"
+    return Lack("copies" if alike else "repeats", text, 1 - kept / rows)
+
+
+def out_of_order(time: Array | NDArray[np.int64], what: str = "rows") -> Lack | None:
+    """Rows, or what they are called, whose times (t,) are before that of the one before them; None where none is."""
+    back = int((np.diff(time) < 0).sum())
+    if not back:
+        return None
+    return Lack("order", f"{back} {what} came out of order and were sorted", back / len(time))
+
+
+def alike(value: Array, rows: Rows, kept: Rows) -> bool:
+    """Whether rows hold no more than those that were kept of them, a value being one number or several each.
+
+    Args:
+        value: of all rows of a table. Shape (n, ...).
+        rows: in the order of their times. Shape (t,).
+        kept: the last ones of every time among them, in their order. Shape (k,).
+    """
+    ends = np.isin(rows, kept)
+    last = kept[np.minimum(np.cumsum(ends) - ends, len(kept) - 1)]
+    return bool(np.array_equal(value[rows], value[last], equal_nan=True))
 
 
 def last_of_each(time: Array) -> Rows:

@@ -18,7 +18,17 @@ from realitygap.recording.readers.cells import Cells, Frame
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import ParquetColumns
-from realitygap.recording.readers.rows import APART, Mask, Rows, last_of_each, repeats, rows_apart, rows_with
+from realitygap.recording.readers.rows import (
+    APART,
+    Mask,
+    Rows,
+    alike,
+    last_of_each,
+    out_of_order,
+    repeats,
+    rows_apart,
+    rows_with,
+)
 from realitygap.recording.readers.table_time import rows_by_time
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
@@ -39,9 +49,9 @@ def read(path: Path, request: Request) -> Streams:
     (time, order), joints = table.times(), request.joints
     state = table.state() if joints else {}
     command, said = table.command() if joints else ({}, None)
-    back = int((np.diff(time) < 0).sum())
+    disorder = out_of_order(time)
     apart = said is not None and rows_apart(rows_with(np.isfinite(state["position"])), rows_with(said))
-    dropped = list(table.dropped)
+    cut = dict[tuple[int, int], bool]()  # rows that were kept and those there were: whether nothing is lost with them
 
     def samples(signals: dict[str, Array], named: tuple[str, ...] = (), present: Mask | None = None) -> Samples | None:
         if not signals:
@@ -54,8 +64,9 @@ def read(path: Path, request: Request) -> Streams:
             return None
         keep = own[last_of_each(time[own])]
         if len(keep) < len(own):
-            dropped.append(repeats(len(keep), len(own)))
-        whole = len(keep) == len(time) and not back
+            same = all(alike(value, own, keep) for value in signals.values())
+            cut[len(keep), len(own)] = same and cut.get((len(keep), len(own)), True)
+        whole = len(keep) == len(time) and disorder is None
         kept = signals if whole else {name: value[keep] for name, value in signals.items()}
         return Samples(str(path), time[keep], kept, named, None if present is None else present[keep])
 
@@ -66,10 +77,12 @@ def read(path: Path, request: Request) -> Streams:
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
         temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
-        notes=tuple(
-            note for note, told in ((APART, apart), (f"{back} rows came out of order and were sorted", back)) if told
+        notes=(APART,) if apart else (),
+        dropped=(
+            *table.dropped,
+            *([disorder] if disorder else []),
+            *(repeats(*counts, alike=same) for counts, same in cut.items()),
         ),
-        dropped=tuple(dict.fromkeys(dropped)),
         dated=table.dated,
     )
 
