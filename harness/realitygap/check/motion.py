@@ -69,8 +69,7 @@ def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:
     if found is None:
         return None
     kind, factor = found
-    joint, rad = o.joints[j], unit(o, j)
-    certain = factor > 1.0
+    joint, certain = o.joints[j], factor > 1.0
     if factor < 1.0:
         limits = o.plant.model.joints[j]
         farthest = float(np.nanmax(np.abs(o.command[:, j])))
@@ -80,13 +79,23 @@ def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:
         if not (certain or close):
             return None
     who = "position" if factor > 1.0 else "command"
-    sentence = (
-        f"the position of {joint} is {slope:.3g} times its command (explains {share:.1%}): the {who} is not in {rad} "
-        f"but {max(factor, 1 / factor):.3g} times as large, as it seems; expected both in {rad}"
-    )
-    if kind == "degrees" and o.holder == "table":
-        sentence += f", or `units: {{{who}: deg}}` under recordings.columns"
+    found_so = f"the position of {joint} is {slope:.3g} times its command (explains {share:.1%})"
+    sentence = f"{found_so}: {_blamed(o, j, kind, who, max(factor, 1 / factor))}"
     return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, o.line(who), (o.name,))
+
+
+def _blamed(o: Observed, j: int, kind: str, who: str, factor: float) -> str:
+    """What is in another unit, and how a scenario says it: a signal, or the other one, where its unit is stated."""
+    rad, other = unit(o, j), "command" if who == "position" else "position"
+    said = {"degrees": "deg", "thousandths": "mm" if o.prismatic(j) else ""}[kind]
+    if said and o.stated_unit(other, j) == said:
+        return (
+            f"the {other} is in {rad} and not in {said}, as its unit is stated, or the {who} is in {said}, too; "
+            f"expected both in {rad}: remove the {other}'s unit from `units` under recordings.columns, or add "
+            f"`{who}: {said}`"
+        )
+    or_say = f", or `units: {{{who}: {said}}}` under recordings.columns" if said and o.holder == "table" else ""
+    return f"the {who} is not in {rad} but {factor:.3g} times as large, as it seems; expected both in {rad}{or_say}"
 
 
 def _flipped(o: Observed, either: Following, along: Following, j: int) -> Mistake | None:

@@ -15,6 +15,7 @@ from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.commands import held_at
 from realitygap.recording.quantum import quantum
+from realitygap.recording.readers.units import unit_of
 from realitygap.robot.drive import CASCADE, DC, PID
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
@@ -72,6 +73,15 @@ class Observed:
         if signal == "command":
             return "motion.recorded"
         return "recordings.state" if self.holder == "bag" else f"recordings.columns.{signal}"
+
+    def stated_unit(self, signal: str, joint: int) -> str:
+        """The unit of `recordings.columns.units` that a position, velocity or command is read in; "" of a data set's,
+        which are stated elsewhere.
+        """
+        if self.scenario.recordings is None or self.holder == "data set":
+            return ""
+        stated = getattr(self.scenario.recordings.columns.units, signal)
+        return unit_of(stated, self.joints[joint]) or ""
 
     @cached_property
     def period(self) -> float:
