@@ -189,6 +189,17 @@ def test_a_new_trajectory_replaces_the_rest_of_an_old_one(tmp_path: Path, write_
     np.testing.assert_allclose(command[250], [0.0, 2.0], atol=0.006)
 
 
+def test_a_trajectory_in_degrees_begins_where_the_robot_was(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """Which was measured in rad."""
+    bag = write_bag(tmp_path / "run", "mcap", [*states(400), goal(1.0, [(1.0, {"positions": [90.0, 180.0]})])])
+    said = scenario(command="/goal", held=False).model_dump(by_alias=True)
+    said["recordings"]["columns"] = {"units": {"command": "deg"}}
+    trace = Signals(read(bag, Scenario.model_validate(said)).trace)
+    begin, end = np.searchsorted(trace.time, [1.0 + 1e-4, 2.1])
+    np.testing.assert_allclose(trace.command[begin], measured(1.0), atol=0.03)
+    np.testing.assert_allclose(trace.command[end], [np.pi, np.pi / 2])
+
+
 def test_what_is_wrong_with_a_trajectory_is_told(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     cases = [
         (goal(0.0, [(1.0, {"positions": [1.0, 1.0]}), (0.5, {"positions": [1.0, 1.0]})]), r"does not increase"),

@@ -17,9 +17,10 @@ from realitygap.trace.trace import Array
 
 DEGREES = FACTORS["degrees"]
 TURN = 2.0 * np.pi
+STATED = ", or `units: {position: deg}` under recordings.columns"
 POSITION = {
-    "bag": ("recordings.state", ""),
-    "table": ("recordings.columns.position", ", or `units: {position: deg}` under recordings.columns"),
+    "bag": ("recordings.state", STATED),
+    "table": ("recordings.columns.position", STATED),
     "data set": ("recordings.dataset.units", ", or `units: degrees` under recordings.dataset"),
 }
 """Where a scenario says what positions are, and how it says degrees, by what holds them."""

@@ -94,7 +94,7 @@ def _blamed(o: Observed, j: int, kind: str, who: str, factor: float) -> str:
             f"expected both in {rad}: remove the {other}'s unit from `units` under recordings.columns, or add "
             f"`{who}: {said}`"
         )
-    or_say = f", or `units: {{{who}: {said}}}` under recordings.columns" if said and o.holder == "table" else ""
+    or_say = f", or `units: {{{who}: {said}}}` under recordings.columns" if said and o.holder != "data set" else ""
     return f"the {who} is not in {rad} but {factor:.3g} times as large, as it seems; expected both in {rad}{or_say}"
 
 

@@ -16,6 +16,7 @@ from realitygap.recording import Recording, read_recording
 from realitygap.recording.commands import held_at
 from realitygap.recording.quantum import quantum
 from realitygap.recording.readers.units import unit_of
+from realitygap.recording.sections import fitting_cases
 from realitygap.robot.drive import CASCADE, DC, PID
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
@@ -231,7 +232,7 @@ def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
     """
     plants: dict[str, Plant] = {}
     out = []
-    for case in file.cases():
+    for case in fitting_cases(file):
         plant = _plant(file, case, plants)
         if (model := plant.model).joints:
             told = {"mimics": model.mimics, "limits": model.limits}

@@ -162,7 +162,7 @@ def _told_units(o: Observed, kind: str, times: float) -> str:
     """How a scenario says the unit of a velocity that is so many times too large, or does without it."""
     if o.holder == "data set":
         return f" where positions are in recordings.dataset.units: {NO_VELOCITY[o.holder]}"
-    said = o.holder == "table" and kind == "degrees" and times > 1.0
+    said = kind == "degrees" and times > 1.0
     return ", or `units: {velocity: deg}` under recordings.columns" if said else ""
 
 

@@ -115,9 +115,9 @@ LEFT_OUT = "none"
 
 
 class Units(Section):
-    """The units of a table's columns, for all joints or by joint pattern; velocities are per s."""
+    """The units of a table's columns or a bag's joints, for all joints or by joint pattern; velocities are per s."""
 
-    time: Literal["s", "ms", "us", "ns"] = Field(default="s", description="of time")
+    time: Literal["s", "ms", "us", "ns"] = Field(default="s", description="of a table's time")
     command: Lengths = Field(default="rad", description="of a command that is a position or velocity")
     position: Lengths = Field(default="rad", description="of the measured position (rad and m are the same here)")
     velocity: Lengths = Field(default="rad", description="of the measured velocity, per s")
@@ -128,7 +128,9 @@ class Columns(Section):
     (`position_elbow`, `elbow_position`, `position.elbow` or `position/elbow`), or a mapping from joint to column.
     """
 
-    units: Units = Field(default=Units(), description="of these columns; an effort's is said by `effort`")
+    units: Units = Field(
+        default=Units(), description="of these columns, or of a bag's joints; an effort's is said by `effort`"
+    )
     time: str | list[str] = Field(
         default="time", description="time [s]; or the two columns of a stamp, its seconds and its nanoseconds"
     )
@@ -220,7 +222,7 @@ class Recordings(Section):
         description="the names that bags and tables have for joints, where they are others, by patterns over joint "
         'names (the first that matches); `*` in a name is the joint\'s own: `{"*": "left_arm/*"}`',
     )
-    columns: Columns = Field(default=Columns(), description="for tables")
+    columns: Columns = Field(default=Columns(), description="for tables; `units` for bags, too")
     dataset: DataSet = Field(default=DataSet(), description="for LeRobot data sets")
     episode: Episode | None = Field(default=None, description="of a data set, where a run does not say its own")
     part: Span | None = Field(default=None, description="what is read and simulated, where a run does not say its own")

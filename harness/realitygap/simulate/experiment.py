@@ -13,6 +13,7 @@ from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError
 from realitygap.recording import Recording, read_recording
+from realitygap.recording.sections import fitting_cases
 from realitygap.robot.effects.place import known, place
 from realitygap.robot.held import stated_start
 from realitygap.robot.plant import Plant, build_plant
@@ -120,7 +121,7 @@ def experiments(
     Raises:
         InputError: for whatever is wrong with the scenario's files.
     """
-    cases = file.cases()
+    cases = fitting_cases(file)
     if not cases:
         if file.scenario.motion is None or file.scenario.motion.keyframes is None:
             raise InputError(f"{file.path}: recordings.runs: found none; expected recordings or motion: keyframes")

@@ -25,6 +25,7 @@ from realitygap.recording.readers.kinds import Kind, in_order, kinds_of, told_ki
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
 from realitygap.recording.readers.ros_control import NoNames, collector_of
 from realitygap.recording.readers.trajectory import Trajectories, followed
+from realitygap.recording.readers.units import as_commanded, in_si
 from realitygap.recording.streams import Request, Streams
 from realitygap.scenario import schema as scenario
 from realitygap.scenario.joint_names import hint
@@ -86,11 +87,13 @@ def read(path: Path, request: Request) -> Streams:
             parts.append((time, received, own.rows[keep]))
         if isinstance(topic.collector, Trajectories):
             (time, _, keep), *_ = parts
-            roles[topic.role] = followed(source, request.joints, topic.collector, time, keep, roles.get("state"))
+            measured = None if "state" not in roles else as_commanded(roles["state"], request)
+            roles[topic.role] = followed(source, request.joints, topic.collector, time, keep, measured)
             continue
         joints = request.joints if isinstance(topic.collector, JointMessages) else ()
         roles[topic.role] = in_order(source, joints, *topic.collector.arrays(), parts)
         notes += [f"{topic.name}: {told}" for told in (topic.collector.note, told_kinds(kinds[topic.name])) if told]
+    roles = {role: in_si(samples, role, request) for role, samples in roles.items()}
     return Streams(**roles, notes=tuple(dict.fromkeys(notes)), dropped=tuple(dict.fromkeys(dropped)))
 
 

@@ -1,17 +1,22 @@
-"""From the units of a table to SI."""
+"""From the units of a table or a bag to SI."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
 
 from realitygap.files.errors import InputError
+from realitygap.recording.streams import Request, Samples
 from realitygap.scenario.schema import Length, Lengths
 from realitygap.trace.trace import Array
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 LENGTHS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
+
+
+RATES_AND_ANGLES = {"position", "velocity"}
 
 
 def unit_of(units: Lengths, joint: str) -> Length | None:
@@ -32,3 +37,30 @@ def joint_factors(units: Lengths, joints: Sequence[str], key: str, file: Path) -
             raise InputError(f"{file}: {key}: no pattern matches joint {joint}; expected a unit for every joint")
         out.append(LENGTHS[found])
     return np.array(out)
+
+
+def in_si(samples: Samples, role: str, request: Request) -> Samples:
+    """A stream of a bag in SI units, as a state or a command; others are in SI.
+
+    Raises:
+        InputError: for a joint that no pattern matches.
+    """
+    signals = dict(samples.signals)
+    for signal in RATES_AND_ANGLES & signals.keys() if samples.joints and role in ("state", "command") else ():
+        factors = _factors("command" if role == "command" else signal, request)
+        if (factors != 1.0).any():
+            signals[signal] = factors * signals[signal]
+    return replace(samples, signals=signals)
+
+
+def as_commanded(state: Samples, request: Request) -> Samples:
+    """A state of a bag with its positions in the units of the commands."""
+    factors = _factors("position", request) / _factors("command", request)
+    if "position" not in state.signals or (factors == 1.0).all():
+        return state
+    return replace(state, signals={**state.signals, "position": factors * state.signals["position"]})
+
+
+def _factors(quantity: str, request: Request) -> Array:
+    units, key = getattr(request.recordings.columns.units, quantity), f"recordings.columns.units.{quantity}"
+    return joint_factors(units, request.joints, key, request.file)
