@@ -26,7 +26,8 @@ from signals import Signals, there
 
 @pytest.mark.parametrize("form", ["bag", "mcap", "db3"])
 def test_what_is_written_loads_and_reads(form: str, tmp_path: Path, write_bag: Callable[..., Path]) -> None:
-    bags = [write_bag(tmp_path / (f"{k}.bag" if form == "bag" else f"{k}"), form, messages()) for k in range(3)]
+    names = [f"{k}.bag" if form == "bag" else f"{k}" for k in range(3)]
+    bags = [write_bag(tmp_path / name, form, messages(lag=0.05 + 1e-3 * k)) for k, name in enumerate(names)]
     path = init(arm(tmp_path / "arm.urdf"), bags, tmp_path / "scenarios" / "arm").path
     assert path == tmp_path / "scenarios" / "arm" / "scenario.yaml"
     text = path.read_text()

@@ -186,11 +186,11 @@ def test_an_effort_that_was_asked_for_and_measured_is_followed_and_both_are_offe
 
 def test_what_is_averaged_as_repetitions_is_told(tmp_path: Path) -> None:
     clock = np.arange(200) * 0.01
-    paths = []
+    paths: list[Path] = []
     for name, asked in (("free_1", goal(clock)), ("loaded_1", goal(clock)), ("other", goal(1.5 * clock))):
         frame = pd.DataFrame({"time": clock})
         for joint in ("shoulder", "elbow"):
-            frame[f"{joint}_command"], frame[f"{joint}_position"] = asked, asked
+            frame[f"{joint}_command"], frame[f"{joint}_position"] = asked, asked + 1e-3 * len(paths)
         paths.append(tmp_path / f"{name}.csv")
         frame.to_csv(paths[-1], index=False)
     draft = init(arm(tmp_path / "arm.urdf"), paths, tmp_path / "out")

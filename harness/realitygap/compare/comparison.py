@@ -122,13 +122,8 @@ def _check_different(group: Sequence[Experiment]) -> None:
     """Two copies of one recording are no repetitions: their noise floor would be zero."""
     recordings = [e.recording for e in group if e.recording is not None]
     for a, b in combinations(recordings, 2):
-        signals = [(a.trace.time, b.trace.time), *((getattr(a.trace, s), getattr(b.trace, s)) for s in Trace.SIGNALS)]
-        if all(x is y is None or (x is not None and y is not None and _equal(x, y)) for x, y in signals):
+        if a.trace.same_as(b.trace):
             raise InputError(f"{b.place}: holds the same measurement as {a.place}; expected another repetition")
-
-
-def _equal(a: Array, b: Array) -> bool:
-    return np.array_equal(a, b, equal_nan=True)
 
 
 def on_first_clock(group: Sequence[Experiment], shifts: Sequence[float]) -> list[Trace]:

@@ -18,12 +18,13 @@ from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.degrees import in_degrees
-from realitygap.init.repeated import repeated
+from realitygap.init.repeated import repeated, without_copies
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
 from realitygap.init.streamed import between_samples
 from realitygap.init.table_sections import table_sections
 from realitygap.recording import Recording, read_recording, reader_of
+from realitygap.recording.align import RecordedRun
 from realitygap.recording.lack import noticed
 from realitygap.scenario.file import load_scenario
 from realitygap.scenario.schema import Scenario
@@ -90,19 +91,22 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
         try:
             text = _text(urdf, out, packages, model, fixed, sections, held)
             draft.write_text(text, encoding="utf-8")
-            loaded, recordings = load_scenario(draft), {}
-            for case in loaded.cases():
+            loaded, every = load_scenario(draft), list[RecordedRun]()
+            for case in (cases := loaded.cases()):
                 path = named.get(case.path.resolve(), case.path)
-                recordings[case.path] = _read(path, bags[0], case.scenario, model, target)
+                every.append(RecordedRun(case.name, _read(path, bags[0], case.scenario, model, target)))
+            better, runs, copies = without_copies(sections, every)
+            by_path = {case.path: run.recording for case, run in zip(cases, every, strict=True)}
             told = [
                 *sections.unsure,
                 *_following(sections, model).values(),
                 *sections.told,
-                *repeated(loaded, recordings),
-                *noticed((r.name, lack) for r in recordings.values() for lack in r.absent),
+                *copies,
+                *repeated(runs),
+                *noticed((run.name, lack) for run in runs for lack in run.recording.absent),
             ]
-            better = in_degrees(loaded, sections, model, recordings) or sections
-            better = between_samples(loaded, better, recordings.values()) or better
+            better = in_degrees(loaded, better, model, by_path) or better
+            better = between_samples(loaded, better, [run.recording for run in runs]) or better
             if better is not sections:
                 text = _text(urdf, out, packages, model, fixed, better, held)
                 draft.write_text(text, encoding="utf-8")

@@ -102,6 +102,14 @@ class Trace:
         others: dict[str, Any] = {name: None for name in self.SIGNALS if name not in signals}
         return replace(self, **others)
 
+    def same_as(self, other: "Trace") -> bool:
+        """Whether all times and signals are those of another trace, number by number."""
+        pairs = [(self.time, other.time), *((getattr(self, s), getattr(other, s)) for s in self.SIGNALS)]
+        return all(
+            x is y is None or (x is not None and y is not None and np.array_equal(x, y, equal_nan=True))
+            for x, y in pairs
+        )
+
     def rows(self, keep: NDArray[np.bool_] | NDArray[np.int64]) -> "Trace":
         """The samples chosen by a mask or an index array; with all of them, this trace itself."""
         if keep.dtype == bool and keep.all():
