@@ -10,6 +10,7 @@ from realitygap.check.asked import asked_efforts
 from realitygap.check.clocks import clock_offset, no_overlap, time_unit
 from realitygap.check.commanded_effort import commanded_efforts
 from realitygap.check.counts import count_mistakes
+from realitygap.check.coupling import coupling_mistakes
 from realitygap.check.driven import drives_nothing, servo_patterns, undriven
 from realitygap.check.effort import effort_mistakes
 from realitygap.check.effort_flag import effort_flags
@@ -112,7 +113,8 @@ def _of_recordings(observed: Sequence[Observed], undriven_robot: bool) -> list[M
             seen = [m for m in motion_mistakes(o, rest) if not late or m.kind not in SHIFTED]
             angles += [m for m in seen if not asked & set(m.joints) and stands(m)]
         angles += [m for m in angle_mistakes(o) if not _joints(angles) & set(m.joints)]
-    found += angles
+    uncoupled = [m for o in rest for m in coupling_mistakes(o, _without(o, _joints(angles)))]
+    found += [*angles, *uncoupled]
     usual = usual_slopes(rest)
     speeds = [m for o in rest for m in velocity_mistakes(o, _without(o, _joints(angles)), usual)]
     named = _joints(m for m in speeds if m.kind != "velocity")  # in any of them

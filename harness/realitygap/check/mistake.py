@@ -16,6 +16,7 @@ KINDS: dict[str, str] = {
     "grams": "masses in g or inertias in kg·mm² where kg and kg·m² are expected, or the other way round",
     "flipped_sign": "a command, a state or an effort counts the other way round",
     "swapped_joints": "the signals of two or more joints stand under one another's names",
+    "coupling": "a joint that mimics another in the robot's file was measured elsewhere than that says",
     "another_motion": "the measurement is not of the motion that was commanded",
     "asked_effort": "commands that are efforts, where positions are expected",
     "no_overlap": "commands and states were recorded at different times",
