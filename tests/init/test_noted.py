@@ -5,7 +5,9 @@ from pathlib import Path
 import lerobot_sets
 import numpy as np
 import pandas as pd
+import pytest
 from first_scenario import arm, goal
+from realitygap.check import check
 from realitygap.init.draft import init
 from realitygap.scenario.file import load_scenario
 from realitygap.simulate.experiment import experiments
@@ -41,3 +43,17 @@ def test_so_is_a_table_of_another_name(tmp_path: Path) -> None:
     draft = init(arm(tmp_path / "arm.urdf", ["elbow"]), files, tmp_path / "out")
     assert f"{files[1]}: holds the same measurement as {files[0]}, and is left out of the runs" in draft.told
     assert [case.path for case in load_scenario(draft.path).cases()] == files[:1]
+
+
+def test_a_joint_that_is_only_commanded_is_held_and_told_of_a_table_nearby(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the draft, and by the check of it."""
+    clock = np.arange(100) * 0.01
+    frame = pd.DataFrame({"time": clock, "position_shoulder": goal(clock), "command_shoulder": goal(clock)})
+    frame.assign(command_elbow=goal(2 * clock)).to_csv(tmp_path / "run.csv", index=False)
+    arm(tmp_path / "arm.urdf")
+    monkeypatch.chdir(tmp_path)
+    draft = init(Path("arm.urdf"), [Path("run.csv")], Path("out"))
+    assert draft.told[0].startswith("elbow is held where robot.hold says")
+    assert "held_joint" in [m.kind for m in check(load_scenario(draft.path))]

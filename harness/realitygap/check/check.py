@@ -26,6 +26,7 @@ from realitygap.check.repetitions import repetition_mistakes
 from realitygap.check.speed_limit import speed_limit_mistakes
 from realitygap.check.start import constant_command, start_mistakes
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
+from realitygap.check.welded import welded_mistakes
 from realitygap.check.window import window_mistakes
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.recording import read_recording
@@ -53,11 +54,12 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     whole = drives_nothing(file, plants, observed)
     found += [m for plant in plants for m in (*limit_mistakes(plant), *link_mistakes(plant))]
     found += _of_recordings(observed, bool(whole))
+    welded = welded_mistakes(file, observed, read)
     if not found and not whole:
         found += load_mistakes(observed)
     if not whole and not any(m.certainty == "certain" for m in found):
         found += repetition_mistakes(observed, _joints(found))
-    return merged([*whole, *found, *(m for o in observed for m in (*few_samples(o), *window_mistakes(o)))])
+    return merged([*whole, *found, *welded, *(m for o in observed for m in (*few_samples(o), *window_mistakes(o)))])
 
 
 def certain(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:

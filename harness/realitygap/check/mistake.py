@@ -17,6 +17,7 @@ KINDS: dict[str, str] = {
     "flipped_sign": "a command, a state or an effort counts the other way round",
     "swapped_joints": "the signals of two or more joints stand under one another's names",
     "coupling": "a joint that mimics another in the robot's file was measured elsewhere than that says",
+    "held_joint": "a joint that is held as it was not measured was commanded to move",
     "another_motion": "the measurement is not of the motion that was commanded",
     "asked_effort": "commands that are efforts, where positions are expected",
     "no_overlap": "commands and states were recorded at different times",

@@ -39,8 +39,10 @@ def in_degrees(
     if not sections.angles:
         return None
 
+    by_path = {path.resolve(): recording for path, recording in recordings.items()}
+
     def known(path: Path, *_: Any, **__: Any) -> Recording:
-        return recordings[path]
+        return by_path[path.resolve()]
 
     try:
         found = _turned(check(file, known))

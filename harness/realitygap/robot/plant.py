@@ -130,8 +130,13 @@ def _contact_links(scenario: Scenario) -> list[str] | None:
     return [] if asked is None and nowhere else asked
 
 
-def _model(file: ScenarioFile, scenario: Scenario) -> Model:
-    """The robot of a scenario, before any joint is held."""
+def whole_model(file: ScenarioFile, scenario: Scenario) -> Model:
+    """The robot of a scenario, before any joint is held.
+
+    Raises:
+        InputError: where its file is not there.
+        ModelError: for a file that cannot be used.
+    """
     robot = scenario.robot
     path = file.existing(robot.urdf, "robot.urdf", "a URDF or MJCF file")
     try:
@@ -154,7 +159,7 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     """
     scenario = scenario or file.scenario
     robot = scenario.robot
-    whole = _model(file, scenario)
+    whole = whole_model(file, scenario)
     model = hold(whole, held := held_joints(file, whole, robot.hold))
     if isinstance(robot.start, dict):
         try:
