@@ -1,5 +1,6 @@
 """The same cells on a Dask cluster that exists: every Dask worker thread attends to cells as a local one does."""
 
+import asyncio
 import pickle
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -28,11 +29,8 @@ def run_cluster(tasks: Sequence[Task], scheduler: str, store: str, limit: float,
         from distributed import Client, KilledWorker, as_completed
     except ImportError:
         raise InputError("--scheduler: needs distributed; install it with: pip install 'realitygap[cluster]'") from None
-    try:
-        client = Client(scheduler, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise InputError(f"--scheduler: {scheduler} does not answer ({error}); expected host:port") from None
-    with client:
+    _check_answers(scheduler)
+    with Client(scheduler, timeout=CONNECT, set_as_default=False) as client:
         threads = _threads(client, scheduler)
         waiting = iter(tasks)
         futures = {}
@@ -56,6 +54,23 @@ def run_cluster(tasks: Sequence[Task], scheduler: str, store: str, limit: float,
 def work(pickled: bytes, store: str, limit: float) -> str | None:
     """One cell on a worker of the cluster."""
     return attend(pickle.loads(pickled), pickled, store, limit, _workers)
+
+
+def _check_answers(scheduler: str) -> None:
+    """Make sure that a scheduler is there: a `Client` of one that is not waits twice its timeout to be closed."""
+    from dask.utils import parse_timedelta
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    async def ask() -> None:
+        arguments = Security().get_connection_args("client")
+        comm = await connect(scheduler, timeout=parse_timedelta(CONNECT), **arguments)
+        comm.abort()
+
+    try:
+        asyncio.run(ask())
+    except (OSError, ValueError) as error:
+        raise InputError(f"--scheduler: {scheduler} does not answer ({error}); expected host:port") from None
 
 
 def _threads(client: Any, scheduler: str) -> int:
