@@ -74,6 +74,20 @@ def test_combinations_are_left_out(write: Callable[..., list[Task]], leave_out: 
             write(text)
 
 
+def test_what_is_left_out_may_be_of_another_choice_of_engines_and_recordings(write: Callable[..., list[Task]]) -> None:
+    """So that a matrix is made smaller for a first look without another change."""
+    text = "engines: mujoco\nleave_out: [{engine: dart}, {recording: sines_*}, {recording: [triangle_1, step*]}]\n"
+    assert len(write(text)) == 1
+
+
+def test_values_that_only_together_are_wrong_are_told_together(write: Callable[..., list[Task]]) -> None:
+    text = "engines: mujoco\naxes: {servos.0.kind: [pid], servos.0.kp: [1, 2]}\n"
+    with pytest.raises(
+        InputError, match=r"matrix.yaml: axes: servos.0.kind 'pid', servos.0.kp 1: servos\[0\].\w+: unk"
+    ):
+        write(text)
+
+
 def test_patterns_that_match_nothing_are_told_with_what_there_is(tmp_path: Path) -> None:
     path = tmp_path / "matrix.yaml"
     path.write_text(f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: [foo*, bar]\n")
@@ -117,8 +131,24 @@ def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path: Path) -> N
         ("axes: {step_rate: [500, 500]}", "axes.step_rate: a value stands twice"),
         ("axes: {robot.urdf: [arm.urdf]}", r"axes: robot.urdf is set by recordings.runs\[0\].with"),
         ("axes: {servos.arm.gain: [1]}", "there is no arm; expected one of drive"),
+        ("axes: {step_rate: [500, abc]}", r"matrix.yaml: axes.step_rate\[1\]: found 'abc'; expected a number"),
+        ("axes: {servos.drive.gain: -1}", r"matrix.yaml: axes.servos.drive.gain\[0\]: found -1; expected greater than"),
+        ("axes: {ground: [flat, sand]}", r"matrix.yaml: axes.ground\[1\]: found 'sand'; expected 'none', 'flat' or"),
+        ("axes: {servos.0.kind: [dc, pid]}", r"matrix.yaml: axes: servos\[0\].\w+: unknown key of kind pid"),
+        (
+            "axes: {physics.rate: [1], step_rate: [500, abc]}",
+            "matrix.yaml: axes: physics.rate: unknown key",
+        ),
+        ("axes: {effects.0.torque: [1]}", "matrix.yaml: axes: effects.0.torque: there is no 0; effects holds none$"),
         ("axes: {physics.rate: [1]}", "physics.rate: unknown key; known here: solver_iterations, step_rate"),
         ("leave_out: [{rate: 3}]", r"leave_out\[0\]: rate is no axis of this matrix"),
+        ("leave_out: [{engine: mujoko}]", r"leave_out\[0\].engine: found 'mujoko', which .* did you mean mujoco\?"),
+        ("leave_out: [{engine: ode}, {recording: chrip_*}]", r"leave_out\[1\].recording: .* one of chirp_1; did you"),
+        ("leave_out: [{scenario: damo}]", r"leave_out\[0\].scenario: found 'damo', which .* did you mean demo\?"),
+        (
+            "axes: {step_rate: [500, 1000]}\nleave_out: [{step_rate: [500, 100]}]",
+            r"leave_out\[0\].step_rate: found 100, which matches nothing; expected one of 500, 1000",
+        ),
         ("engines: [havok]", "engines: found havok; expected one of"),
         ("speed: 3", "speed: unknown key; known here: axes, "),
     ],

@@ -7,7 +7,8 @@ from realitygap.check import certain
 from realitygap.check.mistake import Mistake
 from realitygap.files.errors import InputError
 from realitygap.matrix.matrix_file import NAMED_AXES, MatrixFile
-from realitygap.matrix.plan import Reader, changes_of
+from realitygap.matrix.plan import Reader
+from realitygap.matrix.variant import variant_of
 from realitygap.scenario.file import ScenarioFile
 
 UNSEEN = ("physics.step_rate", "physics.solver_iterations", "ground")
@@ -51,9 +52,8 @@ def _alone(matrix: MatrixFile) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _found(matrix: MatrixFile, file: ScenarioFile, axis: str, axes: dict[str, Any], read: Reader) -> list[Mistake]:
     """The likely mistakes under some values; a certain one is told with the axis that makes it."""
-    _, changes = changes_of(matrix, file, axes)
+    _, variant = variant_of(matrix, file, axes)
     try:
-        variant = file.override(changes)
         _check_time(matrix, variant)
         unseen = NAMED_AXES.get(axis, axis) in UNSEEN and axes[axis] != matrix.matrix.axes[axis][0]
         return [] if unseen else certain(variant, read)

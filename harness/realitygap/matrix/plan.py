@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,10 @@ from realitygap.compare.comparison import RepeatedMotion, motions
 from realitygap.compare.row import slug
 from realitygap.files.errors import InputError
 from realitygap.matrix.digest import Digest, code_version
+from realitygap.matrix.left_out import check_left_out, left_out
 from realitygap.matrix.matrix_file import NAMED_AXES, MatrixFile
 from realitygap.matrix.task import Task
+from realitygap.matrix.variant import variant_of
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.streams import request_of
 from realitygap.scenario.file import ScenarioFile
@@ -58,14 +59,16 @@ def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
     digest, read = Digest(), read or Reader()
     tasks: dict[str, Task] = {}
     known: dict[int, tuple[Scenario, str]] = {}
+    recorded: set[str] = set()
     for file in matrix.scenarios:
         variants = list(_variants(matrix, file, read))
         check_excluded(file, [e for _, _, (_, found) in variants for motion in found for e in motion.experiments])
         for axes, revision, found in variants:
+            recorded |= {motion.name for motion in found[1]}
             contents = [digest.of(_content(motion, digest, known)) for motion in found[1]]
             for (motion, content), engine in product(zip(found[1], contents, strict=True), engine_names):
                 task = _task(matrix, found[0], motion, content, engine, revision, axes, digest)
-                if _left_out(matrix, task):
+                if left_out(matrix.matrix, task):
                     continue
                 name = slug(task.cell)
                 if name in tasks:
@@ -74,6 +77,7 @@ def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
                         "scenarios with different names and axis values that differ"
                     )
                 tasks[name] = task
+    check_left_out(matrix, recorded)
     if not tasks:
         there = ", ".join(sorted({case.name for file in matrix.scenarios for case in file.cases()}))
         raise InputError(
@@ -91,41 +95,12 @@ def _variants(
     names = list(matrix.matrix.axes)
     for values in product(*matrix.matrix.axes.values()):
         axes = dict(zip(names, values, strict=True))
-        revision, changes = changes_of(matrix, file, axes)
-        variant = file.override(changes)
+        revision, variant = variant_of(matrix, file, axes)
         others = {k: v for k, v in axes.items() if k not in NAMED_AXES}
         found = [_with_axes(e, others) for e in experiments(variant, read=read, only=matrix.matrix.recordings)]
         if first is None:
             first = found, motions(found)
         yield axes, revision, (variant, regrouped(first, found))
-
-
-def changes_of(matrix: MatrixFile, file: ScenarioFile, axes: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-    """The revision's name and the scenario keys that a combination of axis values changes.
-
-    Raises:
-        InputError: for a revision that the scenario does not have, or a key that its recordings set themselves.
-    """
-    changes = {}
-    for axis, value in axes.items():
-        if axis == "revision":
-            known = file.scenario.revisions
-            if value not in known:
-                raise InputError(
-                    f"{matrix.path}: axes.revision: found {value}; {file.path} has under revisions: "
-                    f"{', '.join(known) or 'none'}"
-                )
-            value = known[value]
-        changes[NAMED_AXES.get(axis, axis)] = value
-    recordings = file.scenario.recordings
-    for i, run in enumerate(recordings.runs if recordings else []):
-        for key in changes:
-            if key in run.overrides:
-                raise InputError(
-                    f"{matrix.path}: axes: {key} is set by recordings.runs[{i}].with of {file.path}, which holds for "
-                    "that recording; expected an axis that the recordings leave open"
-                )
-    return str(axes.get("revision", "")), changes
 
 
 def _with_axes(experiment: Experiment, others: dict[str, Any]) -> Experiment:
@@ -177,14 +152,3 @@ def _content(motion: RepeatedMotion, digest: Digest, known: dict[int, tuple[Scen
         parts += [e.name, known[id(e.scenario)][1], digest.of(e.plant), digest.of(e.recording), digest.of(e.commands)]
         parts += [e.begin, e.duration, e.use, list(e.window), e.overrides]
     return parts
-
-
-def _left_out(matrix: MatrixFile, task: Task) -> bool:
-    named = {"scenario": task.file.scenario.name, "engine": task.engine, "recording": task.motion.name, **task.axes}
-    return any(all(_matches(named[k], v) for k, v in c.items()) for c in matrix.matrix.leave_out)
-
-
-def _matches(value: Any, wanted: Any) -> bool:
-    if isinstance(wanted, list):
-        return any(_matches(value, w) for w in wanted)
-    return fnmatchcase(value, wanted) if isinstance(value, str) and isinstance(wanted, str) else bool(value == wanted)

@@ -20,6 +20,8 @@ from realitygap.scenario.servos import SERVOS
 from realitygap.scenario.which_file import check_kind, check_scenario_name
 
 DATA = "REALITYGAP_DATA"
+LISTS = ("effects.", "servos.", "recordings.runs.")
+"""How dotted keys begin that lead into an entry of a list, also where the file has no such list."""
 IN_MEMORY = "(scenario)"
 """What stands in place of a file's name in messages about a scenario that no file holds."""
 
@@ -233,7 +235,7 @@ def _set(path: Path, node: Any, parts: Sequence[str], value: Any, key: str) -> N
         node[head] = value
     else:
         if not isinstance(node.get(head), dict | list):
-            node[head] = {}
+            node[head] = [] if key.startswith(LISTS) else {}
         _set(path, node[head], rest, value, key)
 
 
@@ -249,7 +251,9 @@ def _chosen(path: Path, entries: list[Any], head: str, rest: Sequence[str], key:
     else:
         found = [e for i, e in enumerate(entries) if head in (names[i], str(i))]
     if not found:
-        raise InputError(f"{path}: {key}: there is no {head}; expected one of {', '.join([*names, '*'])}")
+        section = key.removesuffix(".".join(["", head, *rest]))
+        known = f"expected one of {', '.join([*names, '*'])}" if names else f"{section} holds none"
+        raise InputError(f"{path}: {key}: there is no {head}; {known}")
     return found
 
 
