@@ -30,8 +30,8 @@ def test_a_sweep_of_what_a_servo_may_be_is_no_mistake(tmp_path: Path) -> None:
             r"matrix.yaml: axes.servos.drive.joints: elbw\*: .*matches no joint",
         ),
         ("axes: {servos.drive.joints: ['elbw*']}", r"axes.servos.drive.joints: elbw\*: .*matches no joint"),
-        ("axes: {servos.drive.supply: [12, 12000]}", r"axes.servos.drive.supply: 12000: .*found 12000.*\[V\]"),
-        ("axes: {step_rate: [0.001]}", "axes.step_rate: 0.001: .*found 0.001; expected greater than"),
+        ("axes: {servos.drive.supply: [12, 12000]}", r"axes.servos.drive.supply\[1\]: found 12000; .*\[V\]"),
+        ("axes: {step_rate: [0.001]}", r"axes.step_rate\[0\]: found 0.001; expected greater than"),
         ("axes: {servos.drive.friction.culomb: [0.1]}", "culomb: unknown key; .* did you mean coulomb"),
         (
             "axes: {recordings.effort: [motor, {topic: /joint_states, measures: motor, factor: 1000.0}]}",
