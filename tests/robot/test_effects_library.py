@@ -67,5 +67,7 @@ def test_every_effect_of_the_design_is_there_in_its_order() -> None:
 
 
 def test_what_an_effect_may_have_is_told_where_it_needs_nothing() -> None:
+    with pytest.raises(InputError, match="effect base_tilt: target: found 5; expected text"):
+        effects.base_tilt(5)
     with pytest.raises(InputError, match=r"effect base_tilt: rol: unknown parameter; base_tilt may have roll \[rad\]"):
         effects.base_tilt("base", rol=0.1)

@@ -88,3 +88,17 @@ def test_what_is_no_scenario_at_all() -> None:
         load_scenario(3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="a folder is for a scenario from a dict"):
         load_scenario(FILE, DEMO)
+    with pytest.raises(InputError, match="folder: found 5; expected the path of a folder"):
+        load_scenario({"name": "a"}, 5)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("source", [5, None, [FILE], b"scenario.yaml"])
+def test_what_has_no_type_of_a_scenario_is_an_input_error_too(source: Any) -> None:
+    with pytest.raises(InputError, match="expected the path of a scenario file or a dict"):
+        load_scenario(source)
+
+
+@pytest.mark.parametrize("changes", [5, {5: 3}, [("ground", "flat")]])
+def test_overrides_are_keys_with_values(changes: Any) -> None:
+    with pytest.raises(InputError, match="expected a dict of dotted keys and their values"):
+        load_scenario(FILE).override(changes)

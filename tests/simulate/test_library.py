@@ -62,6 +62,8 @@ def test_what_was_measured(demo: rg.ScenarioFile) -> None:
     [
         ("mojoco", {"run": "chirp_1"}, "engine: found mojoco; expected one of dart, .*; did you mean mujoco"),
         ("mujoco", {"run": "chrip_1"}, "run: found chrip_1; expected one of steps_1, .*; did you mean chirp_1"),
+        (5, {"run": "chirp_1"}, "engine: found 5; expected one of dart, "),
+        ("mujoco", {"run": "chirp_1", "step_rate": "fast"}, r"step_rate: found 'fast'; expected a number"),
         ("mujoco", {"run": 7}, "run: found 7; expected one of steps_1, "),
         ("mujoco", {}, "run: is missing; expected one of steps_1, sines_1_rep1"),
         ("mujoco", {"run": "chirp_1", "effects": [{"efect": "backlash"}]}, "effect: is missing"),
@@ -126,3 +128,5 @@ def test_what_is_no_effect_is_said_to_be_none(none: Any, demo: rg.ScenarioFile) 
 def test_a_list_of_no_engines_is_not_all_of_them(verb: Any, demo: rg.ScenarioFile) -> None:
     with pytest.raises(rg.InputError, match="engines: found an empty list; expected names of engines, or None for all"):
         verb(demo, engines=[])
+    with pytest.raises(rg.InputError, match="engines: found 5; expected names of engines"):
+        verb(demo, engines=5)

@@ -40,6 +40,8 @@ def read_model(
     contact_links: list[str] | None = None,
 ) -> Model:
     """The canonical model of a URDF, xacro, MJCF or SDF file. Arguments and errors as of `read_urdf`."""
+    if not isinstance(path, str | PathLike):
+        raise ModelError(f"found {type(path).__name__}; expected the path of a robot's file")
     file = Path(path)
     if file.exists() and not (file.is_file() or file.is_dir()):
         raise ModelError(f"{file}: is a pipe, a socket or a device; expected a robot's file")

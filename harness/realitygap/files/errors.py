@@ -15,6 +15,10 @@ class InputError(RealityGapError, ValueError):
     """
 
 
+class InputTypeError(InputError, TypeError):
+    """An argument of the library that is of no type it could have."""
+
+
 @contextmanager
 def spared(what: str, failures: list[str]) -> Iterator[None]:
     """What fails in here costs itself alone: a sentence on it is added to the failures, and the work goes on."""

@@ -1,10 +1,11 @@
 """The one test that an engine's name is known and that the engine is installed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import realitygap_engines as engines
 
-from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.errors import InputError, InputTypeError, did_you_mean
+from realitygap.files.found import shown
 
 OPTION = "--engine"
 
@@ -22,7 +23,7 @@ def engine_names(names: Sequence[str], where: str = OPTION) -> list[str]:
     for name in names:
         if name not in engines.ENGINES:
             known = sorted(engines.ENGINES)
-            several = "," in name or " " in name.strip()
+            several = isinstance(name, str) and ("," in name or " " in name.strip())
             hint = f"; name each on its own: {where} A {where} B" if several and where == OPTION else ""
             raise InputError(
                 f"{where}: found {name}; expected one of {', '.join(known)}{hint or did_you_mean(name, known)}"
@@ -40,6 +41,8 @@ def given_engines(engines: str | Sequence[str] | None) -> list[str]:
     """
     if engines is None:
         return []
+    if not isinstance(engines, Iterable):
+        raise InputTypeError(f"engines: found {shown(engines)}; expected names of engines")
     names = [engines] if isinstance(engines, str) else list(engines)
     if not names:
         raise InputError("engines: found an empty list; expected names of engines, or None for all that are installed")

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from realitygap.files.errors import InputError
+from realitygap.files.errors import InputError, InputTypeError
+from realitygap.files.found import shown
 from realitygap.files.unpacked import plain_name
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
@@ -73,6 +74,10 @@ class ScenarioFile:
         Raises:
             InputError: for a key that leads nowhere or a value that it cannot have.
         """
+        if not isinstance(changes, Mapping) or not all(isinstance(key, str) for key in changes):
+            raise InputTypeError(
+                f"{self.path}: found {shown(changes)}; expected a dict of dotted keys and their values"
+            )
         raw = apply_overrides(self.path, self.raw, plain(changes))
         return ScenarioFile(self.path, validate(self.path, Scenario, raw), raw)
 
@@ -157,10 +162,14 @@ def load_scenario(source: Source, folder: str | os.PathLike[str] | None = None) 
 
     Raises:
         InputError: one sentence with file, key, what was found and what was expected.
-        TypeError: for a source of another type, or a folder for what is no dict.
+        InputTypeError: for a source of another type, or a folder for what is no dict.
     """
+    if not isinstance(folder, str | os.PathLike | None):
+        raise InputTypeError(f"folder: found {shown(folder)}; expected the path of a folder")
     if folder is not None and not isinstance(source, Mapping):
-        raise TypeError(f"a folder is for a scenario from a dict; the paths of {source!r} are relative to its file")
+        raise InputTypeError(
+            f"a folder is for a scenario from a dict; the paths of {source!r} are relative to its file"
+        )
     if isinstance(source, ScenarioFile):
         return source
     if isinstance(source, Mapping):
@@ -175,7 +184,9 @@ def load_scenario(source: Source, folder: str | os.PathLike[str] | None = None) 
         raw = load_yaml(path)
         check_kind(path, "a scenario", raw)
     else:
-        raise TypeError(f"found {type(source).__name__}; expected the path of a scenario file or a dict")
+        raise InputTypeError(
+            f"(scenario): found {type(source).__name__}; expected the path of a scenario file or a dict"
+        )
     return ScenarioFile(path, validate(path, Scenario, raw), raw)
 
 

@@ -4,11 +4,14 @@ import glob
 from collections.abc import Sequence
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.validation import validate
 from realitygap.recording.recording import Recording
 from realitygap.scenario.added_effects import Effect, added_effects
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import ScenarioFile, Source, load_scenario
+from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
+from realitygap.scenario.world import PhysicsSpec
 from realitygap.simulate import experiment as one
 from realitygap.trace.trace import Trace
 
@@ -38,6 +41,8 @@ def simulate(
         Failed: where the engine itself gives up.
     """
     (name,) = engine_names([engine], "engine")
+    if step_rate is not None:
+        validate("(simulate)", PhysicsSpec, plain({"step_rate": step_rate}))
     file = load_scenario(scenario)
     added = added_effects(file, effects)
     return one.simulate(_experiment(file, run, added), name, step_rate=step_rate).trace

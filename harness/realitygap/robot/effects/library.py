@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from realitygap.files.errors import meant_first
+from realitygap.files.validation import validate
 from realitygap.robot.effects import WRITABLE, Effect, Parameter
 from realitygap.robot.effects.place import standing, values
 from realitygap.scenario.plain import plain
@@ -35,8 +36,9 @@ class Effects:
 
 def _function(effect: Effect) -> Make:
     def make(target: str | Sequence[str] = "*", **parameters: Any) -> EffectSpec:
-        kept = target if isinstance(target, str) else list(target)
-        spec = EffectSpec(effect=effect.name, target=kept, **plain(parameters))
+        spec = validate(
+            f"effect {effect.name}", EffectSpec, plain({"effect": effect.name, "target": target, **parameters})
+        )
         with standing(f"effect {effect.name}: "):
             values(effect, spec)
         return spec
