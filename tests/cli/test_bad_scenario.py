@@ -91,6 +91,31 @@ CASES: dict[str, tuple[Edit, str]] = {
         changed(recordings__exclude=["elbow", "nope"]),
         "scenario.yaml: recordings.exclude: nope matches no joint; the robot has shoulder, elbow",
     ),
+    "a decimal comma": (changed(servos__0__gain="5,05"), "servos[0].gain: found '5,05'; expected a number, as 5.05 ("),
+    "a decimal comma in braces": (
+        file("scenario.yaml", "name: a\nservos: [{kind: pid, kp: 1,38, kd: 0.1}]\n"),
+        "scenario.yaml: line 2: kp: found 1,38; expected a number with a decimal point, as 1.38\n",
+    ),
+    "a run that is a path alone": (
+        changed(recordings__runs=["chirp_1.mcap"]),
+        "recordings.runs[0]: found 'chirp_1.mcap'; expected a mapping, as {path: chirp_1.mcap} (",
+    ),
+    "a motion that is a topic alone": (
+        changed(motion="/joint_commands"),
+        "motion: found '/joint_commands'; expected a mapping, as {recorded: /joint_commands} (",
+    ),
+    "a window of one number": (
+        changed(recordings__runs__0__window=3),
+        "recordings.runs[0].window: found 3; expected a list of numbers ([start, end]: what is judged [s",
+    ),
+    "a recording that is none": (
+        changed(recordings__runs__0__path="arm.urdf"),
+        "scenario.yaml: recordings.runs[0].path: arm.urdf: is not a kind of recording",
+    ),
+    "an animation that is none": (
+        changed(motion={"keyframes": "arm.urdf"}),
+        "scenario.yaml: motion.keyframes: arm.urdf: is not valid JSON (",
+    ),
     "unknown ground": (changed(ground="mud"), "ground: found 'mud'; expected 'none', 'flat' or 'grass'"),
     "ground damping negative": (changed(ground={"stiffness": 1e3, "damping": -1}), "ground.damping: found -1"),
     "servos that match nothing": (

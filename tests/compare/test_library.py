@@ -55,7 +55,7 @@ def test_what_fails_is_an_outcome(tmp_path: Path) -> None:
     )
     done = rg.compare(wild, "mujoco", floors=False)
     assert set(done.gaps["outcome"]) == {"diverged"}
-    assert repr(done) == "<Compared demo in mujoco: 6 rows, 1 of 1 cells failed>"
+    assert repr(done) == "<Compared demo in mujoco: 6 rows, its only cell failed>"
     assert done.simulated == {}
     with pytest.raises(rg.Diverged, match=r"diverged at .* s at (shoulder|elbow)"):
         rg.simulate(wild, "mujoco")

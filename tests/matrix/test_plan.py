@@ -103,7 +103,8 @@ def test_cells_are_listed_as_the_file_says_their_values(tmp_path: Path) -> None:
         f"name: test\nscenarios: {DEMO}/scenario.yaml\nengines: mujoco\nrecordings: chirp_*\n"
         "axes: {step_rate: [500, 2000, 1000], servos.drive.gain: [5, 4, 10]}\n"
     )
-    *cells, _ = dry_run(load_matrix(path), tmp_path / "out", Settings())
+    *cells, last = dry_run(load_matrix(path), tmp_path / "out", Settings())
+    assert last.startswith("9 cells, 0 of them there; ")
     listed = [re.findall(r"step_rate (\d+) gain (\d+)", line)[0] for line in cells]
     assert listed == [(rate, gain) for rate in ("500", "2000", "1000") for gain in ("5", "4", "10")]
 
@@ -149,6 +150,7 @@ def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path: Path) -> N
             "axes: {step_rate: [500, 1000]}\nleave_out: [{step_rate: [500, 100]}]",
             r"leave_out\[0\].step_rate: found 100, which matches nothing; expected one of 500, 1000",
         ),
+        ("traces: maybe", "traces: found 'maybe'; expected 'whole' or true or false"),
         ("engines: [havok]", "engines: found havok; expected one of"),
         ("speed: 3", "speed: unknown key; known here: axes, "),
     ],

@@ -66,7 +66,7 @@ def test_unknown_floors_are_called_unknown(tmp_path: Path) -> None:
 
 def test_a_failed_engine_is_told_in_words_and_does_not_win(tmp_path: Path) -> None:
     said = say(tmp_path, engines(mujoco=float("inf"), dart=0.5))
-    assert about(said, "failed") == ["MuJoCo: 1 of 1 cells diverged at 1.2 s at left_knee: not finite."]
+    assert about(said, "failed") == ["MuJoCo: its only cell diverged at 1.2 s at left_knee: not finite."]
     assert not about(said, "closest"), "one engine is left, and it is no choice"
     (text,) = about(said, "gap")
     assert text.startswith("DART")

@@ -8,6 +8,7 @@ import numpy as np
 from realitygap.bench.estimate import Array
 from realitygap.bench.servo_file import Signal
 from realitygap.files.errors import InputError
+from realitygap.files.found import counted
 from realitygap.recording.readers.rosbag import Bag, opened, short
 
 
@@ -45,7 +46,7 @@ def _read(bag: Bag, signal: Signal) -> tuple[Array, Array]:
         times.append(received)
         values.append(float(flat[0]))
     if len(times) < 2:
-        raise InputError(f"{bag.path}: topic {signal.topic} has {len(times)} messages; expected a recording")
+        raise InputError(f"{bag.path}: topic {signal.topic} has {counted(len(times), 'message')}; expected a recording")
     # stamps that repeat would make the time not increase
     stamps, first = np.unique((np.array(times, dtype=np.int64) - bag.begin) * 1e-9, return_index=True)
     return stamps, np.array(values)[first]

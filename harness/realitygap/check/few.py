@@ -4,6 +4,7 @@ import numpy as np
 
 from realitygap.check.mistake import Mistake
 from realitygap.check.observed import Observed
+from realitygap.files.found import counted
 
 LEAST = 10
 """Samples that tell a motion from a moment; a diagnosis fits no fewer."""
@@ -25,7 +26,7 @@ def few_samples(o: Observed) -> list[Mistake]:
         key = "recordings.part" if o.run.part is None else f"{o.key}.part"
         advice, of = "take a longer part", " of its part"
     sentence = (
-        f"{o.name} holds {len(judged)} samples in {float(np.ptp(judged)):.3g} s{of}: gaps of so few are of a moment "
-        f"and say nothing of a motion; expected at least {LEAST}: {advice}"
+        f"{o.name} holds {counted(len(judged), 'sample')} in {float(np.ptp(judged)):.3g} s{of}: gaps of so few are of "
+        f"a moment and say nothing of a motion; expected at least {LEAST}: {advice}"
     )
     return [Mistake("few_samples", "likely", (), sentence, key, (o.name,))]

@@ -11,7 +11,7 @@ from realitygap_engines.law.dynamics import Dynamics
 from realitygap_engines.model.robot import quaternion_from_rotation, rotation_from_rpy
 from scipy.ndimage import uniform_filter1d
 
-from realitygap.files.errors import InputError
+from realitygap.files.errors import standing
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.commands import held_at
 from realitygap.recording.quantum import quantum
@@ -236,7 +236,8 @@ def observe(file: ScenarioFile, read: Read = read_recording) -> list[Observed]:
         plant = _plant(file, case, plants)
         if (model := plant.model).joints:
             told = {"mimics": model.mimics, "limits": model.limits}
-            recording = read(case.path, case.scenario, model.joint_names, file=file.path, **told)
+            with standing(f"{file.path}: {case.key}.path: ", file=file.path):
+                recording = read(case.path, case.scenario, model.joint_names, file=file.path, **told)
             out.append(Observed(case.name, case.key, case.scenario, plant, recording, case.run))
     return out
 
@@ -245,9 +246,6 @@ def _plant(file: ScenarioFile, case: RunCase, known: dict[str, Plant]) -> Plant:
     """The plant of a run; runs with the same overrides share it."""
     key = repr(sorted(case.run.overrides.items()))
     if key not in known:
-        try:
+        with standing(f"{file.path}: ", file=file.path):
             known[key] = place(build_plant(file, case.scenario), case.scenario.effects)
-        except InputError as error:
-            text = str(error)
-            raise InputError(text if text.startswith(str(file.path)) else f"{file.path}: {text}") from None
     return known[key]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from realitygap.cli.options import Jobs, Out, folder_for, helped, named_after, say
+from realitygap.cli.options import Jobs, Out, file_argument, folder_for, helped, named_after, say
 
 if TYPE_CHECKING:
     from realitygap.bench.summary import Summary
 
-Bench = Annotated[Path, typer.Argument(help="the bench file")]
+Bench = Annotated[Path, file_argument("the bench file")]
 
 bench = typer.Typer(
     help="Identify servos, supplies, links and ground on the bench.",

@@ -5,8 +5,10 @@ from typing import Annotated
 
 import typer
 
+from realitygap.cli.options import file_argument
 
-def check(scenario: Annotated[Path, typer.Argument(help="the scenario file")]) -> None:
+
+def check(scenario: Annotated[Path, file_argument("the scenario file")]) -> None:
     """Look for mistakes of unit, sign, order, clock and coverage.
 
     In the scenario, its robot and its recordings, before any physics is blamed. Exits with 2 where one is certain, or

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import RUNS, Engines, Jobs, folder_for, named_after, out_option, say
+from realitygap.cli.options import RUNS, Engines, Jobs, file_argument, folder_for, named_after, out_option, say
 from realitygap.diagnose.search_budget import EACH, MINUTES
 
 
 def diagnose(
-    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    scenario: Annotated[Path, file_argument("the scenario file")],
     engine: Engines = None,
     out: Annotated[Path | None, out_option(f"{RUNS}/NAME_diagnosis, after the file's folder")] = None,
     jobs: Jobs = None,
@@ -54,7 +54,7 @@ def diagnose(
 
 
 def rehearse(
-    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    scenario: Annotated[Path, file_argument("the scenario file")],
     engine: Engines = None,
     out: Annotated[Path | None, out_option(f"{RUNS}/NAME_rehearsal, after the file's folder")] = None,
     budget: Annotated[float, typer.Option("--budget", help="seconds that it may take, about")] = 300.0,
@@ -76,7 +76,7 @@ def rehearse(
 
 
 def propose(
-    path: Annotated[Path, typer.Argument(help="the scenario file, or what a diagnosis of it wrote")],
+    path: Annotated[Path, file_argument("the scenario file, or what a diagnosis of it wrote")],
     engine: Engines = None,
     out: Annotated[Path | None, out_option(f"{RUNS}/NAME_proposal, after the file's folder")] = None,
     seconds: Annotated[float, typer.Option("--seconds", help="that a motion may take")] = 20.0,

@@ -16,6 +16,18 @@ def named_folder(name: str) -> Path:
     return Path(name)
 
 
+def named_file(name: str) -> Path:
+    """A file that is named, likewise: an empty name would be the folder that one is in."""
+    if not name:
+        raise typer.BadParameter("found an empty name, expected a file; is a variable of the shell not set?")
+    return Path(name)
+
+
+def file_argument(said: str) -> Any:
+    """An argument that is a path."""
+    return typer.Argument(help=said, parser=named_file)
+
+
 def out_option(default: str) -> Any:
     """The option `--out`; its default is said, as what is done without it is no value that typer could show."""
     said = f"result folder (default: {default})"

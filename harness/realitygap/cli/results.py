@@ -11,6 +11,7 @@ from realitygap.compare.budget import stated_budget
 from realitygap.compare.row import outcome_told
 from realitygap.compare.table import means
 from realitygap.files.errors import spared
+from realitygap.files.found import counted
 from realitygap.files.progress import Progress
 from realitygap.files.result_kind import held_scenario
 from realitygap.matrix.collect import Collected
@@ -65,7 +66,7 @@ def matrix(
     before = held_scenario(out)
     made = make(load_matrix(path), out, settings, progress)
     counts = Counter(o.outcome for _, o in made.cells)
-    lines = [f"{len(made.cells)} cells: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
+    lines = [f"{counted(len(made.cells), 'cell')}: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
     with spared("the summary", made.failures):
         lines += [s.text for s in sentences(read_folder(out))]
     return _said(made, [*lines, *_replaced(before, made.name, out)], out, budget, junit)

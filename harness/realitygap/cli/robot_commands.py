@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, folder_for, out_option, say
+from realitygap.cli.options import Engines, file_argument, folder_for, out_option, say
 
 
 def engines() -> None:
@@ -16,8 +16,8 @@ def engines() -> None:
 
 
 def init(
-    urdf: Annotated[Path, typer.Argument(help="the robot")],
-    bags: Annotated[list[Path], typer.Argument(help="recordings: bags, bag folders, tables or LeRobot data sets")],
+    urdf: Annotated[Path, file_argument("the robot")],
+    bags: Annotated[list[Path], file_argument("recordings: bags, bag folders, tables or LeRobot data sets")],
     out: Annotated[Path, typer.Option("--out", "-o", help="folder for the scenario")] = Path(),
     package: Annotated[
         list[str] | None, typer.Option("--package", help="NAME=DIR: where package://NAME/ lies; may be repeated")
@@ -34,7 +34,7 @@ def init(
 
 
 def audit(
-    path: Annotated[Path | None, typer.Argument(help="a URDF or a scenario (default: test machines only)")] = None,
+    path: Annotated[Path | None, file_argument("a URDF or a scenario (default: test machines only)")] = None,
     engine: Engines = None,
     out: Annotated[Path | None, out_option("none, and nothing is written")] = None,
 ) -> None:

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from realitygap.cli.options import Engines, Junit, MaxGap, Out, folder_for, named_after, say
+from realitygap.cli.options import Engines, Junit, MaxGap, Out, file_argument, folder_for, named_after, say
 
 
 def run(
-    scenario: Annotated[Path, typer.Argument(help="the scenario file")],
+    scenario: Annotated[Path, file_argument("the scenario file")],
     engine: Engines = None,
     out: Out = None,
     max_gap: MaxGap = None,
@@ -43,7 +43,7 @@ def run(
 
 
 def matrix(
-    matrix: Annotated[Path, typer.Argument(help="the matrix file")],
+    matrix: Annotated[Path, file_argument("the matrix file")],
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="processes on this machine")] = 1,
     scheduler: Annotated[
         str | None, typer.Option("--scheduler", help="address of a Dask scheduler that computes the cells")
@@ -84,7 +84,7 @@ def matrix(
     _judged(said)
 
 
-def report(folder: Annotated[Path, typer.Argument(help="a result folder")]) -> None:
+def report(folder: Annotated[Path, file_argument("a result folder")]) -> None:
     """Make page and figures again from the results."""
     from realitygap.report import remake
 

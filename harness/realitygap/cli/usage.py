@@ -12,5 +12,10 @@ def sentence(error: typer.TyperException) -> str:
     if isinstance(error, typer.BadParameter) and error.param is not None and isinstance(cause, ValidationError):
         worst = cause.errors(include_url=False)[0]
         return f"{error.param.opts[0]}: found {worst['input']}; {expectation(worst)}"
+    context = getattr(error, "ctx", None)
+    commands = getattr(context and context.command, "commands", None)
     parts = error.format_message().rstrip(".").split(". ")
-    return f"{'; '.join(part[0].lower() + part[1:] for part in parts)} (--help tells what is expected)"
+    said = "; ".join(part[0].lower() + part[1:] for part in parts)
+    if commands and said.startswith("no such command") and len(parts) == 1:  # nothing was meant that is alike
+        return f"{said} (expected one of {', '.join(commands)})"
+    return f"{said} (--help tells what is expected)"

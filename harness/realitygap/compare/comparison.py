@@ -13,6 +13,7 @@ from realitygap_engines import Diverged, Failed, Unsupported
 from realitygap.compare.gap import JOINT_SIGNALS, Difference, box, differences, mean_trace
 from realitygap.compare.row import EXCLUDED, Cell, Row, failed, row
 from realitygap.files.errors import InputError
+from realitygap.files.found import counted
 from realitygap.recording import read_recording
 from realitygap.recording.align import Repetitions, group_repetitions, noise_floor
 from realitygap.scenario.file import ScenarioFile
@@ -110,8 +111,8 @@ def _motion(group: list[Experiment], repetitions: Repetitions) -> RepeatedMotion
         assert first.recording is not None
         whole = first.recording.trace.time
         raise InputError(
-            f"{first.where}.window: found {list(first.window)}, which holds {len(traces[0].time)} samples of "
-            f"{first.recording.path}; the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
+            f"{first.where}.window: found {list(first.window)}, which holds {counted(len(traces[0].time), 'sample')} "
+            f"of {first.recording.path}; the recording lasts from {whole[0]:.2f} to {whole[-1]:.2f} s"
         )
     _check_different(group)
     name = repetitions.name if len(group) == 1 else f"{repetitions.name} ×{len(group)}"

@@ -8,6 +8,7 @@ import pandas as pd
 from realitygap.compare.comparison import Comparison, motions_of
 from realitygap.compare.comparison import compare as compare_one
 from realitygap.compare.table import means, table
+from realitygap.files.found import part_of
 from realitygap.files.progress import Progress
 from realitygap.scenario.engine_names import engine_names, given_engines
 from realitygap.scenario.file import ScenarioFile, Source, load_scenario
@@ -32,7 +33,7 @@ class Compared:
     def __repr__(self) -> str:
         engines = list(dict.fromkeys(c.cell.engine for c in self.comparisons))
         failed = sum(c.outcome != "ok" for c in self.comparisons)
-        end = f", {failed} of {len(self.comparisons)} cells failed" if failed else ""
+        end = f", {part_of(failed, len(self.comparisons), 'cell')} failed" if failed else ""
         return f"<Compared {self.scenario.scenario.name} in {', '.join(engines)}: {len(self.gaps)} rows{end}>"
 
     @property

@@ -20,6 +20,22 @@ class InputTypeError(InputError, TypeError):
 
 
 @contextmanager
+def standing(at: str, *, file: object = None) -> Iterator[None]:
+    """Say of what is wrong in here where it stands, as in `scenario.yaml: effects[1].torque`.
+
+    Args:
+        at: what every sentence begins with.
+        file: a sentence that begins with this file says it already.
+    """
+    try:
+        yield
+    except InputError as error:
+        if file is not None and str(error).startswith(f"{file}: "):
+            raise
+        raise InputError(f"{at}{error}") from None
+
+
+@contextmanager
 def spared(what: str, failures: list[str]) -> Iterator[None]:
     """What fails in here costs itself alone: a sentence on it is added to the failures, and the work goes on."""
     try:

@@ -17,6 +17,16 @@ def shown(value: object) -> str:
     return text if len(text) < LONGEST else f"{text[: LONGEST - 3]}..."
 
 
+def counted(count: int, noun: str) -> str:
+    """How many of something there are: `1 sample`, `2 samples`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
+def part_of(count: int, all_: int, noun: str) -> str:
+    """How many of all there are: `1 of 2 cells`, `its only cell`."""
+    return f"its only {noun}" if all_ == 1 else f"{count} of {counted(all_, noun)}"
+
+
 def _written(value: object) -> str:
     if value is None:
         return "nothing"

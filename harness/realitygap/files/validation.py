@@ -21,7 +21,7 @@ WORDS = {
     "a valid dictionary or object to extract fields from": "a mapping",
     "a valid dictionary": "a mapping",
     "a valid list": "a list",
-    "a valid tuple": "a list",
+    "a valid tuple": "a list of numbers",
     "a valid string": "text",
     "a valid number": "a number",
     "a valid integer": "a whole number",
@@ -30,6 +30,10 @@ WORDS = {
 """What pydantic says, in the words of a YAML file."""
 COUNTED = re.compile(r"\w+ should have at (least|most) (\d+ \w+) after validation, not \d+")
 UNPARSED = re.compile(r", unable to (parse string as an? \w+|interpret input)$")
+SIMPLE = ("bool", "int", "float")
+NUMBERS = ("int", "float")
+COMMA = re.compile(r"[-+]?\d*,\d+")
+"""A number with a decimal comma."""
 QUOTED = re.compile(r"'([^']+)'")
 INSTANCE = re.compile(r"(?<=a mapping) or instance of \w+")
 
@@ -73,7 +77,7 @@ def _sentence(model: type[BaseModel], raw: dict[str, Any], error: ErrorDetails, 
     if kind == "invalid_key":
         return f"{key or 'its top'}: found the key {shown(found)}, expected text"
     at = f"{key}: " if key else ""  # all of what is read
-    said = f"{at}found {shown(found)}; {expectation(error)}"
+    said = f"{at}found {shown(found)}; {expectation(error)}{_others(error, beside)}{_example(model, error)}"
     if kind == "literal_error":
         return said + did_you_mean(found, QUOTED.findall(error["ctx"]["expected"]))
     meaning = None if kind == "value_error" else _meaning(model, loc)
@@ -95,6 +99,25 @@ def expectation(error: ErrorDetails) -> str:
         message = message.replace(long, short)
     message = UNPARSED.sub("", INSTANCE.sub("", COUNTED.sub(r"expected at \1 \2", message)))
     return message[0].lower() + message[1:]
+
+
+def _others(error: ErrorDetails, beside: Sequence[ErrorDetails]) -> str:
+    """What else than a word the same place takes, as true or false; what a choice of sections takes is too much."""
+    taken = [expectation(e).removeprefix("expected ") for e in beside if e["type"].startswith(SIMPLE)]
+    return "".join(f" or {other}" for other in taken) if error["type"] == "literal_error" else ""
+
+
+def _example(model: type[BaseModel], error: ErrorDetails) -> str:
+    """Of a text in the place of a section, the section whose first key it is; of a number, how it is written."""
+    found = error["input"]
+    if not isinstance(found, str):
+        return ""
+    if error["type"].startswith("model") and len(sections := _sections_at(model, error["loc"])) == 1:
+        name, field = next(iter(_fields(sections).items()))
+        return f", as {{{name}: {found}}}" if str in (field.annotation, *get_args(field.annotation)) else ""
+    if error["type"].startswith(NUMBERS) and COMMA.fullmatch(found.strip()):
+        return f", as {found.strip().replace(',', '.')}"
+    return ""
 
 
 def _depth(error: ErrorDetails) -> tuple[bool, int, bool]:

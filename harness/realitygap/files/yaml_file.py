@@ -1,6 +1,7 @@
 """Reading YAML whose top is a mapping, with one clear sentence for what cannot be read."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ from realitygap.files.yaml_mistake import yaml_mistake
 
 LARGEST = 100_000
 """Values that a file may hold, also once its aliases are written out; a few lines of them can stand for billions."""
+
+
+WHOLE = re.compile(r"[-+]?\d+")
 
 
 class _Loader(yaml.SafeLoader):
@@ -31,6 +35,7 @@ class _Loader(yaml.SafeLoader):
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     seen: set[str] = set()
+    _check_commas(loader, node)
     for key, _ in node.value:
         if not isinstance(key, yaml.ScalarNode):
             raise yaml.constructor.ConstructorError(None, None, "found a key that is not text", key.start_mark)
@@ -39,6 +44,21 @@ def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
         seen.add(key.value)
     loader.flatten_mapping(node)  # `<<: *anchor`
     return dict(loader.construct_pairs(node, deep=True))
+
+
+def _check_commas(loader: _Loader, node: yaml.MappingNode) -> None:
+    """In `{kp: 1,38}` a comma ends the value: the rest would be a key without one.
+
+    Raises:
+        InputError: for such a number, with how it is written.
+    """
+    for (key, before), (rest, after) in pairwise(node.value):
+        cut = node.flow_style and after.tag.endswith(":null") and str(rest.value).isdigit()
+        if cut and WHOLE.fullmatch(str(before.value)):
+            raise InputError(
+                f"{loader.path}: line {rest.start_mark.line + 1}: {key.value}: found {before.value},{rest.value}; "
+                f"expected a number with a decimal point, as {before.value}.{rest.value}"
+            )
 
 
 _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)

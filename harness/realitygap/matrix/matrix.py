@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from realitygap.files.found import counted
 from realitygap.files.progress import Progress
 from realitygap.files.result_folder import written_whole
 from realitygap.files.whole import made
@@ -150,8 +151,8 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     todo, jobs = [t for t in tasks if t.key not in there], settings.jobs
     total = estimate.total(todo, jobs)
     lines.append(
-        f"{len(tasks)} cells, {len(there)} of them there; the others and the report take about {total:.0f} s with "
-        f"{jobs} process{'es' if jobs != 1 else ''} where the machine has nothing else to do"
+        f"{counted(len(tasks), 'cell')}, {len(there)} of them there; the others and the report take about {total:.0f} "
+        f"s with {jobs} process{'es' if jobs != 1 else ''} where the machine has nothing else to do"
     )
     return lines
 

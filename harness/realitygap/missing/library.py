@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import pandas as pd
 
 from realitygap.files.errors import InputError, did_you_mean
+from realitygap.files.found import counted
 from realitygap.missing.effort import MissingEffort, missing_of
 from realitygap.missing.shape import Shape, shape_of
 from realitygap.missing.words import sentence
@@ -30,7 +31,7 @@ class Missing:
     _fitted: dict[str, Shape] = field(default_factory=dict, repr=False, compare=False)
 
     def __repr__(self) -> str:
-        return f"<Missing {self.scenario}: {len(self.runs)} recordings of {', '.join(self.runs[0].joints)}>"
+        return f"<Missing {self.scenario}: {counted(len(self.runs), 'recording')} of {', '.join(self.runs[0].joints)}>"
 
     def shape(self, joint: str) -> Shape:
         """What the missing effort of a joint depends on, told from the recordings that are not held out.

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.files.errors import InputError
+from realitygap.files.found import counted
 from realitygap.recording.commands import held_at
 from realitygap.recording.recording import Recording
 from realitygap.recording.streams import Request
@@ -26,8 +27,8 @@ def part_of(recording: Recording, request: Request) -> Recording:
     keep = (whole >= start) & (whole <= end)
     if keep.sum() < 2:
         raise InputError(
-            f"{request.file}: recordings: part [{start:g}, {end:g}] holds {keep.sum()} samples of {recording.path}, "
-            f"which lasts from {whole[0]:.2f} to {whole[-1]:.2f} s; expected at least two"
+            f"{request.file}: recordings: part [{start:g}, {end:g}] holds {counted(int(keep.sum()), 'sample')} of "
+            f"{recording.path}, which lasts from {whole[0]:.2f} to {whole[-1]:.2f} s; expected at least two"
         )
     trace = recording.trace.rows(keep)
     begin = float(trace.time[0])

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from realitygap.compare.row import outcome_told
+from realitygap.files.found import part_of
 from realitygap.page.style import AXES, SIGNALS, axis_value, engine_label, number, quantity
 from realitygap.report.folder import Results
 from realitygap.report.groups import groups, joints_of, kinds
@@ -64,7 +65,7 @@ def failures(cells: pd.DataFrame) -> list[Sentence]:
     out = []
     for (engine, outcome), part in bad.groupby(["engine", "outcome"], sort=True):
         first = part.iloc[0]
-        count = f"{len(part)} of {(cells['engine'] == engine).sum()} cells"
+        count = part_of(len(part), int((cells["engine"] == engine).sum()), "cell")
         what = {"timeout": "took too long"}.get(str(outcome), f"{outcome}")
         why = _stop(outcome_told(what, first["note"]))
         out.append(Sentence("failed", f"{engine_label(str(engine))}: {count} {why}"))

@@ -16,7 +16,7 @@ from realitygap_engines.model.inertia import together
 from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
 
-from realitygap.files.errors import InputError
+from realitygap.files.errors import InputError, standing
 from realitygap.robot.drive import CASCADE, DC, MEANINGS, PID, SPEED, TORQUE, Array, neutral_drive
 from realitygap.robot.effort_map import EffortMap
 from realitygap.robot.held import held_joints, stated_start
@@ -162,10 +162,8 @@ def build_plant(file: ScenarioFile, scenario: Scenario | None = None) -> Plant:
     whole = whole_model(file, scenario)
     model = hold(whole, held := held_joints(file, whole, robot.hold))
     if isinstance(robot.start, dict):
-        try:
+        with standing(f"{file.path}: "):
             stated_start(model, robot.start)
-        except InputError as error:
-            raise InputError(f"{file.path}: {error}") from None
     n = len(model.joints)
     if robot.base == "free" and n:
         raise InputError(

@@ -23,7 +23,7 @@ def engine_names(names: Sequence[str], where: str = OPTION) -> list[str]:
     for name in names:
         if name not in engines.ENGINES:
             known = sorted(engines.ENGINES)
-            several = isinstance(name, str) and ("," in name or " " in name.strip())
+            several = "," in str(name) or " " in str(name).strip()
             hint = f"; name each on its own: {where} A {where} B" if several and where == OPTION else ""
             raise InputError(
                 f"{where}: found {name}; expected one of {', '.join(known)}{hint or did_you_mean(name, known)}"

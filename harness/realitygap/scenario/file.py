@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.files.errors import InputError, InputTypeError
-from realitygap.files.found import shown
+from realitygap.files.found import counted, shown
 from realitygap.files.unpacked import plain_name
 from realitygap.files.validation import validate
 from realitygap.files.yaml_file import load_yaml
@@ -51,7 +51,7 @@ class ScenarioFile:
 
     def __repr__(self) -> str:
         runs = len(self.scenario.recordings.runs) if self.scenario.recordings else 0
-        return f"<ScenarioFile {self.scenario.name}: {self.path}, {runs} run{'' if runs == 1 else 's'}>"
+        return f"<ScenarioFile {self.scenario.name}: {self.path}, {counted(runs, 'run')}>"
 
     def resolve(self, text: str, key: str) -> Path:
         """The path that a scenario's text means: environment filled in, relative to the file."""
@@ -74,11 +74,10 @@ class ScenarioFile:
         Raises:
             InputError: for a key that leads nowhere or a value that it cannot have.
         """
-        if not isinstance(changes, Mapping) or not all(isinstance(key, str) for key in changes):
-            raise InputTypeError(
-                f"{self.path}: found {shown(changes)}; expected a dict of dotted keys and their values"
-            )
-        raw = apply_overrides(self.path, self.raw, plain(changes))
+        told = plain(changes)
+        if not isinstance(told, dict) or not all(isinstance(key, str) for key in told):
+            raise InputTypeError(f"{self.path}: found {shown(told)}; expected a dict of dotted keys and their values")
+        raw = apply_overrides(self.path, self.raw, told)
         return ScenarioFile(self.path, validate(self.path, Scenario, raw), raw)
 
     def cases(self) -> list[RunCase]:

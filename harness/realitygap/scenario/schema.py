@@ -198,10 +198,10 @@ class Run(Section):
     )
     episode: Episode | None = Field(default=None, description="of a data set: its number, or the name of its task")
     part: Span | None = Field(
-        default=None, description="only this much is read and simulated [s from the first message]"
+        default=None, description="[start, end]: only this much is read and simulated [s from the first message]"
     )
     use: Literal["train", "held_out"] | None = Field(default=None, description="for fitting, or kept back to judge on")
-    window: Span | None = Field(default=None, description="what is judged [s from the first message]")
+    window: Span | None = Field(default=None, description="[start, end]: what is judged [s from the first message]")
     overrides: dict[str, Any] = Field(default={}, alias="with", description="scenario keys that differ for this run")
 
     @property
@@ -225,7 +225,9 @@ class Recordings(Section):
     columns: Columns = Field(default=Columns(), description="for tables; `units` for bags, too")
     dataset: DataSet = Field(default=DataSet(), description="for LeRobot data sets")
     episode: Episode | None = Field(default=None, description="of a data set, where a run does not say its own")
-    part: Span | None = Field(default=None, description="what is read and simulated, where a run does not say its own")
+    part: Span | None = Field(
+        default=None, description="[start, end]: what is read and simulated, where a run does not say its own"
+    )
     pose: str | None = Field(default=None, description="topic of the base pose (PoseStamped, Odometry)")
     imu: str | None = Field(default=None, description="topic of an Imu on the base")
     battery: str | None = Field(default=None, description="topic of the supply (BatteryState)")

@@ -11,7 +11,7 @@ from realitygap_engines import GRAVITY, Physics, State
 from realitygap_engines.errors import as_its_outcome
 from realitygap_engines.model.robot import Array
 
-from realitygap.files.errors import InputError
+from realitygap.files.errors import InputError, standing
 from realitygap.recording import Recording, read_recording
 from realitygap.recording.sections import fitting_cases
 from realitygap.robot.effects.place import known, place
@@ -148,10 +148,8 @@ def _with_fitted_gains(file: ScenarioFile, found: Sequence[Experiment]) -> list[
                 f"effort in every run; expected a number"
             )
         runs.append(Weighed(e.plant, e.followed, e.start(), e.recording.trace.effort))
-    try:
+    with standing(f"{file.path}: "):
         gains, errors = drive_gains(runs, joints)
-    except InputError as error:
-        raise InputError(f"{file.path}: {error}") from None
     told = ", ".join(f"{names[j]} {g:.4g} ± {d:.2g}" for j, g, d in zip(joints, gains, errors, strict=True))
     out = []
     for e in found:
@@ -174,15 +172,14 @@ def _prepare(
     run = case.run if case else None
     if id(scenario) not in plants:
         plant = build_plant(file, scenario)
-        try:
+        with standing(f"{file.path}: "):
             plants[id(scenario)] = place(plant, [*scenario.effects, *effects])
-        except InputError as error:
-            raise InputError(f"{file.path}: {error}") from None
     plant = plants[id(scenario)]
     recording, notes = None, list[str]()
     if case is not None:
         told = {"mimics": plant.model.mimics, "limits": plant.model.limits}
-        recording = read(case.path, scenario, plant.model.joint_names, file=file.path, **told)
+        with standing(f"{file.path}: {case.key}.path: ", file=file.path):
+            recording = read(case.path, scenario, plant.model.joint_names, file=file.path, **told)
         check_supply(file, scenario, recording)
         if recording.trace.position is not None:
             plant, notes = plant.passing(recording.trace.position)
@@ -207,13 +204,11 @@ def _prepare(
         notes=tuple(notes),
         followed=followed,
     )
-    try:
+    with standing(f"{file.path}: "):  # said now rather than after other motions were simulated
         start = experiment.start()
         if followed is not None:
             check_clear(plant, followed, start)
             check_maps(plant, supply=followed.supply is not None)
-    except InputError as error:  # said now rather than after other motions were simulated
-        raise InputError(f"{file.path}: {error}") from None
     return experiment
 
 
@@ -229,11 +224,12 @@ def _commands(
     motion = scenario.motion
     if motion is not None and motion.keyframes is not None:
         path = file.existing(motion.keyframes, "motion.keyframes", "an animation file")
-        animation = read_animation(path)
-        start = first_goals(path, animation, plant.model)
-        if recording is not None and recording.trace.position is not None:
-            start = recording.trace.position[0]
-        commands, length = play(path, animation, plant.model, start)
+        with standing(f"{file.path}: motion.keyframes: "):
+            animation = read_animation(path)
+            start = first_goals(path, animation, plant.model)
+            if recording is not None and recording.trace.position is not None:
+                start = recording.trace.position[0]
+            commands, length = play(path, animation, plant.model, start)
         return commands, begin, duration or length + AFTER
     if recording is None or scenario.follows or not len(recording.command_time):
         return Commands(np.zeros(1), np.full((1, n), np.nan), held=not scenario.follows), begin, duration

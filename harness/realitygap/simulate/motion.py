@@ -58,7 +58,7 @@ def read_animation(path: Path) -> Animation:
     except RecursionError:
         raise InputError(f"{path}: is nested too deeply; expected an object with keyframes") from None
     except ValueError as error:
-        raise InputError(f"{path}: is not valid JSON ({error})") from None
+        raise InputError(f"{path}: is not valid JSON ({error}); expected an animation with keyframes") from None
     if not isinstance(raw, dict):
         raise InputError(f"{path}: holds {kind_of(raw)}, expected an object with keyframes")
     return validate(path, Animation, raw)

@@ -11,6 +11,7 @@ import numpy as np
 from realitygap.compare.comparison import RepeatedMotion
 from realitygap.diagnose.data.case import Case
 from realitygap.files.errors import InputError
+from realitygap.files.found import counted
 from realitygap.recording.align import group_repetitions
 from realitygap.scenario.file import ScenarioFile
 from realitygap.simulate.experiment import Experiment
@@ -36,7 +37,7 @@ def split(file: ScenarioFile, cases: Sequence[Case], motions: Sequence[RepeatedM
     for case in cases:
         if len(case.measured.time) < LEAST:
             raise InputError(
-                f"{file.path}: recordings.runs: {case.name} holds {len(case.measured.time)} samples to "
+                f"{file.path}: recordings.runs: {case.name} holds {counted(len(case.measured.time), 'sample')} to "
                 f"{'judge on' if case.use == 'held_out' else 'fit'}; expected at least {LEAST}"
             )
     runs = [(e, c.use) for c, m in zip(cases, motions, strict=False) for e in m.experiments]

@@ -15,7 +15,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from realitygap.files.errors import InputError, did_you_mean
-from realitygap.files.found import kind_of
+from realitygap.files.found import counted, kind_of
 from realitygap.files.plain_file import check_plain, read_written
 
 Found = TypeVar("Found")
@@ -89,7 +89,7 @@ class DataFolder:
         table: pa.Table = pq_read(file, partial(pq.read_table, file, columns=chosen, filters=only))
         if table.num_rows < max(episode.length, 2):
             raise InputError(
-                f"{episode.file}: holds {table.num_rows} rows of episode {episode.number}, expected "
+                f"{episode.file}: holds {counted(table.num_rows, 'row')} of episode {episode.number}, expected "
                 f"{max(episode.length, 2)} as in meta/; get the whole data set"
             )
         return table

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap.files.found import counted
 from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.trace.trace import Array
 
@@ -89,7 +90,7 @@ class JointMessages:
             elif held == len(names):
                 rows = value[:, order] if present.all() else np.where(present, value[:, order], np.nan)
             elif self._given:
-                raise Refused(f"holds {held} values, but {len(names)} joints are named: {', '.join(names)}")
+                raise Refused(f"holds {counted(held, 'value')}, but {len(names)} joints are named: {', '.join(names)}")
             else:
                 raise Refused(f"names {len(names)} joints and holds {held} values of {signal}")
             gathered.frombytes(np.asarray(rows, dtype=float).tobytes())

@@ -5,10 +5,10 @@ import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from realitygap.files.errors import meant_first
+from realitygap.files.errors import meant_first, standing
 from realitygap.files.validation import validate
 from realitygap.robot.effects import WRITABLE, Effect, Parameter
-from realitygap.robot.effects.place import standing, values
+from realitygap.robot.effects.place import values
 from realitygap.scenario.plain import plain
 from realitygap.scenario.schema import EffectSpec
 

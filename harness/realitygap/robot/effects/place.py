@@ -2,23 +2,13 @@
 
 import fnmatch
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
-from realitygap.files.errors import InputError, did_you_mean, meant_first
+from realitygap.files.errors import InputError, did_you_mean, meant_first, standing
 from realitygap.files.found import shown
 from realitygap.robot.effects import WRITABLE, Effect
 from realitygap.robot.plant import Plant
 from realitygap.scenario.schema import EffectSpec
-
-
-@contextmanager
-def standing(key: str) -> Iterator[None]:
-    """Say of what is wrong with an effect where that stands, as in effects[1].torque."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{key}{error}") from None
 
 
 def targets(plant: Plant, effect: Effect, target: str | Sequence[str]) -> list[int]:
