@@ -10,6 +10,7 @@ import chromium
 import numpy as np
 import pytest
 from defusedxml.ElementTree import fromstring
+from matplotlib.figure import Figure
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.units import unit_there
 from realitygap.diagnose.judge.gaps import Shown
@@ -17,7 +18,7 @@ from realitygap.diagnose.propose.words import odds as bet
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.result.story_figures import Curves, Pair, _close_up, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_figures import Curves, Pair, _close_up, _roomy, draw_curves, draw_pairs
 from realitygap.diagnose.result.story_text import interval, quantity, verdict
 from realitygap.diagnose.result.summary import summary
 from realitygap.robot.effects import EFFECTS
@@ -183,7 +184,20 @@ def test_curves_that_hardly_part_are_drawn_close_up_too(offset: float, panels: i
     drawn = fromstring(draw_curves(curves(offset), "a <title>"))
     labels = [t.text for t in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert ("close up" in labels) == (panels == 3)
+    assert labels.count("position [°]") == panels - 1, "every panel says its quantity and unit"
+    assert labels.count("time [s]") == panels
     assert drawn.get("aria-label") == "a <title>"
+
+
+@pytest.mark.parametrize("reach", [40.0, 300.0, 2500.0])
+def test_a_logarithmic_axis_has_room_above_and_between_its_numbers(reach: float) -> None:
+    axes = Figure(figsize=(5.6, 1.2)).subplots()
+    axes.plot([0.0, 1.0], [-reach, reach])
+    _roomy(axes)
+    assert axes.get_ylim()[1] > 1.5 * reach
+    named = [t.get_text() for t in axes.get_yticklabels() if t.get_text()]
+    largest = f"{10 ** int(np.log10(reach))}"
+    assert named == [f"−{largest}", "0", largest]
 
 
 @pytest.mark.parametrize("after", [True, False])

@@ -48,6 +48,13 @@ def test_click_shows_curves_of_that_joint(browser: chromium.Browser) -> None:
     browser.wait("document.querySelector('#detail figcaption b').textContent === 'hip'")
 
 
+def test_what_did_not_finish_is_told_once(browser: chromium.Browser) -> None:
+    browser.run("document.querySelectorAll('input[name=switch-step_rate]')[0].click()")
+    browser.run(f"{CELL.format(0, 0)}.dispatchEvent(new MouseEvent('click', {{bubbles: true}}))")
+    browser.wait(f"{DETAIL}.includes('in DART')")
+    assert set(browser.texts("#detail .verdict")) == {"diverged at 1.2000 s at knee: not finite"}
+
+
 @pytest.mark.parametrize("axis", ["signal", "recording", "robot_revision", "step_rate"])
 def test_switches_change_the_map(browser: chromium.Browser, axis: str) -> None:
     before = browser.texts(".heat td")

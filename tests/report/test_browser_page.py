@@ -88,6 +88,36 @@ def test_a_long_name_of_a_column_stays_beside_its_value_on_a_phone(shared: chrom
     shared.resize(1280, 900)
 
 
+LONG = "servos.drive.friction.coulomb"
+
+
+def long_key(folder: Path) -> Path:
+    """A page whose cells differ in a key that is longer than its values."""
+    cells = [synthetic.cell(overrides=json.dumps({LONG: own})) for own in (0.2756, 0.5)]
+    synthetic.write_folder(folder, joints=JOINTS, cells=cells, error=lambda _: 0.0101)
+    return write_page(folder)
+
+
+def test_a_switch_is_as_wide_as_its_choices_whatever_its_name(shared: chromium.Browser, tmp_path: Path) -> None:
+    shared.open(long_key(tmp_path))
+    shared.wait("document.querySelector('#detail svg.plot') !== null")
+    assert shared.texts("#switches legend")[-1] == LONG
+    right = "(n => n.getBoundingClientRect().right)"
+    tails = f"[...document.querySelectorAll('.segments')].map(s => {right}(s) - {right}(s.lastElementChild))"
+    assert max(shared.run(tails)) < 4
+
+
+def test_a_long_key_on_a_phone_is_broken_behind_its_dots(shared: chromium.Browser, tmp_path: Path) -> None:
+    labels = (
+        "[...document.querySelectorAll('#celltable td')].map(n => n.dataset.label).filter(t => t.includes('servos'))"
+    )
+    shared.open(long_key(tmp_path))
+    shared.wait("document.querySelector('#celltable tbody td') !== null")
+    assert set(shared.run(labels)) == {LONG.replace(".", ".\u200b")}
+    head, body = "<thead><tr><th>load_factor of 0.5</th></tr></thead>", "<tbody><tr><td>1</td></tr></tbody>"
+    assert 'data-label="load_\u200bfactor of 0.5"' in with_column_names(f'<table class="plain">{head}{body}</table>')
+
+
 def test_a_long_name_in_a_sentence_is_broken_on_a_phone(shared: chromium.Browser, tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     said = f"<main><p>The missing effort at {'front_shoulder_' * 5}joint depends on the speed.</p></main>"

@@ -60,6 +60,22 @@ def test_page_says_settings_limits_and_failures(folder: Path) -> None:
     assert "Virtual recordings." not in text
 
 
+def test_a_setting_that_no_engine_has_is_no_row(folder: Path, tmp_path: Path) -> None:
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    manifest = json.loads((copy / "manifest.json").read_text())
+    manifest["settings"]["drake"] |= {"contact friction": None, "compliance": 0}
+    (copy / "manifest.json").write_text(json.dumps(manifest))
+    text = write_page(copy).read_text()
+    assert "contact friction" not in text
+    assert '<th scope="row" data-label="setting">compliance</th>' in text
+
+
+def test_only_a_folder_with_traces_asks_to_choose_a_cell_for_its_curves(folder: Path, tmp_path: Path) -> None:
+    assert "Choose a cell for its curves:" in write_page(folder).read_text()
+    shutil.copy(folder / "gaps.csv", tmp_path)
+    assert "Choose a cell for its numbers:" in write_page(tmp_path).read_text()
+
+
 def test_page_of_virtual_recordings_says_so(tmp_path: Path) -> None:
     cells = [synthetic.cell()]
     synthetic.write_folder(tmp_path, joints=JOINTS, cells=cells, error=lambda _: 0.01, virtual=True)

@@ -7,6 +7,9 @@ HEAD, ROWS = re.compile(r"<thead>(.*?)</thead>", re.DOTALL), re.compile(r"<tbody
 ROW, CELL = re.compile(r"<tr>.*?</tr>", re.DOTALL), re.compile(r"<t[hd]\b([^>]*)>")
 NAME, SPAN = re.compile(r"<th\b[^>]*>(.*?)</th>", re.DOTALL), re.compile(r'colspan="(\d+)"')
 
+BREAKS = re.compile(r"(?<=[_.])(?=[^\W\d])")
+"""Where a long key may be broken into lines: by a space of no width."""
+
 
 def with_column_names(page: str) -> str:
     """The page with its column's name, as `data-label`, on every cell of its plain tables: page.css shows it there.
@@ -19,7 +22,7 @@ def with_column_names(page: str) -> str:
 def _labelled(table: str) -> str:
     head = HEAD.search(table)
     assert head is not None, "a plain table has the names of its columns in a head"
-    names = [" ".join(name.replace('"', "&quot;").split()) for name in NAME.findall(head[1])]
+    names = [BREAKS.sub("\u200b", " ".join(name.replace('"', "&quot;").split())) for name in NAME.findall(head[1])]
     return ROWS.sub(lambda rows: ROW.sub(lambda row: _row(row[0], names), rows[0]), table)
 
 

@@ -71,6 +71,7 @@ def write_page(folder: Path, out: Path | None = None, each: Each = one_by_one) -
         sentences=said,
         shown=SHOWN if len(said) > SHOWN + 1 else len(said),
         tags=TAGS,
+        curves_there=bool(results.traces),
         rounded=_rounded(results),
         missing=_missing(results, out),
         published=_published() if is_wolfgang(results) else (),
@@ -148,7 +149,8 @@ def _settings(results: Results) -> dict[str, Any] | None:
     if not engines:
         return None
     keys = sorted({k for e in engines for k in settings[e]})
-    rows = [(k, [_setting(settings[e].get(k)) for e in engines]) for k in keys]
+    told = [k for k in keys if any(settings[e].get(k) is not None for e in engines)]  # none: of what was not there
+    rows = [(k, [_setting(settings[e].get(k)) for e in engines]) for k in told]
     versions = results.manifest.get("versions") or {}
     return {"engines": [f"{engine_label(e)} {versions.get(e) or ''}".strip() for e in engines], "rows": rows}
 

@@ -46,6 +46,8 @@ STYLE: Any = {
 }
 WIDE = 30.0
 """Residuals beyond this many floors are drawn on an axis that is logarithmic beyond 3."""
+ABOVE = 2.0
+"""Room above what is largest there, as a factor: a margin of the values' range is none on a logarithmic axis."""
 
 CLOSE = (0.08, 0.04, 0.02, 0.01)
 """Of a run, how long a close-up is: the first in which the curves are seen to part, else the shortest."""
@@ -92,7 +94,7 @@ def draw_curves(curves: Curves, title: str) -> str:
     """Measured and simulated together, close up where they hardly part, and the difference in floors. SVG."""
     close = _close_up(curves)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 3.5 if close is None else 4.7))
+        figure = Figure(figsize=(5.6, 3.7 if close is None else 5.3))
         axes = figure.subplots(2 if close is None else 3, 1, height_ratios=[5, 3] if close is None else [5, 4, 3])
         top, low = axes[0], axes[-1]
         low.sharex(top)
@@ -108,13 +110,14 @@ def draw_curves(curves: Curves, title: str) -> str:
             panel.set_ylabel(f"{curves.signal} [{unit_label(curves.unit)}]")
         if close is not None:
             _zoom(axes[1], curves, close)
-            axes[1].set_ylabel("close up")
+            axes[1].set_title("close up", loc="left")
         low.axhspan(-1, 1, color=MUTED, alpha=0.25, linewidth=0)
         low.plot(curves.time, _floors(curves, curves.before), color=BEFORE, linewidth=0.9)
         if curves.after is not None:
             low.plot(curves.time, _floors(curves, curves.after), color=AFTER, linewidth=0.9)
         low.set_ylabel("difference\n[floors]")
-        low.set_xlabel("time [s]")
+        for panel in axes:
+            panel.set_xlabel("time [s]")
         _roomy(low)
         figure.align_ylabels(axes)
         figure.legend(*top.get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False)
@@ -213,8 +216,10 @@ def _roomy(axes: Axes) -> None:
         axes.set_yscale("symlog", linthresh=3)
         powers = [10.0**k for k in range(1, 7) if 10.0**k < reach]
         ticks = [-t for t in reversed(powers)] + [0.0, *powers]
-        axes.set_yticks(ticks, [f"{t:g}".replace("-", "−") for t in ticks])
+        named = (-powers[-1], 0.0, powers[-1])  # the others between them have no room for a name
+        axes.set_yticks(ticks, [f"{t:g}".replace("-", "−") if t in named else "" for t in ticks])
         axes.set_yticks([], minor=True)
+        reach *= ABOVE
     axes.set_ylim(-reach, reach)
 
 

@@ -49,7 +49,7 @@ function detailHead(cells) {
   const name = data.axes[engineAxis].values[state.engine].text;
   const out = [element("h3", null, `${targetText(state.target)} in ${name}`)];
   const failed = cells.filter((c) => data.cells[c].outcome !== "ok");
-  for (const c of failed.slice(0, 3)) out.push(element("p", { class: "verdict worse" }, `${data.cells[c].outcome}: ${data.cells[c].note}`));
+  for (const c of failed.slice(0, 3)) out.push(element("p", { class: "verdict worse" }, outcomeText(data.cells[c])));
   if (failed.length > 3) out.push(element("p", { class: "verdict worse" }, `and ${failed.length - 3} more that did not finish`));
   if (!s || !Number.isFinite(s.mean)) return out;
   const fact = (label, value, digits) => element("div", null, element("dt", null, label), element("dd", null, value === null || value === undefined ? "unknown" : quantity(value, s.unit, digits)));
@@ -62,6 +62,11 @@ function detailHead(cells) {
   const traces = cells.filter((c) => data.cells[c].whole);
   if (traces.length === 1) out.push(traceLinks(data.cells[traces[0]]));
   return out;
+}
+
+// An outcome with its note, which may begin with it, as in "diverged at 1.2 s at knee".
+function outcomeText({ outcome, note }) {
+  return note.startsWith(`${outcome} `) ? note : `${outcome}: ${note}`;
 }
 
 // The files with the cell's traces; they lie beside the page, if anywhere.

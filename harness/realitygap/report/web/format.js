@@ -48,8 +48,14 @@ function element(tag, attributes, ...children) {
 }
 
 // A long name may wrap behind an underscore or a dot.
+const BREAKS = /(?<=[_.])/;
 function breakable(name) {
-  return name.split(/(?<=[_.])/).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
+  return name.split(BREAKS).flatMap((part, i) => (i ? [element("wbr"), part] : [part]));
+}
+
+// The same for what is shown as an attribute's text, where no element can stand: a space of no width.
+function breakableText(name) {
+  return name.split(BREAKS).join("\u200b");
 }
 
 function tooltip(text, event) {

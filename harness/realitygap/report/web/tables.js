@@ -12,7 +12,7 @@ function sortable({ columns, rows, caption, page = window.innerWidth < 600 ? 10 
       return rising ? compared : -compared;
     });
     body.replaceChildren(...sorted.slice(0, shown).map((row) => element("tr", null, row.map((cell, i) =>
-      element("td", { class: [columns[i].num ? "num" : "", cell.class || ""].join(" ").trim() || null, "data-label": columns[i].label }, cell.node || cell.text,
+      element("td", { class: [columns[i].num ? "num" : "", cell.class || ""].join(" ").trim() || null, "data-label": breakableText(columns[i].label) }, cell.node || cell.text,
         cell.small ? element("small", null, whole(cell.small)) : null)))));
     more.hidden = rows.length <= shown;
     more.textContent = `Show ${Math.min(page, rows.length - shown)} more of ${rows.length}`;
