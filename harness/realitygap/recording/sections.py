@@ -67,10 +67,12 @@ def _takers(key: str) -> tuple[str, ...]:
 
 
 def _stated(section: Section | None, prefix: str = "") -> Iterator[str]:
-    """The keys that a scenario states, those of a section in it with dots."""
-    for name in section.model_fields_set if section is not None else ():
+    """The keys that a scenario states, in the order of the reference; those of a section in it with dots."""
+    if section is None:
+        return
+    for name in type(section).model_fields:
         value = getattr(section, name)
-        if isinstance(value, Section):
+        if name in section.model_fields_set and isinstance(value, Section):
             yield from _stated(value, f"{prefix}{name}.")
-        else:
+        elif name in section.model_fields_set:
             yield f"{prefix}{name}"
