@@ -7,6 +7,7 @@ import pytest
 from realitygap.diagnose.result.revised_urdf import revised_urdf
 from realitygap_engines.errors import ModelError
 from realitygap_engines.model.read import read_model
+from realitygap_engines.model.xacro_file import is_xacro
 
 ROBOT = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="mass" default="1.5"/>
 <xacro:include filename="$(find r_description)/link.xacro"/><xacro:body name="base"/><xacro:body name="arm"/>
@@ -32,6 +33,24 @@ def test_macros_arguments_and_packages_are_expanded(robot: Path) -> None:
     assert (model.joint_names, model.links[1].mass) == (["hinge"], 3.0)
     (robot.parent / "src" / "somewhere").rename(robot.parent / "r_description")  # and beside the file
     assert read_model(robot, floating=False).links[1].mass == 3.0
+
+
+def test_expressions_without_macros_make_a_xacro_too_whatever_it_is_called(tmp_path: Path) -> None:
+    pytest.importorskip("xacro")
+    link = '<link name="{}"><inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    robot = f"""<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{link.format("a", "${2 * 1.5}")}</inertial>
+</link><!-- {link.format("b", "${mass}")} --></robot>"""
+    path = tmp_path / "robot.urdf"
+    path.write_text(robot)
+    assert read_model(path, floating=True).mass == 3.0
+    path.write_text(robot.replace("2 * 1.5", "mass"))
+    with pytest.raises(
+        ModelError, match=r"is a xacro file that cannot be .*'mass' is not defined.*expand it first: xacro"
+    ):
+        read_model(path, floating=True)
+    path.write_text(robot.replace("${2 * 1.5}", "3"))  # what is left of an expanded file
+    assert not is_xacro(path, path.read_bytes())
+    assert read_model(path, floating=True).mass == 3.0
 
 
 def test_what_cannot_be_expanded_is_one_sentence(robot: Path) -> None:

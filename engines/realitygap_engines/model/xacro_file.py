@@ -1,16 +1,24 @@
 """Expanding a xacro file where the package `xacro` is installed."""
 
 import importlib.util
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from realitygap_engines.errors import ModelError
 
+COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+
 
 def is_xacro(path: Path, text: bytes) -> bool:
-    """Whether a file has macros in it."""
-    return path.suffix == ".xacro" or b"<xacro:" in text
+    """Whether a file has macros or expressions in it, whatever it is called.
+
+    The namespace alone makes none: an expanded file may keep it.
+    """
+    if path.suffix == ".xacro" or b"<xacro:" in text:
+        return True
+    return b"xmlns:xacro" in text and any(sign in COMMENT.sub(b"", text) for sign in (b"${", b"$("))
 
 
 def urdf_source(path: Path, packages: Mapping[str, Path]) -> str:
