@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from realitygap.files.errors import InputError
+from realitygap.files.errors import InputError, standing
 from realitygap.recording import reader_of
 from realitygap.scenario.file import RunCase, ScenarioFile
 from realitygap.scenario.section import Section
@@ -44,7 +44,8 @@ def fitting_cases(file: ScenarioFile) -> list[RunCase]:
     cases = file.cases()
     stated: dict[str, list[tuple[RunCase, str]]] = {}
     for case in cases:
-        reader = reader_of(case.path)
+        with standing(f"{file.path}: {case.key}.path: "):
+            reader = reader_of(case.path)
         for key in _stated(case.scenario.recordings):
             stated.setdefault(key, []).append((case, reader))
     for key, of in stated.items():
