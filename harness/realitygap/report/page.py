@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from realitygap.compare.traces import read_traces
+from realitygap.files.found import counted
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number
@@ -126,7 +127,7 @@ def _summary(results: Results) -> str:
         "recording": results.cells["recording"].where(results.cells["recording"] != "").nunique(),
         "joint": results.gaps.loc[results.gaps["group"] != "base", "joint"].nunique(),
     }
-    return " · ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in counts.items() if n)
+    return " · ".join(counted(n, name) for name, n in counts.items() if n)
 
 
 def _inlined(paths: Sequence[Path]) -> str:

@@ -37,6 +37,7 @@ from realitygap.diagnose.result.story_text import (
     target_label,
     verdict,
 )
+from realitygap.files.found import counted
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label, number, unit_label
@@ -128,7 +129,7 @@ def _meta(result: Diagnosis) -> str:
         "joint": int(result.problem.judged.sum()),
         "engine": len(result.engines),
     }
-    return " · ".join(f"{n} {name}{'' if n == 1 else 's'}" for name, n in counts.items() if n)
+    return " · ".join(counted(n, name) for name, n in counts.items() if n)
 
 
 def _place(place: Place) -> dict[str, str]:

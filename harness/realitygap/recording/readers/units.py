@@ -14,9 +14,8 @@ from realitygap.trace.trace import Array
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 LENGTHS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
-
-
 RATES_AND_ANGLES = {"position", "velocity"}
+"""What a bag may hold in other units; efforts are in SI."""
 
 
 def unit_of(units: Lengths, joint: str) -> Length | None:
