@@ -17,8 +17,8 @@ from realitygap.diagnose.judge.worsened import Worsened, in_units
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import write_story
 from realitygap.diagnose.search.criterion import Criterion
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.rivals import Rival
-from realitygap.diagnose.search.search import Found
 
 FRICTION = Suspect("coulomb_friction", "elbow", (1,))
 VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (1.0, 1.0), "unexplained": (9.0, 9.0)}

@@ -17,8 +17,8 @@ from realitygap.diagnose.judge.gaps import held_out_gap, shown
 from realitygap.diagnose.judge.steps import steps
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.linear import LinearGain
-from realitygap.diagnose.search.search import Found
 from realitygap.scenario.file import load_scenario
 
 GAIN = 5.048

@@ -14,7 +14,7 @@ from realitygap.diagnose.judge import again
 from realitygap.diagnose.judge.again import told_after_all
 from realitygap.diagnose.judge.ordinary import all_done
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 
 
 @pytest.mark.parametrize("there", [True, False], ids=["missing", "not missing"])

@@ -7,7 +7,7 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.ordinary import tolerated
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 from realitygap.robot.effects import EFFECTS
 
 

@@ -16,7 +16,7 @@ from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.result.workflow import _against, _against_all
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 
 
 @pytest.fixture(scope="module")

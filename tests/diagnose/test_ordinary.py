@@ -18,8 +18,8 @@ from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.ordinary import Done, all_done, tolerated
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.criterion import Criterion
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.round import MUCH
-from realitygap.diagnose.search.search import Found
 from realitygap.scenario.file import load_scenario
 
 GAIN = 5.048

@@ -12,7 +12,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 from realitygap.scenario.schema import EffectSpec
 
 

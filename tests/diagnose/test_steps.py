@@ -12,7 +12,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.gaps import shown
 from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 
 
 @pytest.fixture(scope="module")

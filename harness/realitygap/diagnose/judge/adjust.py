@@ -21,8 +21,8 @@ from realitygap.diagnose.judge.held_out import as_wide, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.discrepancy import SHARE
 from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.linear import LinearGain, linear_at
-from realitygap.diagnose.search.search import Found
 
 NUMERICS = 1e-6
 """What answers less than this share of what else an effect does is numerics."""

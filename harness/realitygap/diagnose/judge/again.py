@@ -19,9 +19,9 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap
 from realitygap.diagnose.judge.held_out import predicted, sure_of
 from realitygap.diagnose.judge.ordinary import all_done, more_than_usual
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.rivals import Rival
-from realitygap.diagnose.search.search import Found
 
 
 def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspect, Sequence[Rival]]) -> Found:

@@ -10,8 +10,8 @@ import numpy as np
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import costs, rms
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.linear import LinearGain
-from realitygap.diagnose.search.search import Found
 
 SHOWN = 3
 """Candidates that were not named and are shown."""

@@ -21,9 +21,9 @@ from realitygap.diagnose.likelihood.whitening import channels, effective_fractio
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.discrepancy import Discrepancy
 from realitygap.diagnose.search.evidence import Scored, score
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.prune import untold
 from realitygap.diagnose.search.round import DOUBTFUL
-from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
 NOTHING = 0.1

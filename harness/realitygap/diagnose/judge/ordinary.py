@@ -20,8 +20,8 @@ from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import predicted
 from realitygap.diagnose.search.criterion import AS_LARGE, Criterion
 from realitygap.diagnose.search.discrepancy import usual
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.round import MUCH
-from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
 SHOWS = 1.1

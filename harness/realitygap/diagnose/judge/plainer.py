@@ -20,9 +20,9 @@ from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.alike import in_place, same
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
-from realitygap.diagnose.search.search import Found
 from realitygap.diagnose.search.simpler import narrower
 
 SAME = 4

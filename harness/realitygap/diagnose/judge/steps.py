@@ -8,7 +8,7 @@ from itertools import accumulate
 from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.fit.fit import Fit, fit, residual_near
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.search import Found
+from realitygap.diagnose.search.found import Found
 
 MANY = 4
 """More findings than this are told by effect: a step is an effect at all its places, since every step is simulated in

@@ -20,8 +20,8 @@ from realitygap.diagnose.judge.locate import Place
 from realitygap.diagnose.judge.worsened import InUnits, Worsened
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.result.odds import odds
+from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.rivals import ODDS, Rival
-from realitygap.diagnose.search.search import Found
 from realitygap.robot.drive import Array
 
 SCHEMA = 1

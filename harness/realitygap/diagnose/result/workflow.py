@@ -32,7 +32,8 @@ from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.replaced import replaced
 from realitygap.diagnose.result.revise import MJCF, REVISED, write_revised
 from realitygap.diagnose.result.story import write_story
-from realitygap.diagnose.search.search import Found, search
+from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.search import search
 from realitygap.diagnose.search_budget import UNLIMITED, SearchBudget
 from realitygap.files.errors import spared
 from realitygap.files.interrupted import last

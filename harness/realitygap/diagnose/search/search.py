@@ -8,8 +8,7 @@ the time of a simulation, in which no error adds up, and no servo hides what its
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,16 +19,15 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.responses import Block, at_once
-from realitygap.diagnose.likelihood.floors import Floors, measure
+from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.ahead import by_two_steps
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
-from realitygap.diagnose.search.grow import SURE, grown, shared
-from realitygap.diagnose.search.linear import LinearGain
+from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.grow import SURE, Ways, grown, shared
 from realitygap.diagnose.search.merged import merged
 from realitygap.diagnose.search.one_for_two import one_for_two
-from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.rotor import parted
 from realitygap.diagnose.search.round import Round, Say, told_change
 from realitygap.diagnose.search.unnamed import with_unnamed
@@ -42,49 +40,6 @@ AHEAD = 1 / 3
 """The most of the time that goes into where to begin: on a slow machine simulations have the rest."""
 ROUNDS = 30
 """Rounds at most: more findings than this no page could show."""
-
-
-@dataclass
-class Found:
-    """What a search found.
-
-    Attributes:
-        base: the scenario's own model, by the criterion of the last round.
-        best: the model with the best evidence.
-        cautious: the same, for intervals.
-        limit: what a finding has to gain.
-        least: the same for each, or what laws of its kind leave of what the best model explains, where that is more.
-        floors: of the best model.
-        criterion: by which models were compared in the last round.
-        gains: evidence that is lost without each finding, by suspect.
-        without: the model without each finding, its other values fitted anew.
-        rivals: what could stand in the place of each finding, the closest first.
-        candidates: what was closest and not taken, best first.
-        short: what it gains where it was fitted, and what it would have to gain.
-        beaten: findings in whose place an unnamed effort gains what a name has to, though it is none itself.
-        cut: whether the search was ended while it may have found more.
-        blocks: the responses of what could still be added, in the last round.
-        fuller: the model from which findings were left out in the end, as they gain too little; None where none was.
-        adjusted: what of the best model is no finding, but what its laws are off by (`judge.adjust`).
-    """
-
-    base: Scored
-    best: Scored
-    cautious: Scored
-    limit: float
-    least: Mapping[Suspect, float]
-    floors: Floors
-    criterion: Criterion
-    gains: dict[Suspect, float] = field(default_factory=dict)
-    without: dict[Suspect, Scored] = field(default_factory=dict)
-    rivals: dict[Suspect, list[Rival]] = field(default_factory=dict)
-    candidates: list[LinearGain] = field(default_factory=list)
-    short: Mapping[Suspect, tuple[float, float]] = field(default_factory=dict)
-    beaten: Collection[Suspect] = ()
-    cut: bool = False
-    blocks: Sequence[Block] = ()
-    fuller: Scored | None = None
-    adjusted: tuple[Suspect, ...] = ()
 
 
 def search(
@@ -107,86 +62,185 @@ def search(
     Raises:
         InputError: for a scenario whose own model cannot be simulated.
     """
-    limit, kept = needed(len(everyone)), [c.suspect for c in told]
-    nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
-    at = _along(simulations, nothing, everyone, limit, say, budget)
-    seen, plain, again = set[ModelKey](), set[ModelKey](), True
-    asked = set(kept)  # whether they have the right name
-    looked_at, last, failed = plain_first(simulations.problem, everyone), Exchanged(), set[ModelKey]()
-    round_, following, dropped = Round(simulations, at, looked_at, limit, nothing, say, budget), None, False
-    fuller: Scored | None = None
-    many, cut = at_once(simulations.problem), False  # of few joints all is looked at anew after every move
-    for number in range(ROUNDS):
-        stays = many and following is not None and (dropped or round_.late) and round_.moved(following)
-        if number > 0 and not stays:
-            known = round_.blocks if round_.last else ()  # what is tried now promised most before
-            round_ = Round(simulations, at, looked_at, limit, nothing, say, budget, known)
-        began, explained = simulations.steps, round_.explained
-        here, whole = model_key(round_.now.fit.changes), len(round_.everyone) == len(everyone)
-        first, fresh = number == 0, here not in seen  # what was dropped here once would only be added again
-        following = grown(round_, kept, failed, whole and again) if fresh and not _over(round_, first) else None
-        if following is not None and not many:
-            better = _renamed(round_, kept, asked)
-            if better is not None and model_key(better.fit.changes) not in seen:
-                following = following if _richer(round_, following, better) else better
-        if following is None and not whole and not _over(round_, first):
-            round_.widened(everyone)
-            following = grown(round_, kept, failed, again) if fresh else None
-        for ways in (parted, shared, merged, one_for_two):
-            if following is None and fresh and not _over(round_, first):
-                following = grown(round_, kept, failed, again, ways(round_))
-        seen.add(here)
-        again = following is not None  # what failed is tried again beside what is new
-        dropped, cut = False, _over(round_, first)
-        if following is not None:
-            last, fuller = Exchanged(), None  # beside what is new, another name may be as good
-        else:
-            last = exchanged(round_, kept, last)
-            following = last.better
-            fewer = following is not None and len(following.fit.changes) < len(round_.now.fit.changes)
-            there = None if following is None else model_key(following.fit.changes)
-            if there in seen and not fewer and not (last.plainer and there not in plain):
-                following = None
-            elif there is not None and last.plainer:  # a plain name that led to one which says no more is gone back to
-                plain.add(there)
-            dropped = following is not None and fewer
-            fuller = None if following is not None and not fewer else fuller or last.fuller
-        if following is None and not _over(round_, first):
-            following = with_unnamed(round_, kept) or by_two_steps(round_, kept, seen)
-            again = following is not None
-        if following is None:
+    walk = _Walk(simulations, everyone, told, say, budget)
+    for _ in range(ROUNDS):
+        if not walk.goes_on():
             break
-        if not first:
+    return walk.found()
+
+
+class _Walk:
+    """The walk of a search from model to model: where it stands, and what it remembers of where it has been.
+
+    In every round it adds what gains enough. Where nothing does, it exchanges and drops; where that is no better
+    either, it tries an unnamed effort, and two steps at once.
+
+    Attributes:
+        keep: what the recordings show by themselves, which stays.
+        round: the round that it is in.
+        following: the model that was found in it, where the next one stands; None where nothing is better.
+        seen: models beside which everything has been tried: what was dropped there would only be added again.
+        plain: models that a plainer name led to.
+        failed: moves that gained too little.
+        again: whether these are tried once more, beside what is new.
+        asked: findings that were asked whether they have the right name.
+        last: what could be left out or exchanged, when that was last asked; nothing since something was added.
+        fuller: the model from which findings were left out since; None where none was.
+        dropped: whether the last move left something out.
+        cut: whether the search is ended while it may have found more.
+    """
+
+    def __init__(
+        self,
+        simulations: Simulations,
+        everyone: Sequence[Suspect],
+        told: Sequence[Change],
+        say: Say,
+        budget: SearchBudget,
+    ) -> None:
+        self.simulations, self.everyone, self.say, self.budget = simulations, everyone, say, budget
+        self.limit, self.keep = needed(len(everyone)), [c.suspect for c in told]
+        self.many = at_once(simulations.problem)  # of few joints all is looked at anew after every move
+        self.nothing = Fit(tuple(told), demanded(simulations, told, simulations.problem.of("train")))
+        self.at = _along(simulations, self.nothing, everyone, self.limit, say, budget)
+        self.looked_at = plain_first(simulations.problem, everyone)
+        self.round, self.first = self._round(), True
+        self.following: Scored | None = None
+        self.seen, self.plain, self.failed = set[ModelKey](), set[ModelKey](), set[ModelKey]()
+        self.again, self.dropped, self.cut = True, False, False
+        self.asked, self.last = set(self.keep), Exchanged()
+        self.fuller: Scored | None = None
+
+    def goes_on(self) -> bool:
+        """One round, and whether it found something better."""
+        if not self.first and not self._stays():
+            self.round = self._round(self.round.blocks if self.round.last else ())  # what is tried promised most before
+        round_, began, explained = self.round, self.simulations.steps, self.round.explained
+        whole = self._whole
+        self.following = following = self._better()
+        if following is None:
+            return False
+        if not self.first:
             gained = following.evidence - round_.now.evidence
-            round_.budget = budget = round_.budget.beside(simulations.steps - began, gained, explained)
-        say("; ".join(told_change(c) for c in following.fit.changes))
-        if many and not dropped:
-            following = _further(round_, following, kept, failed)
-        at, looked_at = following.fit, list(everyone) if dropped or (first and not whole) else round_.likely(LIKELY)
-    start = round_.criterion.score(nothing)
-    best = round_.retold()
-    best = round_.criterion.seen(best)
-    floors = measure(simulations, best.fit.changes)
-    cautious = round_.criterion.cautious(best.fit)
-    named = [c.suspect for c in best.fit.changes]
-    return Found(
-        base=start,
-        best=best,
-        cautious=cautious,
-        limit=limit,
-        least={s: max(limit, round_.leaves(best, {s.kind.law}, last.without.get(s, start))) for s in named},
-        floors=floors,
-        criterion=round_.criterion,
-        gains=last.gains,
-        without=last.without,
-        rivals=last.rivals,
-        candidates=round_.candidates,
-        short=round_.short,
-        beaten=round_.beaten,
-        cut=cut,
-        blocks=round_.blocks,
-        fuller=fuller,
-    )
+            self.budget = round_.budget.beside(self.simulations.steps - began, gained, explained)
+            round_.budget = self.budget
+        self.say("; ".join(told_change(c) for c in following.fit.changes))
+        if self.many and not self.dropped:
+            self.following = following = _further(round_, following, self.keep, self.failed)
+        anew = self.dropped or (self.first and not whole)
+        self.at, self.looked_at = following.fit, list(self.everyone) if anew else round_.likely(LIKELY)
+        self.first = False
+        return True
+
+    def found(self) -> Found:
+        """What was found, where it goes on no more."""
+        round_, last = self.round, self.last
+        start = round_.criterion.score(self.nothing)
+        best = round_.criterion.seen(round_.retold())
+        named = [c.suspect for c in best.fit.changes]
+        left = {s: round_.leaves(best, {s.kind.law}, last.without.get(s, start)) for s in named}
+        return Found(
+            base=start,
+            best=best,
+            cautious=round_.criterion.cautious(best.fit),
+            limit=self.limit,
+            least={s: max(self.limit, little) for s, little in left.items()},
+            floors=measure(self.simulations, best.fit.changes),
+            criterion=round_.criterion,
+            gains=last.gains,
+            without=last.without,
+            rivals=last.rivals,
+            candidates=round_.candidates,
+            short=round_.short,
+            beaten=round_.beaten,
+            cut=self.cut,
+            blocks=round_.blocks,
+            fuller=self.fuller,
+        )
+
+    def _round(self, known: Sequence[Block] = ()) -> Round:
+        """A new round at the model that was found, with the responses that are known of one near by."""
+        return Round(self.simulations, self.at, self.looked_at, self.limit, self.nothing, self.say, self.budget, known)
+
+    def _stays(self) -> bool:
+        """Whether the round goes on at what was found in it, as it knows most of what is there: of many joints."""
+        if not self.many or self.following is None or not (self.dropped or self.round.late):
+            return False
+        return self.round.moved(self.following)
+
+    @property
+    def _over(self) -> bool:
+        """Whether nothing more is looked for: it is late, and this is not the first round, which is always made."""
+        return self.round.late and not self.first
+
+    @property
+    def _whole(self) -> bool:
+        """Whether the round looks at all suspects."""
+        return len(self.round.everyone) == len(self.everyone)
+
+    def _better(self) -> Scored | None:
+        """The model that the round leads to: one with more in it, else with another name or less, else with an unnamed
+        effort or two steps at once.
+        """
+        following = self._added()
+        self.again, self.dropped, self.cut = following is not None, False, self._over
+        if following is not None:
+            self.last, self.fuller = Exchanged(), None  # beside what is new, another name may be as good
+            return following
+        following = self._exchanged()
+        if following is None and not self._over:
+            following = with_unnamed(self.round, self.keep) or by_two_steps(self.round, self.keep, self.seen)
+            self.again = following is not None
+        return following
+
+    def _added(self) -> Scored | None:
+        """The model with more in it, of what the round looks at, of all suspects, and of what tells the same in another
+        way. None where nothing gains enough.
+        """
+        round_, here = self.round, model_key(self.round.now.fit.changes)
+        fresh = here not in self.seen
+        following = self._grown(self._whole and self.again) if fresh and not self._over else None
+        if following is not None and not self.many:
+            following = self._named(following)
+        if following is None and not self._whole and not self._over:
+            round_.widened(self.everyone)
+            following = self._grown(self.again) if fresh else None
+        for ways in (parted, shared, merged, one_for_two):
+            if following is None and fresh and not self._over:
+                following = self._grown(self.again, ways(round_))
+        self.seen.add(here)
+        return following
+
+    def _grown(self, again: bool, ways: Ways | None = None) -> Scored | None:
+        return grown(self.round, self.keep, self.failed, again, ways)
+
+    def _named(self, following: Scored) -> Scored:
+        """A model with more in it, or the accepted one with a better name for what was found last, where it has one."""
+        better = _renamed(self.round, self.keep, self.asked)
+        if better is None or model_key(better.fit.changes) in self.seen or _richer(self.round, following, better):
+            return following
+        return better
+
+    def _exchanged(self) -> Scored | None:
+        """The model with a better name for a finding, or without what is not needed; None where there is no better one.
+
+        It goes back to a model where it stood before only if that has less in it, or by a plainer name, once.
+        """
+        self.last = exchanged(self.round, self.keep, self.last)
+        following = self.last.better
+        if following is not None:
+            there = model_key(following.fit.changes)
+            self.dropped = len(following.fit.changes) < len(self.round.now.fit.changes)
+            plainer = self.last.plainer and there not in self.plain
+            if there in self.seen and not self.dropped and not plainer:
+                following = None
+            elif self.last.plainer:
+                self.plain.add(there)
+        if following is None or self.dropped:
+            self.fuller = self.fuller or self.last.fuller
+        else:
+            self.fuller = None
+        return following
 
 
 def _along(
@@ -232,11 +286,6 @@ def _richer(round_: Round, found: Scored, renamed: Scored) -> bool:
     """
     same = {c.suspect for c in found.fit.changes} == {c.suspect for c in round_.now.fit.changes}
     return same and found.evidence > renamed.evidence
-
-
-def _over(round_: Round, first: bool) -> bool:
-    """Whether nothing more is looked for: it is late, and this is not the first round, which is always made."""
-    return round_.late and not first
 
 
 def _further(round_: Round, found: Scored, keep: Sequence[Suspect], failed: set[ModelKey]) -> Scored:
