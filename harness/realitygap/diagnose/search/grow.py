@@ -39,8 +39,9 @@ SURE = 3.0
 """A gain in evidence beyond the logarithm of the number of suspects: odds of 20 to 1 against chance for all of them."""
 
 
-Ways = Sequence[tuple[list[Change], float]]
-"""Models with more in them, and the evidence that each has to gain."""
+Way = tuple[list[Change], float]
+"""A model with more in it, and the evidence that it has to gain."""
+Ways = Sequence[Way]
 
 
 def grown(
@@ -111,18 +112,18 @@ def _best(
     return min(equal, key=lambda s: len(s.fit.names), default=None)
 
 
-def _ways(round_: Round) -> list[tuple[list[Change], float]]:
+def _ways(round_: Round) -> list[Way]:
     """Models with more in them, and the evidence that each has to gain."""
-    accepted, limit, plant = list(round_.now.fit.changes), round_.limit, round_.simulations.problem.plant
-    first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
-    for p in [*(p for p in round_.candidates if p.gain > 0.0), *round_.linear_gains]:
-        start = p.block.start.first
-        if p.gain > 0.0 or len(first) < TRIED:
-            first.setdefault((start.suspect, start.free), start)
-    ways: list[tuple[list[Change], float]] = []
-    firsts = list(first.values())
+    return [*_with_one(round_), *_with_several(round_), *_at_each(round_), *_shaped(round_), *_begun_again(round_)]
+
+
+def _with_one(round_: Round) -> list[Way]:
+    """One suspect more, those of most predicted gain; at every joint as well, or at each with a value of its own."""
+    accepted, limit = list(round_.now.fit.changes), round_.limit
+    firsts = _most_predicted(round_)
     whole = {b.suspect for b in round_.blocks if b.start.kind == "whole"}
     far = [s for s in firsts if s.suspect in whole][:BEYOND]
+    ways: list[Way] = []
     for start in far:  # a limit that is hardly reached has no slope to follow
         other = guess(round_.simulations.problem, start.suspect)
         if other.free == start.free:
@@ -134,16 +135,43 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
         each = _each(round_, start, accepted) or _everywhere(round_, start)
         if each:
             ways.append(([*accepted, *each], limit * len(each)))
+    return ways
+
+
+def _most_predicted(round_: Round) -> list[Change]:
+    """The starts of most predicted gain: all that have any, and `TRIED` at least."""
+    first: dict[tuple[Suspect, tuple[str, ...]], Change] = {}
+    for p in [*(p for p in round_.candidates if p.gain > 0.0), *round_.linear_gains]:
+        start = p.block.start.first
+        if p.gain > 0.0 or len(first) < TRIED:
+            first.setdefault((start.suspect, start.free), start)
+    return list(first.values())
+
+
+def _with_several(round_: Round) -> list[Way]:
+    """Several suspects more at once: those that the linearised model would take, and those of a plain fit."""
+    accepted, limit, plant = list(round_.now.fit.changes), round_.limit, round_.simulations.problem.plant
     sensible = [p.block for p in round_.candidates if not p.block.start.first.absurd(plant)]
     several = linear_at(round_.look, sensible).several(limit)
-    for number in sorted({min(len(several), AT_ONCE), len(several)} - {0, 1}):
-        ways.append(([*accepted, *(p.block.start.first for p in several[:number])], limit * number))
-    ways += [([*accepted, *plain], limit) for plain in _plain_fits(round_)]
+    numbers = sorted({min(len(several), AT_ONCE), len(several)} - {0, 1})
+    ways = [([*accepted, *(p.block.start.first for p in several[:n])], limit * n) for n in numbers]
+    return ways + [([*accepted, *plain], limit) for plain in _plain_fits(round_)]
+
+
+def _at_each(round_: Round) -> list[Way]:
+    """What was found for all joints of a group, with a value at each."""
+    accepted, ways = list(round_.now.fit.changes), list[Way]()
     for change in accepted:
         beside = [c for c in accepted if c is not change]
         each = _each(round_, change, beside)
         if each and change.free:
-            ways.append(([*beside, *each], limit * (len(each) - 1)))
+            ways.append(([*beside, *each], round_.limit * (len(each) - 1)))
+    return ways
+
+
+def _shaped(round_: Round) -> list[Way]:
+    """What was found with a richer shape, that of all joints of an effect at once."""
+    accepted, plant, ways = list(round_.now.fit.changes), round_.simulations.problem.plant, list[Way]()
     for of in alike(accepted):
         beside = [c for c in accepted if c not in of]
         tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
@@ -151,6 +179,12 @@ def _ways(round_: Round) -> list[tuple[list[Change], float]]:
             number = sum(new is not old for new, old in zip(shaped, of, strict=True))
             if number:
                 ways.append(([*beside, *shaped], SURE * number))
+    return ways
+
+
+def _begun_again(round_: Round) -> list[Way]:
+    """What was found from other values."""
+    accepted, plant, ways = round_.now.fit.changes, round_.simulations.problem.plant, list[Way]()
     for change in accepted:
         again = begun_again(plant, change)
         if again != change:
