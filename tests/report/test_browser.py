@@ -4,6 +4,7 @@ import chromium
 import numpy as np
 import pytest
 from invented_page import CELL, DETAIL, JOINTS
+from realitygap.page.style import number
 
 
 def test_it_shows_engines_joints_and_curves(browser: chromium.Browser) -> None:
@@ -115,3 +116,18 @@ def test_improvement_is_old_minus_new(browser: chromium.Browser) -> None:
 def test_tradeoffs_have_a_front(browser: chromium.Browser) -> None:
     assert browser.run("document.querySelectorAll('#plots svg.plot').length") == 2
     assert browser.run("document.querySelector('#plots .front').getAttribute('d').length") > 0
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(8.44e-5, "8.44·10⁻⁵"), (-3.7e-12, "−3.70·10⁻¹²"), (-2.5e7, "−2.50·10⁷"), (1e6, "1.00·10⁶"), (1e-4, "0.000100")],
+)
+def test_very_large_and_small_numbers_are_written_as_people_do(
+    browser: chromium.Browser, value: float, said: str
+) -> None:
+    assert number(value) == said
+    assert browser.run(f"number({value!r})") == said
+
+
+def test_a_tick_of_an_axis_is_written_as_people_do(browser: chromium.Browser) -> None:
+    assert browser.run("[0, 2e5, -4e5].map((v, _, all) => tickText(v, all))") == ["0", "2·10⁵", "−4·10⁵"]

@@ -67,7 +67,7 @@ def unit_label(unit: str) -> str:
 
 
 def number(value: float, digits: int = DIGITS) -> str:
-    """A few significant digits, without an exponent where a person would not write one."""
+    """A few significant digits; beyond 10⁶ and below 10⁻⁴ with an exponent, as people write it."""
     if math.isnan(value):
         return "unknown"
     if math.isinf(value):
@@ -75,7 +75,8 @@ def number(value: float, digits: int = DIGITS) -> str:
     if value == 0:
         return "0"
     if not 1e-4 <= abs(value) < 1e6:
-        return f"{value:.{digits - 1}e}".replace("-", "−")
+        mantissa, decades = f"{value:.{digits - 1}e}".split("e")
+        return f"{mantissa}·{power_of_ten(int(decades))}".replace("-", "−")
     places = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
     return f"{value:.{places}f}".replace("-", "−")
 

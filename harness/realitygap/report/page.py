@@ -139,7 +139,7 @@ def _inlined(paths: Sequence[Path]) -> str:
 
 def _spread_rows(results: Results, each: Each) -> list[tuple[str, ...]]:
     return [
-        (f"{engine_label(s.first)} and {engine_label(s.second)}", number(s.degrees), f"{s.radians:.2e}", str(s.cells))
+        (f"{engine_label(s.first)} and {engine_label(s.second)}", number(s.degrees), number(s.radians), str(s.cells))
         for s in spread(results, each)
     ]
 

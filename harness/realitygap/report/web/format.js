@@ -1,14 +1,20 @@
 // Words and numbers, as page/style.py writes them, and a helper that makes elements.
 const realitygap = {};
 const SAME = "no difference seen";
+const RAISED = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹";
 const UNITS = { deg: "°", "deg/s": "°/s" };
+
+function scientific(value, digits) {
+  const [mantissa, decades] = value.toExponential(digits - 1).split("e");
+  return `${mantissa.replace("-", "−")}·10${decades.replace("+", "").replace(/./g, (c) => RAISED["-0123456789".indexOf(c)])}`;
+}
 
 function number(value, digits = 3) {
   if (value === null || Number.isNaN(value)) return "unknown";
   if (value === Infinity) return "∞";
   if (value === 0) return "0";
   const size = Math.abs(value);
-  if (size < 1e-4 || size >= 1e6) return value.toExponential(digits - 1).replace("-", "−");
+  if (size < 1e-4 || size >= 1e6) return scientific(value, digits);
   return value.toFixed(Math.max(digits - 1 - Math.floor(Math.log10(size)), 0)).replace("-", "−");
 }
 

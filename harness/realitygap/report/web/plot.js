@@ -19,7 +19,7 @@ function ticks(low, high, count) {
 function tickText(value, all) {
   const step = all.length > 1 ? Math.abs(all[1] - all[0]) : Math.abs(value) || 1;
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  return Math.abs(value) >= 1e5 ? value.toExponential(0) : value.toFixed(Math.min(digits, 6)).replace("-", "−");
+  return Math.abs(value) >= 1e5 ? scientific(value, 1) : value.toFixed(Math.min(digits, 6)).replace("-", "−");
 }
 
 function scale(low, high, from, to, log) {
