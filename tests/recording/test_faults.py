@@ -67,6 +67,9 @@ def test_the_noise_of_a_joint_at_rest_is_no_velocity_of_a_sensor(count: int) -> 
 def test_a_velocity_that_is_scaled_and_filtered(scale: float, time: float) -> None:
     (fault,) = velocity_faults(recording(scale=scale, filter_time=time))
     assert fault.joints == ("swing",)
+    assert fault.sentence.startswith("the reported velocity of swing is ")
+    assert ("low-passed with" in fault.sentence) == (time > 0.0)
+    assert "medians" not in fault.sentence
     assert fault.numbers["scale"] == pytest.approx(scale, abs=0.01)
     assert fault.numbers["time"] == pytest.approx(time, abs=0.002)
     assert "the sensor, not the robot" in fault.sentence
@@ -118,6 +121,14 @@ def test_a_single_command_that_jumps_and_comes_back(size: float) -> None:
     assert fault.joints == ("swing", "rest")
     assert fault.numbers["time"] == pytest.approx(sound.command_time[812])
     assert fault.numbers["size"] == pytest.approx(abs(size), abs=0.05)
+
+
+def test_a_glitch_of_one_joint_is_said_in_the_singular() -> None:
+    sound = recording()
+    command = sound.command.copy()
+    command[812, 0] += 0.3
+    (fault,) = command_glitches(replace(sound, command=command))
+    assert "and back in 1 joint (swing): " in fault.sentence
 
 
 @pytest.mark.parametrize("kind", ["effort", "velocity", "duty"])

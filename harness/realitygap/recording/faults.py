@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from realitygap.files.found import counted
 from realitygap.recording.delay import delay, moving_commands
 from realitygap.recording.noise import beyond_noise, own_noise
 from realitygap.recording.outliers import told
@@ -58,9 +59,11 @@ def velocity_faults(recording: Recording) -> list[Fault]:
     if not fits:
         return []
     scale, time = (float(np.median([fit[k] for fit in fits.values()])) for k in (0, 1))
+    who = next(iter(fits)) if len(fits) == 1 else f"{len(fits)} of {len(trace.joints)} joints"
+    late = f", low-passed with {1e3 * time:.0f} ms" if 1e3 * time > 0.5 else ""
     sentence = (
-        f"the reported velocity of {len(fits)} of {len(trace.joints)} joints is {scale:.3f} times the derivative of "
-        f"the position, low-passed with {1e3 * time:.0f} ms (medians): the sensor, not the robot"
+        f"the reported velocity of {who} is {scale:.3f} times the derivative of the position{late}"
+        f"{' (medians)' * (len(fits) > 1)}: the sensor, not the robot"
     )
     return [Fault("velocity", tuple(fits), sentence, {"scale": scale, "time": time})]
 
@@ -178,8 +181,8 @@ def command_glitches(recording: Recording) -> list[Fault]:
         joints = tuple(recording.trace.joints[i] for i in columns)
         size, time = float(jump[row, columns].max()), float(recording.command_time[row + 1])
         sentence = (
-            f"one command at {time:.3f} s jumps away by up to {np.degrees(size):.1f}° and back in {len(joints)} joints "
-            f"({', '.join(joints)}): a glitch of the sender, which the servos got"
+            f"one command at {time:.3f} s jumps away by up to {np.degrees(size):.1f}° and back in "
+            f"{counted(len(joints), 'joint')} ({', '.join(joints)}): a glitch of the sender, which the servos got"
         )
         faults.append(Fault("command glitch", joints, sentence, {"time": time, "size": size}))
     return faults
