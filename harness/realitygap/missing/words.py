@@ -28,7 +28,7 @@ def sentence(shape: Shape) -> str:
         if abs(shape.mean) > shape.size / 2:
             return f"{size} is {shape.mean:.2g} {shape.unit} in the mean, and depends on nothing that was looked at"
         return f"{size} depends on nothing that was looked at"
-    parts = [f"{depends(vars(term))} ({term.share:.0%})" for term in shape.terms]
+    parts = [f"{depends(vars(term))} ({100 * term.share:.0f} % of its variance)" for term in shape.terms]
     text = f"{size} depends on {', and on '.join(parts)}"
     if shape.rivals:
         text += f"; as well by {' or '.join(_named(r) for r in shape.rivals)}"

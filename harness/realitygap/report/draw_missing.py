@@ -143,7 +143,7 @@ def _against(axes: Axes, variable: str, runs: Sequence[MissingEffort], j: int, t
             knots, fitted = np.array(term["knots"][0]) * scales[slide], f"fitted function of {depends(term)}"
             axes.plot(knots, term["values"], color=INK, linewidth=2.0, zorder=3, label=fitted)
         together = "together " if len(term["variables"]) > 1 else ""
-        axes.set_title(f"{together}explains {term['share']:.0%}", fontsize=9, fontweight="bold")
+        axes.set_title(f"{together}explains {100 * term['share']:.0f} %", fontsize=9, fontweight="bold")
         axes.set_facecolor("#fff8e5")
 
 
