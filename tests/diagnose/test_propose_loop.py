@@ -147,6 +147,7 @@ def test_files_say_and_play_what_was_designed(asked: tuple[Open, Proposal, list[
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "<svg" in page
     assert "Virtual recordings." in page
+    assert '<td data-label="position">−68.8 to 68.8°</td>' in page, "limits as people write angles"
     (played,) = experiments(load_scenario(tmp_path / told.files["scenario"]))
     trace = simulate(played, "mujoco").trace
     assert trace.position is not None

@@ -14,7 +14,7 @@ from realitygap.diagnose.propose.figure import figure
 from realitygap.diagnose.propose.proposal import Proposal, Proposed, Weak
 from realitygap.diagnose.propose.words import SURE, expected, half, now, one_sided
 from realitygap.diagnose.rehearse.page import label, words
-from realitygap.diagnose.result.story_text import listed, quantity, suspect_label
+from realitygap.diagnose.result.story_text import interval, listed, quantity, suspect_label
 from realitygap.files.whole import write_whole
 from realitygap.page.shell import render
 from realitygap.page.style import engine_label
@@ -73,18 +73,17 @@ def _row(question: Question, answer: Answer) -> dict[str, str]:
 def _limits(result: Proposal) -> list[dict[str, str]]:
     rows = []
     for j, joint in enumerate(result.problem.plant.model.joints):
-        unit, scale = ("mm", 1e3) if joint.prismatic else ("°", 180 / np.pi)
+        unit, scale, force = ("mm", 1e3, "N") if joint.prismatic else ("rad", 1.0, "N·m")
         low, high, speed = (
             scale * float(x[j]) for x in (result.limits.lower, result.limits.upper, result.limits.speed)
         )
         effort = float(result.limits.effort[j])
-        force = "N" if joint.prismatic else "N·m"
         rows.append(
             {
                 "joint": joint.name,
-                "position": f"{low:.1f} to {high:.1f} {unit}",
-                "speed": f"{speed:.0f} {unit}/s",
-                "effort": f"{effort:.3g} {force}" if np.isfinite(effort) else "not known",
+                "position": interval(low, high, unit),
+                "speed": quantity(speed, f"{unit}/s", short=True),
+                "effort": quantity(effort, force) if np.isfinite(effort) else "not known",
             }
         )
     return rows
