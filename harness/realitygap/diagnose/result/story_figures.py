@@ -57,6 +57,11 @@ PARTED = 0.12
 """Curves are seen to part by so much of the picture's height."""
 HALF = 0.5
 """Stretches in which curves part by this much of the largest difference part about as far."""
+BAND = 40
+"""More turns than this in the width of a picture are one dark band."""
+
+DOT, RING = 6.0, 9.0
+"""A gap after and before [pt]: the ring is seen around a dot at the same place."""
 
 SEEN = 1.5
 """A root mean square difference below this many floors needs no close-up."""
@@ -124,15 +129,23 @@ def draw_curves(curves: Curves, title: str) -> str:
         return svg(figure, title)
 
 
+def spans(time: Array, inside: Any) -> list[tuple[float, float]]:
+    """The intervals [s] in which a mask holds. Both of shape (t,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+    return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
 def _close_up(curves: Curves) -> tuple[float, float] | None:
     """The stretch [s] in which the curves part most: before and after, or without an after, simulated and measured.
 
     It is as long as the difference is seen in it. Of stretches in which they part about as far, it is the one whose
-    picture that fills most, as at a reversal. None where the curves are seen to part without.
+    picture that fills most, as at a reversal. None where the curves are seen to part without: not where so many swings
+    stand side by side that they are one dark band.
     """
     nothing = float(np.sqrt(np.nanmean(_floors(curves, curves.before) ** 2))) < SEEN
     apart = np.nan_to_num(np.abs(curves.before - curves.measured))
-    if nothing or apart.max() > PARTED * float(np.ptp(curves.measured)):
+    seen = apart.max() > PARTED * float(np.ptp(curves.measured)) and _turns(curves) <= BAND
+    if nothing or seen:
         return None
     if curves.after is not None:
         apart = np.nan_to_num(np.abs(curves.before - curves.after))
@@ -146,6 +159,16 @@ def _close_up(curves: Curves) -> tuple[float, float] | None:
         if filled[start] > HALF * PARTED:
             break
     return float(curves.time[start]), float(curves.time[start + size - 1])
+
+
+def _turns(curves: Curves) -> int:
+    """How often what was measured swings through its middle half, where that is seen in the picture."""
+    low, high = np.nanquantile(curves.measured, (0.25, 0.75))
+    both = np.concatenate([curves.measured, curves.before])
+    if high - low < PARTED * float(np.nanmax(both) - np.nanmin(both)):
+        return 0
+    sides = (curves.measured >= high).astype(int) - (curves.measured <= low)
+    return int(np.count_nonzero(np.diff(sides[sides != 0])))
 
 
 def _zoom(axes: Axes, curves: Curves, window: tuple[float, float]) -> None:
@@ -183,8 +206,10 @@ def _dots(axes: Axes, pairs: Sequence[Pair]) -> None:
         labels.append(pair.label)
         if pair.after is not None:
             axes.plot([pair.before, pair.after], [y, y], color=MUTED, linewidth=1.2, zorder=1)
-            axes.plot(pair.after, y, "o", color=AFTER, markersize=6, zorder=3)
-        axes.plot(pair.before, y, "o", color=BEFORE, markerfacecolor=PAPER, markeredgewidth=1.6, markersize=6, zorder=2)
+            axes.plot(pair.after, y, "o", color=AFTER, markersize=DOT, zorder=3)
+        axes.plot(
+            pair.before, y, "o", color=BEFORE, markerfacecolor=PAPER, markeredgewidth=1.6, markersize=RING, zorder=2
+        )
         y -= 1.0
     axes.set_yticks(ticks, labels)
     for label in axes.get_yticklabels():
