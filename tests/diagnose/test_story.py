@@ -162,6 +162,17 @@ def test_what_was_not_tried_is_not_said_to_explain_nothing(
     assert ("effects at every place where they could act" in words) == (kind == "unexplained" and not cut)
 
 
+@pytest.mark.parametrize(("count", "folded"), [(10, False), (11, True)])
+def test_many_faults_of_recordings_unfold(
+    told: Callable[[str], Diagnosis], tmp_path: Path, count: int, folded: bool
+) -> None:
+    faults = [f"run_{k}: a fault" for k in range(count)]
+    text, page, words = page_of(replace(told("explained"), faults=faults), tmp_path)
+    assert page.open == []
+    assert all(fault in words for fault in faults)
+    assert ("<summary>3 more</summary>" in text) == folded
+
+
 def test_notes_are_sentences_and_names_in_them_stay(told: Callable[[str], Diagnosis], tmp_path: Path) -> None:
     notes = ["link_mass at forearm is not named: too little", "sines_1 is judged over windows", "elbow sticks"]
     _, _, words = page_of(replace(told("explained"), notes=notes), tmp_path)

@@ -214,6 +214,39 @@ def test_what_every_model_has_is_wrong_and_not_missing(
     assert said in story_text.lacks(told("explained"), change)
 
 
+@pytest.mark.parametrize(
+    ("load", "coefficient", "velocity", "said"),
+    [
+        (0.0, "none", "none", "is missing (coefficient 0.350)"),
+        (0.1, "0.100", "57.3 °/s (1.00 rad/s)", "is wrong (coefficient 0.100 in the model, coefficient 0.350 by the"),
+    ],
+)
+def test_a_model_has_of_an_effect_what_the_scenario_gave_it_and_else_no_shape_of_it(
+    told: Callable[[str], Diagnosis], load: float, coefficient: str, velocity: str, said: str
+) -> None:
+    result = told("explained")
+    plant = result.problem.plant
+    drive = plant.drive.copy()
+    drive["load"] = load
+    result = replace(result, problem=replace(result.problem, plant=replace(plant, drive=drive)))
+    own = {p.name: p.default or 0.0 for p in EFFECTS["load_dependent_friction"].parameters} | {"coefficient": 0.35}
+    change = Change(Suspect("load_dependent_friction", "elbow", (1,)), tuple(own.items()), ("coefficient",))
+    parameters = {p.name: p for p in change.suspect.kind.parameters}
+    had = [story_text.model_value(result.problem, change.suspect, parameters[n]) for n in ("coefficient", "velocity")]
+    assert had == [coefficient, velocity]
+    assert said in story_text.lacks(result, change)
+
+
+def test_the_page_says_what_its_numbers_are_and_what_to_do_next(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    _, _, words = page_of(told("explained"), tmp_path)
+    for said in ("the largest in floors first", "position gap on held-out motions", "Run it in this folder with"):
+        assert said in words
+    assert "What to record next" in words
+    assert "In this folder, realitygap propose . designs such motions" in words
+
+
 @pytest.mark.parametrize("asymmetry", [0.0, -0.2])
 def test_a_shape_that_is_there_is_part_of_the_sentence(
     told: Callable[[str], Diagnosis], tmp_path: Path, asymmetry: float

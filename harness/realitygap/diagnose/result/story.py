@@ -18,12 +18,13 @@ from realitygap.diagnose.judge.gaps import CLEAR, Shown
 from realitygap.diagnose.judge.locate import Place, phases
 from realitygap.diagnose.judge.steps import MANY
 from realitygap.diagnose.result.diagnosis import Diagnosis, why
-from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs
+from realitygap.diagnose.result.story_figures import Curves, Pair, draw_curves, draw_pairs, spans
 from realitygap.diagnose.result.story_files import told_files
 from realitygap.diagnose.result.story_table import draw_table, value_rows
 from realitygap.diagnose.result.story_text import (
     agreement,
     better,
+    has,
     in_words,
     interval,
     lacks,
@@ -109,6 +110,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
             if listed
         ],
         "experiment": _sentences(result.experiment()),
+        "proposes": not problem.file.scenario.follows and problem.file.scenario.robot.base != "free",
         "worsened": [(w.joint, w.signal, number(w.before), in_unit(w.after, w.unit)) for w in result.worsened],
         "left": [_place(p) for p in result.left],
         "faults": result.faults,
@@ -150,7 +152,7 @@ def _finding(result: Diagnosis, change: Change) -> dict[str, Any]:
     values: dict[str, _Value] = {}
     for p in (p for p in effect.parameters if p.name in content["parameters"]):
         unit, told = unit_there(result.problem, suspect, p), content["parameters"][p.name]
-        own = own_reach(result.problem, suspect, p) if p.absent is None else None
+        own = own_reach(result.problem, suspect, p) if has(result.problem, suspect, p) else None
         values[p.name.replace("_", " ")] = _Value(told["value"], told["low"], told["high"], unit, own)
     done = result.shown[suspect]
     searched = f"{engine_label(result.engines[0])} (searched)"
@@ -328,14 +330,8 @@ def _curve(result: Diagnosis, case: int, signal: str, j: int, when: tuple[str, .
         sigma=result.floors.sigma(case, signal)[:, j] * scale,
         unit=unit,
         signal=signal,
-        spans=_spans(c.measured.time, np.any(inside, axis=0)) if inside else (),
+        spans=spans(c.measured.time, np.any(inside, axis=0)) if inside else (),
     )
-
-
-def _spans(time: np.ndarray[Any, Any], inside: np.ndarray[Any, Any]) -> list[tuple[float, float]]:
-    """The intervals [s] in which a mask holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
-    return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _begun(result: Diagnosis, sentence: str) -> str:

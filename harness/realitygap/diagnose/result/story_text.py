@@ -96,10 +96,21 @@ def _for_people(unit: str, largest: float) -> tuple[float, str]:
 
 def model_value(problem: Problem, suspect: Suspect, parameter: Parameter) -> str:
     """What the scenario's model has there, in words."""
-    if parameter.absent is not None:
+    if not has(problem, suspect, parameter):
         return "none"
     unit, (low, high) = unit_there(problem, suspect, parameter), own_reach(problem, suspect, parameter)
     return quantity(low, unit) if low == high else interval(low, high, unit)
+
+
+def has(problem: Problem, suspect: Suspect, parameter: Parameter) -> bool:
+    """Whether the scenario's model has a parameter: not where it is absent, or all that it is the shape of."""
+
+    def absent(parameters: list[Parameter]) -> bool:
+        reach = [(p.absent, own_reach(problem, suspect, p)) for p in parameters]
+        return bool(reach) and all(nothing is not None and own == (nothing, nothing) for nothing, own in reach)
+
+    whose = [p for p in suspect.kind.parameters if not p.shape] if parameter.shape else []
+    return not absent([parameter]) and not absent(whose)
 
 
 def own_reach(problem: Problem, suspect: Suspect, parameter: Parameter) -> tuple[float, float]:
@@ -140,7 +151,7 @@ def in_words(text: str) -> str:
 
 def _none(parameter: Parameter, value: float) -> bool:
     """Whether a model with that value has none of an effect; a place at zero is one."""
-    return parameter.absent is not None or (value == 0.0 and parameter.low >= 0.0) or math.isinf(value)
+    return value == parameter.absent or (value == 0.0 and parameter.low >= 0.0) or math.isinf(value)
 
 
 def _unnamed(result: Diagnosis, change: Change) -> str:
