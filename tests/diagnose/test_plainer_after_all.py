@@ -49,6 +49,27 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert [r.suspect for r in told.rivals[dry]] == [sides]
 
 
+def test_the_models_without_another_finding_have_the_plain_name_too() -> None:
+    """Where that finding goes afterwards, the richer name does not come back."""
+    bare = demo_problem()
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    oil = guess(bare, suspect_of(bare, "viscous_friction", "shoulder")).at({"coefficient": 1.2})
+    missing = guess(bare, sides).at({"forward": 0.60, "backward": 0.61})
+    problem = planted(missing, oil)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [missing, oil])
+        best, alone = criterion.fit([missing, oil]), criterion.fit([missing])
+        assert best is not None
+        assert alone is not None
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, suspects(problem)))
+        best, alone = criterion.score(best.fit), criterion.score(alone.fit)
+        found = Found(alone, best, best, 6.0, {}, criterion.floors, criterion, without={oil.suspect: alone})
+        told = plainer(simulations, found, suspects(problem), [])
+    assert {c.suspect for c in told.best.fit.changes} == {oil.suspect, dry}
+    assert {c.suspect for c in told.without[oil.suspect].fit.changes} == {dry}
+    assert told.gains[oil.suspect] == told.best.evidence - told.without[oil.suspect].evidence > 0.0
+
+
 def test_what_does_most_of_what_a_finding_does_with_fewer_values_takes_its_place(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
