@@ -24,6 +24,7 @@ from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
 from realitygap.diagnose.search.simpler import narrower
+from realitygap.diagnose.search.special_case import no_more
 
 SAME = 4
 """So many that do most of what a finding does, with fewer values, are asked: one of them is told, with three others
@@ -190,7 +191,8 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     the richer one.
     """
     best, criterion, name = found.best, found.criterion, plain.fit.changes[-1].suspect
-    within = narrower(name, suspect) and criterion.alike(best.fit, plain.fit, suspect)
+    without = found.without.get(suspect)
+    within = narrower(name, suspect) and no_more(criterion, best, plain, suspect, without, found.limit)
     likely = best.evidence - plain.evidence < ODDS or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 

@@ -18,6 +18,7 @@ from realitygap.diagnose.search.prune import pruned, superfluous
 from realitygap.diagnose.search.rivals import FAR, LATE, LOOKED, ODDS, Place, Rival, rivals_of, several_for
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.simpler import narrower, simpler
+from realitygap.diagnose.search.special_case import no_more
 from realitygap.diagnose.search.without import PLAIN, without
 
 TOGETHER = 4
@@ -132,7 +133,8 @@ def _compared(
         out.rivals[suspect] = sorted((replace(r, behind=r.behind + further) for r in rivals), key=lambda r: r.behind)
         out.gains[suspect] = round_.now.evidence - out.without[suspect].evidence
         for rival in out.rivals[suspect]:
-            plainer, gains = _plainer(round_, rival, suspect), _gains(round_, rival, suspect)
+            alone = out.without[suspect]
+            plainer, gains = _plainer(round_, rival, suspect, alone), _gains(round_, rival, suspect, alone)
             if (plainer and not round_.late) or (gains and rival.ahead):
                 out.offer(rival.scored, round_, plainer)
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
@@ -144,7 +146,7 @@ def _compared(
     return out
 
 
-def _plainer(round_: Round, rival: Rival, finding: Suspect) -> bool:
+def _plainer(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bool:
     """Whether a rival is the simpler name of a finding, and says as much; of a finding that says more of the same law,
     as much but for what such laws are off by, or what is too little to decide.
 
@@ -153,11 +155,11 @@ def _plainer(round_: Round, rival: Rival, finding: Suspect) -> bool:
     if rival.beside is not None or not simpler(round_.simulations.problem, rival.suspect, finding):
         return False
     if not narrower(rival.suspect, finding):
-        return rival.behind < EQUAL or _gains(round_, rival, finding)
-    return rival.behind < ODDS or round_.criterion.alike(round_.now.fit, rival.scored.fit, finding)
+        return rival.behind < EQUAL or _gains(round_, rival, finding, alone)
+    return rival.behind < ODDS or no_more(round_.criterion, round_.now, rival.scored, finding, alone, round_.limit)
 
 
-def _gains(round_: Round, rival: Rival, finding: Suspect) -> bool:
+def _gains(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bool:
     """Whether a rival gains what a new name has to, and no less where it says more of the same law than laws are off
     by.
     """
@@ -165,7 +167,7 @@ def _gains(round_: Round, rival: Rival, finding: Suspect) -> bool:
     if -rival.behind <= max(ODDS, more, round_.little(rival.scored)):
         return False
     richer = rival.beside is None and narrower(finding, rival.suspect)
-    return not (richer and round_.criterion.alike(round_.now.fit, rival.scored.fit, rival.suspect))
+    return not (richer and no_more(round_.criterion, rival.scored, round_.now, rival.suspect, alone, round_.limit))
 
 
 def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | None:
