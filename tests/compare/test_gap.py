@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 from realitygap.compare.budget import not_judged, over_budget, parse_budget
-from realitygap.compare.gap import Difference, differences, mean_trace, moving_joints
+from realitygap.compare.gap import Difference, box, differences, mean_trace, moving_joints
 from realitygap.compare.row import EXCLUDED, Cell, failed, row, slug
 from realitygap.compare.table import means, read_gaps, table, to_csv
 from realitygap.files.errors import InputError
@@ -137,6 +137,18 @@ def test_an_imu_is_compared_by_how_its_vertical_moves() -> None:
     assert_allclose(fallen["base", "base_orientation"].values, np.rad2deg(0.1 * TIME), atol=1e-6)
 
 
+def test_an_imu_is_not_asked_where_the_pose_was_recorded() -> None:
+    """Of each signal of the base there is one difference, and the pose tells more."""
+    measured = motion()
+    turned = Rotation.from_rotvec([0.3, 0, 0]) * Rotation.from_quat(
+        np.asarray(measured.base_quaternion), scalar_first=True
+    )
+    both = replace(measured, imu_quaternion=quaternions(turned)[::-1], imu_angular=np.ones((len(TIME), 3)))
+    found = [d for d in differences(MODEL, measured, both) if d.group == "base"]
+    assert sorted(d.signal for d in found) == ["base_angular_velocity", "base_orientation", "base_position"]
+    assert max(d.values.max() for d in found) < 1e-9
+
+
 @pytest.mark.parametrize(("degrees", "moves"), [(0.49, False), (0.51, True)])
 def test_a_joint_moves_where_its_command_ranges_over_half_a_degree(degrees: float, moves: bool) -> None:
     command = np.zeros((len(TIME), 3))
@@ -166,6 +178,12 @@ def test_a_row_holds_the_statistics_of_its_difference() -> None:
     made = row(CELL, difference("knee", [*range(1, 101)]), 0.3, 0.1)
     assert [made.mean_abs, made.median_abs, made.p95_abs, made.max_abs] == pytest.approx([50.5, 50.5, 95.05, 100])
     assert (made.noise_floor, made.numerical_floor, made.outcome) == (0.3, 0.1, "ok")
+
+
+def test_a_box_has_the_quartiles_and_whiskers_of_tukey() -> None:
+    """Whiskers reach to the furthest values within one and a half boxes; beyond, the largest is told alone."""
+    assert box(np.array([*range(9), 12.0, 30.0])) == [0.0, 2.5, 5.0, 7.5, 12.0, 30.0]
+    assert box(np.array([-30.0, -12.0, *range(-8, 1)])) == [-12.0, -7.5, -5.0, -2.5, 0.0, 0.0]
 
 
 def full_table() -> pd.DataFrame:
@@ -241,11 +259,19 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
                 "drake, kick: position: diverged at 1.2 s at knee: NaN; budget 3 deg",
             ],
         ),
+        ({"position": 7.0}, ["drake, kick: position: diverged at 1.2 s at knee: NaN; budget 7 deg"]),
         ({"effort": 1.0}, []),
     ],
 )
 def test_budgets(budget: dict[str, float], sentences: list[str]) -> None:
     assert over_budget(full_table(), budget) == [f"over budget: {s}" for s in sentences]
+
+
+def test_a_budget_is_for_the_mean_of_joints_and_the_worst_is_named() -> None:
+    rows = table([row(CELL, difference("knee", [1.0]), 0.1, 0.1), row(CELL, difference("hip", [4.0]), 0.1, 0.1)])
+    assert over_budget(rows, {"position": 2.6}) == []
+    (sentence,) = over_budget(rows, {"position": 2.4})
+    assert "position 2.5 deg, budget 2.4 deg; worst joint hip with 4 deg" in sentence
 
 
 def test_a_budget_for_what_was_not_measured_is_not_kept() -> None:

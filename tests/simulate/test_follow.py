@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import realitygap_engines as engines
+from realitygap.compare.comparison import compare, motions_of
 from realitygap.files.errors import InputError
 from realitygap.robot.effects import EFFECTS, Effect
 from realitygap.robot.effects.place import place
@@ -258,6 +259,12 @@ def test_a_scenario_gives_a_trace_at_the_measured_stamps(folder: Path, engine: s
     finer = simulate(found, engine, step_rate=2 * found.scenario.physics.step_rate).trace
     assert finer.effort is not None
     assert 0 < np.abs(finer.effort - trace.effort).mean() < 0.05
+
+
+def test_the_gap_of_a_followed_motion_is_that_of_its_effort_alone(folder: Path) -> None:
+    """Its positions and velocities are the readings, smoothed: what they differ by is no gap of the model."""
+    (motion,) = motions_of(load_scenario(written(folder)))
+    assert [(r.joint, r.signal) for r in compare(motion, "mujoco").rows] == [("hinge", "effort")]
 
 
 @pytest.mark.parametrize(

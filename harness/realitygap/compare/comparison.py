@@ -212,17 +212,15 @@ def _numerical_floors(motion: RepeatedMotion, engine: str, mean: Trace) -> dict[
     assert measured is not None
     if len(motion.experiments) > 1:
         fine = _mean(motion, _simulated(motion, engine, 2.0, whole=False))
-        on_stamps = replace(fine, command=measured.command)
-        return {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, on_stamps)}
+        return {(d.joint, d.signal): float(np.mean(d.values)) for d in differences(model, mean, fine)}
     total: dict[tuple[str, str], float] = {}
     count: dict[tuple[str, str], int] = {}
 
     def gather(parts: Iterable[Trace], time: Array) -> Trace:
         """Add up how far every part has moved: all of them at once would be as large as the motion again."""
         for rows, fine in stretches(parts, time):
-            command = None if measured.command is None else measured.command[rows]
             there = mean.rows(rows) if mean.time is time else mean.at(fine.time)
-            for d in differences(model, replace(there, time=fine.time), replace(fine, command=command)):
+            for d in differences(model, replace(there, time=fine.time), fine):
                 key = d.joint, d.signal
                 total[key] = total.get(key, 0.0) + float(np.sum(d.values))
                 count[key] = count.get(key, 0) + len(d.values)
