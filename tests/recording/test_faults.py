@@ -75,6 +75,12 @@ def test_a_velocity_that_is_scaled_and_filtered(scale: float, time: float) -> No
     assert "the sensor, not the robot" in fault.sentence
 
 
+@pytest.mark.parametrize("time", [0.0131, 0.0147, 0.0209])
+def test_the_time_of_a_filter_is_told_finer_than_it_is_tried(time: float) -> None:
+    (fault,) = velocity_faults(recording(filter_time=time))
+    assert fault.numbers["time"] == pytest.approx(time, abs=3e-4)
+
+
 def test_a_velocity_of_the_wrong_sign() -> None:
     (fault,) = velocity_faults(recording(scale=-1.0))
     assert fault.numbers["scale"] == pytest.approx(-1.0, abs=0.01)
@@ -174,12 +180,15 @@ def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal: str, jo
 
 
 def test_an_impact_is_not_an_outlier() -> None:
-    """One reading of a speed that the positions before and after bear out."""
+    """One reading of a speed that the positions before and after bear out, amid the sensor's noise."""
     sound = recording()
-    position, velocity = np.zeros((2000, 2)), np.zeros((2000, 2))
-    position[1000:], velocity[1000] = 0.2, 20.0
-    trace = replace(sound.trace, position=position, velocity=velocity)
+    velocity = 0.02 * np.random.default_rng(4).integers(-1, 2, (2000, 2)).astype(np.float64)
+    velocity[1000] = 20.0
+    borne_out, still = np.zeros((2000, 2)), np.zeros((2000, 2))
+    borne_out[1000:] = 0.2
+    trace = replace(sound.trace, position=borne_out, velocity=velocity)
     assert without_outliers(trace) == (trace, ())
+    assert len(without_outliers(replace(trace, position=still))[1]) == 2, "the same reading where nothing moved"
 
 
 def test_noise_is_no_outlier() -> None:
@@ -204,6 +213,7 @@ def test_repetitions_whose_clocks_run_apart(rate: float) -> None:
     reference = recording(jitter=0.0)
     fault = there(drift_between(reference, recording(pace=1.0 / (1.0 + rate), jitter=0.0)))
     assert fault.numbers["rate"] == pytest.approx(rate, rel=0.25)
+    assert f"% {'faster' if rate > 0 else 'slower'} than that of" in fault.sentence
     assert drift_between(reference, recording()) is None
 
 

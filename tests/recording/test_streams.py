@@ -133,6 +133,63 @@ def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path: Path, write_ba
     assert np.isnan(trace.effort[53:]).all()
 
 
+def test_a_stream_that_begins_late_is_unknown_before(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    messages = two_joints()
+    for k in range(50, 100):
+        effort = {"stamp": EPOCH + 0.01 * k, "name": ["a"], "effort": [1.0]}
+        messages.append(("/currents", EPOCH + 0.01 * k, STATE, effort))
+    asked = scenario(effort={"topic": "/currents"})
+    trace = Signals(read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a"], file=FILE).trace)
+    assert np.isnan(trace.effort[:47]).all()
+    assert np.isfinite(trace.effort[50:]).all()
+
+
+def test_every_joint_has_its_own_factor_of_an_effort(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    path = write_bag(tmp_path / "run", "mcap", two_joints(effort=[5.0, 7.0]))
+    asked = scenario(effort={"topic": "/joint_states", "factor": {"b": -3.0, "*": 2.0}})
+    trace = Signals(read_recording(path, asked, ["a", "b"], file=FILE).trace)
+    np.testing.assert_allclose(trace.effort, np.tile([14.0, -15.0], (100, 1)))
+
+
+def test_time_begins_with_the_first_message_of_whatever_stream(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """Windows are told in seconds from there."""
+    messages = two_joints()
+    messages.append(("/joint_commands", EPOCH - 0.25, STATE, {"stamp": EPOCH - 0.25, "name": ["a"], "position": [9.0]}))
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), scenario(), ["a", "b"], file=FILE)
+    assert recording.command_time[0] == 0.0
+    np.testing.assert_allclose(recording.trace.time, 0.25 + 0.01 * np.arange(100), atol=1e-6)
+    np.testing.assert_allclose(Signals(recording.trace).position[:, 0], recording.trace.time - 0.25, atol=1e-6)
+
+
+def test_orientations_between_two_are_orientations(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+    """A base that turns by half a turn between two poses; what is interpolated has unit length."""
+    messages = two_joints(41)
+    for k in range(3):
+        t, half = 0.2 * k, 0.5 * np.pi * k / 2
+        pose = {"position": {"z": 1.0}, "orientation": {"w": np.cos(half), "z": np.sin(half)}}
+        messages.append(("/pose", EPOCH + t, "geometry_msgs/msg/PoseStamped", {"stamp": EPOCH + t, "pose": pose}))
+    asked = scenario(base="floating", pose="/pose")
+    recording = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a", "b"], file=FILE)
+    quaternion = Signals(recording.trace).base_quaternion
+    np.testing.assert_allclose(np.linalg.norm(quaternion, axis=1), 1.0)
+    np.testing.assert_allclose(quaternion[10], [np.cos(np.pi / 8), 0, 0, np.sin(np.pi / 8)], atol=1e-6)
+
+
+@pytest.mark.parametrize(("covariance", "known"), [(0.0, True), (-1.0, False)])
+def test_an_imu_says_whether_it_has_an_orientation(
+    covariance: float, known: bool, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    """A covariance that begins with -1: what stands there is none (sensor_msgs/Imu)."""
+    messages = two_joints()
+    for k in range(100):
+        told = {"orientation": {"w": 1.0}, "orientation_covariance": [covariance] + [0.0] * 8}
+        messages.append(("/imu", EPOCH + 0.01 * k, "sensor_msgs/msg/Imu", {"stamp": EPOCH + 0.01 * k, **told}))
+    asked = scenario(base="floating", imu="/imu")
+    trace = read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a", "b"], file=FILE).trace
+    assert (trace.imu_quaternion is not None) == known
+    assert trace.imu_angular is not None
+
+
 QUARTER_TURN = {"w": np.sqrt(0.5), "x": 0.0, "y": 0.0, "z": np.sqrt(0.5)}  # about z
 
 

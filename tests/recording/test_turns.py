@@ -134,6 +134,32 @@ def test_a_long_step_within_a_turn_stays_so(tmp_path: Path) -> None:
     np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
 
 
+def test_a_servo_that_is_off_at_first_is_told_of_the_turn_that_its_joint_is_in(tmp_path: Path) -> None:
+    q, asked = stepping(3.0, 3.9, 2.4, 3.3, 4.6, 2.6)
+    asked[TIME < 0.9] = np.nan
+    trace = Signals(read(tmp_path, wrapped(q), wrapped(asked)).trace)
+    np.testing.assert_allclose(trace.position[:, 0], q, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
+
+
+def test_a_joint_that_takes_its_time_is_told_where_it_gets_to(tmp_path: Path) -> None:
+    """For more than half of every step it is where it was before, nearly half a turn away."""
+    q, asked = stepping(0.0, 3.3, 0.2, 3.4, 0.1, 3.3)
+    late = np.concatenate([np.full(55, q[0]), q[:-55]])
+    trace = Signals(read(tmp_path, wrapped(late), wrapped(asked)).trace)
+    np.testing.assert_allclose(trace.position[:, 0], late, atol=1e-9)
+    np.testing.assert_allclose(trace.command[:, 0], asked, atol=1e-9)
+
+
+def test_a_commanded_effort_is_no_angle(tmp_path: Path) -> None:
+    """6.3 N·m at a joint near zero is not a whole turn of it."""
+    told = np.where(TIME < 3.0, TURN, -TURN)
+    columns = {"time": TIME, "position_a": 0.01 * np.sin(TIME), "command_a": told}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    recording = read_recording(tmp_path / "run.csv", scenario(None, "command", meaning="effort"), ["a"], file=FILE)
+    np.testing.assert_allclose(recording.command[:, 0], told)
+
+
 def test_a_joint_that_does_not_get_there_is_told_within_its_limits(tmp_path: Path) -> None:
     """The other end of its range is nearer to it by the way that it cannot go."""
     q, asked = stepping(0.3, -0.3, -2.5, 2.5, -2.5, 2.5)
