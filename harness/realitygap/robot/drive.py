@@ -119,6 +119,8 @@ LOG = np.dtype(
     [
         ("motor", np.float64),  # the motor's effort over the step is motor - emf·ω, with ω the rotor's mean velocity
         ("emf", np.float64),
+        ("lean", np.float64),  # beside what is dry, friction over the step is lean - drag·ω
+        ("drag", np.float64),
         ("encoder", np.float64),  # true angle of the encoder's shaft
         ("rotor", np.float64),  # speed of the rotor, at the output
         ("transmitted", np.float64),  # torque from the rotor to the link over the step before

@@ -56,11 +56,14 @@ def drive_effort(  # type: ignore[no-untyped-def]
         turn = s.rotor if separate(d) else q[j]
         uneven = unevenness(d, turn)
         bound = uneven * dry_bound(d, abs(speed), torque - back * speed, s.transmitted)
-        lean, total = uneven * d.lean, back + viscous(d, speed)
+        lean, drag = uneven * d.lean, viscous(d, speed)
+        total = back + drag
         if d.onset > 0.0:
-            total += bound * creeping(d, abs(speed))
+            creep = bound * creeping(d, abs(speed))
+            drag, total = drag + creep, total + creep
             lean *= grown(d, abs(speed))
             bound = 0.0
+        log[j].lean, log[j].drag = lean, drag
         torque += lean
         if d.ripple != 0.0:
             torque -= d.ripple * np.sin(d.ripple_periods * turn + d.ripple_phase)

@@ -138,10 +138,7 @@ def _trace(
     effort = log["motor"][:-1] - log["emf"][:-1] * rotor
     if of_joint:
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
-        turned = drive["friction_periods"] * log["encoder"][:-1] + drive["friction_phase"]
-        lean = drive["lean"] * (1 + drive["friction_ripple"] * np.sin(turned))
-        viscous = drive["viscous"] * (1 + drive["viscous_asymmetry"] * np.sign(log["rotor"][:-1]))
-        friction = held.dry[1 : rows + 1] + lean - viscous * middle
+        friction = held.dry[1 : rows + 1] + log["lean"][:-1] - log["drag"][:-1] * middle
         effort = np.where(separate, log["transmitted"][1:], effort + friction)
     told = sensed(middle, plant.velocity_lag, h, lagged)
     floating = plant.model.floating
