@@ -23,8 +23,10 @@ from one_joint import (
 )
 from realitygap.cli import effects_page
 from realitygap.files.errors import InputError
+from realitygap.robot.drive import LOG, STATE
+from realitygap.robot.drive_law import drive_effort
 from realitygap.robot.effects import EFFECTS, EFFORT_MAP, WRITABLE
-from realitygap.robot.effort_map import VARIABLES
+from realitygap.robot.effort_map import VARIABLES, packed
 from realitygap.robot.law import effort_map as law
 from realitygap.robot.plant import Plant
 from realitygap.simulate.effect_bench import arm, planted, simulate
@@ -113,6 +115,33 @@ def test_it_can_depend_on_the_time_since_the_last_reversal() -> None:
     since = np.array([t - max(r for r in reversals if r <= t + 1e-9) for t in out.time])
     assert_allclose(extra[(since > 0.02) & (since < 0.08)] * WHOLE, 0.05, atol=5e-3)
     assert_allclose(extra[(since > 0.15) & (since < 0.4)] * WHOLE, 0.0, atol=5e-3)
+
+
+def test_the_supply_that_was_recorded_is_the_one_it_depends_on() -> None:
+    """Also of a servo whose own supply is stated."""
+    plant = mapped(wheel(), ["supply"], [[10.0, 20.0]], [0.0, 1.0])
+    assert given_at(plant, recorded=12.0) == pytest.approx(0.2)
+    assert given_at(plant, recorded=0.0) == pytest.approx((SUPPLY - 10.0) / 10.0)
+
+
+def given_at(plant: Plant, recorded: float) -> float:
+    """What the maps of a wheel at rest, at its goal, add to its effort."""
+    numbers, zero = packed(plant.maps), np.zeros(1)
+    state, log = np.zeros(1, STATE), np.zeros(1, LOG)
+    terms = [np.zeros(1) for _ in range(3)]
+    at = plant.inertia(), recorded, 0.0, H
+    drive_effort(plant.drive, state, zero, zero, zero, zero, zero, *at, *terms, log)
+    law.add_mapped(*numbers, plant.drive, state, zero, zero, *at, *terms[:2], log)
+    return float(terms[0][0])
+
+
+def test_along_a_motion_that_begins_at_rest_no_reversal_was_before_it() -> None:
+    """The time counts from the beginning, and anew from the one reversal, 0.6 s later."""
+    time = H * np.arange(1000)
+    velocity = np.where(time < 0.2, 0.0, np.where(time < 0.6, 1.0, -1.0))[:, None]
+    plant, none, out = mapped(wheel(), ["reversal"], [[0.0, 1.0]], [0.0, 1.0]), np.zeros((1000, 1)), np.zeros((1000, 1))
+    law.map_along(*packed(plant.maps), time, none, velocity, none, np.zeros(1000), out)
+    assert_allclose(-out[:, 0], np.where(time < 0.6, time, time - 0.6), atol=1e-12)
 
 
 def test_the_codes_are_the_variables_in_order() -> None:

@@ -58,14 +58,22 @@ def test_servos_on_one_supply_sag_together() -> None:
     assert_allclose(bus[0], alone)
 
 
+def test_servos_on_two_supplies_that_are_alike_do_not() -> None:
+    plant = added(added(wheel(2), "voltage_sag", "joint0", resistance=0.5), "voltage_sag", "joint1", resistance=0.5)
+    plant.drive["meaning"] = DUTY
+    _, bus = one_step(plant, np.ones(2), np.zeros(2))
+    assert_allclose(bus, SUPPLY / (1 + 0.5 / RESISTANCE))
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.1])
 @pytest.mark.parametrize("duties", [[1.0, 0.5], [0.3, -0.8], [-0.2, 0.1]])
-def test_the_power_on_a_bus_is_balanced(duties: list[float]) -> None:
+def test_the_power_on_a_bus_is_balanced(duties: list[float], loss: float) -> None:
     """bus = supply - R_s·Σ volts·current/bus: what the servos take is what comes through the lead, either way."""
-    plant = added(wheel(2), "voltage_sag", resistance=0.5)
+    plant = added(added(wheel(2), "voltage_sag", resistance=0.5), "motor_heating", loss=loss)
     plant.drive["meaning"] = DUTY
     speed = np.array([2.0, 6.0])
-    motor, bus = one_step(plant, np.array(duties), speed)
-    power = np.array(duties) * bus * motor / TORQUE_CONSTANT
+    motor, bus = one_step(plant, np.array(duties), speed, t=3.0)
+    power = np.array(duties) * bus * motor / (TORQUE_CONSTANT * (1.0 - 3.0 * loss))
     assert_allclose(bus, SUPPLY - 0.5 * power.sum() / bus)
     assert (power.sum() < 0) == (bus[0] > SUPPLY), "a servo that brakes feeds back and lifts the bus"
 
