@@ -13,7 +13,8 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.held_out import CHOSE, Against, Verdict, _asked, _wider, certain_of, predicted, supported
 from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.result.workflow import _against, _against_all
+from realitygap.diagnose.result.not_named import held_out_against
+from realitygap.diagnose.result.workflow import _against_all
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.found import Found
@@ -70,8 +71,8 @@ def test_what_held_out_runs_say_by_chance_speaks_for_nothing(simulations: Simula
     assert by_chance.weight == pytest.approx(CHOSE * (3.2 - 1.64 * 20.3))
     assert told.weight == pytest.approx(3.2 - 1.64 * 0.5)
     said = "with it held-out runs are 22 times more probable, "
-    assert f"{said}which may be chance (in logarithms 3.1 ± 20.3)" in _against(offset, by_chance)
-    assert f"{said}and it explains less than laws leave" in _against(friction, told)
+    assert f"{said}which may be chance (in logarithms 3.1 ± 20.3)" in held_out_against(offset, by_chance)
+    assert f"{said}and it explains less than laws leave" in held_out_against(friction, told)
 
 
 def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulations: Simulations, found: Found) -> None:
@@ -86,7 +87,7 @@ def test_what_held_out_runs_do_not_show_is_not_named(problem: Problem, simulatio
     told = _asked(simulations, reached, stop.suspect)
     assert told.silent
     assert abs(told.verdict.gain) > 1.0
-    assert "shows on training runs only" in _against(stop.suspect, told)
+    assert "shows on training runs only" in held_out_against(stop.suspect, told)
     left, against = supported(simulations, replace(reached, least={stop.suspect: 6.0}), [friction.suspect])
     assert list(against) == [stop.suspect]
     assert model_key(left.best.fit.changes) == model_key([friction])
@@ -103,7 +104,7 @@ def test_what_widens_the_gap_is_not_named_however_probable_it_makes_the_runs(
         alone = replace(found, best=replace(found.best, fit=fit), without={friction.suspect: found.base})
         told = _asked(simulations, alone, friction.suspect)
         assert told.widens == widens
-        assert ("widens the held-out gap, from" in _against(friction.suspect, told)) == widens
+        assert ("widens the held-out gap, from" in held_out_against(friction.suspect, told)) == widens
         against = _against_all(simulations, found, fit.changes, Verdict(50.0, 1.0), [])
         assert ("widens the held-out gap" in against) == widens
 

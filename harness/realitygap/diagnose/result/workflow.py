@@ -21,12 +21,13 @@ from realitygap.diagnose.judge.adjust import adjusted
 from realitygap.diagnose.judge.again import told_after_all, untold_after_all, usual_after_all
 from realitygap.diagnose.judge.closest import closest
 from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
-from realitygap.diagnose.judge.held_out import Against, Verdict, certain_of, predicted, supported
+from realitygap.diagnose.judge.held_out import Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.ordinary import tolerated
 from realitygap.diagnose.judge.plainer import joined, plainer, told_plainly
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
+from realitygap.diagnose.result import not_named
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.replaced import replaced
@@ -209,41 +210,10 @@ def _searched(
     found, wide = untold_after_all(simulations, found, keep)
     found, small = usual_after_all(simulations, found, keep)
     named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
-    why_not = [_against(s, told) for s, told in against.items()]
-    why_not += [_vague(s, s in found.adjusted) for s in vague if s not in {*named, *wide, *small}]
-    why_not += [*(_wide(s) for s in wide), *(_usual(s) for s in small)]
-    return found, [*why_not, *(_beaten(s) for s in found.adjusted if s in found.beaten)]
-
-
-def _beaten(suspect: Suspect) -> str:
-    """Why a finding is adjusted that an unnamed effort explains better."""
-    return (
-        f"{suspect} is adjusted and not named: an unnamed effort in its place explains the recordings better, and does "
-        "no more itself than laws are ordinarily off by"
-    )
-
-
-def _wide(suspect: Suspect) -> str:
-    """Why a finding is adjusted whose interval did tell it, before others were adjusted beside it."""
-    return f"{suspect} is adjusted and not named: beside what else is, its interval holds what the model has already"
-
-
-def _usual(suspect: Suspect) -> str:
-    """Why a finding is adjusted that laws may be off by, once others are adjusted beside it."""
-    return (
-        f"{suspect} is adjusted and not named: beside what else is, it does no more than laws of its kind may be off "
-        "by, and the held-out gap is hardly larger without it"
-    )
-
-
-def _vague(suspect: Suspect, adjusted: bool) -> str:
-    """Why a finding is not named whose interval does not tell it."""
-    if adjusted:
-        return (
-            f"{suspect} is adjusted and not named: before others were adjusted beside it, its 95 % interval held what "
-            "the model has already"
-        )
-    return f"{suspect} is not named: its 95 % interval holds what the model has already"
+    why_not = [not_named.held_out_against(s, told) for s, told in against.items()]
+    why_not += [not_named.vague(s, s in found.adjusted) for s in vague if s not in {*named, *wide, *small}]
+    why_not += [*(not_named.wide(s) for s in wide), *(not_named.usual(s) for s in small)]
+    return found, [*why_not, *(not_named.beaten(s) for s in found.adjusted if s in found.beaten)]
 
 
 def _against_all(
@@ -276,25 +246,6 @@ def _against_all(
         said += f"; in the mean by {number(100.0 * np.expm1(further), 2)} %"
         return f"what was found takes held-out runs further off on the whole ({said}): not named"
     return ""
-
-
-def _against(suspect: Suspect, told: Against) -> str:
-    """Why held-out runs speak against a finding."""
-    if told.widens:
-        before, after = map(number, told.gaps)
-        return f"{suspect} widens the held-out gap, from {before} to {after} floors: not named"
-    if told.silent:
-        return f"{suspect} is not named: it shows on training runs only; hold out a run that shows it, too"
-    gain, error = told.verdict.gain, told.verdict.error
-    if gain <= 0.0:
-        return (
-            f"{suspect} is not named: it helps on training runs only, and with it held-out runs are {odds(-gain)} "
-            "times less probable"
-        )
-    more = f"{suspect} is not named: with it held-out runs are {odds(gain)} times more probable"
-    if told.verdict.worse:
-        return f"{more}, which may be chance (in logarithms {gain:.1f} ± {error:.1f})"
-    return f"{more}, and it explains less than laws leave that are only nearly right"
 
 
 def _at(suspect: Suspect, joints: Sequence[str]) -> set[str]:
