@@ -98,6 +98,41 @@ def test_a_high_floor_somewhere_hides_no_rest_elsewhere() -> None:
     assert excess_deviation([watched], np.ones(1), residual) == pytest.approx([0.7], rel=0.5)
 
 
+def test_a_sample_beyond_three_of_the_others_is_trusted_by_half_and_less() -> None:
+    """The weight of a Cauchy likelihood, 1/(1 + (r/3σ)²), σ being what all of them have in the mean."""
+    residual = np.random.default_rng(11).standard_normal(400)
+    residual[[7, 200]] = 9.0, -25.0
+    _, weight = trusted([channel(400)], np.ones(1), np.zeros(1), residual)
+    np.testing.assert_allclose(weight, 1.0 / (1.0 + residual**2 / (9.0 * np.mean(residual**2))))
+    assert weight[200] < weight[7] < 0.5 < weight[np.abs(residual) < 1.0].min()
+
+
+def test_samples_that_are_not_looked_at_are_said_by_those_that_are() -> None:
+    """Of a residual that lasts, as long as it is: every tenth sample stands for ten, at the same likelihood."""
+    n, fraction = 400, 1.0 / 40.0
+    whitening = Whitening((channel(n),), np.zeros(1), np.full(1, fraction))
+    assert len(whitening.rows) == 40
+    white, half_log_det = whitening(np.full((n, 1), 0.7), np.ones(n))
+    variance = 0.5**2 + 0.2**2
+    assert np.sum(white**2) == pytest.approx(n * fraction * 0.7**2 / variance)
+    assert half_log_det == pytest.approx(0.5 * n * fraction * np.log(variance))
+
+
+def test_what_no_law_explains_elsewhere_is_the_mean_square_of_the_channel() -> None:
+    """Of a motion that was not looked at; one that was has its own."""
+    known = tuple(channel(10, case=c) for c in range(2))
+    whitening = Whitening(known, np.array([0.3, 0.4]), np.full(2, 0.5))
+    other = whitening.elsewhere([channel(10, case=7), channel(10, case=1)])
+    assert other.excess == pytest.approx([np.sqrt(0.5 * (0.3**2 + 0.4**2)), 0.4])
+    assert other.effective_fraction == pytest.approx([0.5, 0.5])
+
+
+def test_a_change_is_seen_in_all_samples_together() -> None:
+    """So many standard deviations as their squares add up to, were laws exact."""
+    measure = measured_by(channel(40), 0.0, np.zeros(40), np.ones((40, 1)))
+    assert measure.seen(np.full(40, 0.1)) == pytest.approx(np.sqrt(40) * 0.1 / np.hypot(0.5, 0.2))
+
+
 def test_a_fact_scales_the_likelihood_and_nothing_else() -> None:
     residual = np.random.default_rng(7).standard_normal((50, 1))
     (full, half_log_det), (half, less) = (

@@ -10,6 +10,7 @@ from realitygap.diagnose.data.problem import build_problem, exerted, reached
 from realitygap.robot.effects.joint import AMPLE, effort_scale
 from realitygap.scenario.file import ScenarioFile, load_scenario
 from recorded_joint import recorded
+from scipy.spatial.transform import Rotation
 
 DEMO = Path(__file__).parents[2] / "scenarios" / "demo" / "scenario.yaml"
 
@@ -44,6 +45,38 @@ def test_what_a_motor_is_told_is_in_the_unit_of_its_gain(tmp_path: Path) -> None
     silent = tuple(replace(c, noise={k: v for k, v in c.noise.items() if k != "effort"}) for c in problem.cases)
     told = max(float(np.abs(c.experiment.commands.value).max()) for c in silent)
     assert np.allclose(exerted(silent), [3.0 * told])
+
+
+def test_a_difference_is_what_the_second_is_beyond_the_first() -> None:
+    """Of judged joints; of orientations the rotation from the first to the second, in the axes of the first."""
+    problem = replace(build_problem(load_scenario(DEMO), "mujoco"), judged=np.array([False, True]))
+    a, b = np.zeros((3, 2)), np.tile([0.5, 0.2], (3, 1))
+    np.testing.assert_allclose(problem.difference("position", a, b), np.full((3, 1), 0.2))
+    here, turn = Rotation.from_rotvec([0.3, -0.2, 1.0]), np.array([0.02, -0.01, 0.03])
+    one, other = (np.asarray(r.as_quat(scalar_first=True))[None] for r in (here, here * Rotation.from_rotvec(turn)))
+    np.testing.assert_allclose(problem.difference("base_quaternion", one, other), [turn], atol=1e-9)
+    np.testing.assert_allclose(problem.difference("base_quaternion", one, -other), [turn], atol=1e-9)
+
+
+def test_a_rotation_is_as_uncertain_as_the_quaternion_that_tells_it() -> None:
+    problem, random, sigma = build_problem(load_scenario(DEMO), "mujoco"), np.random.default_rng(2), 2e-3
+    still = np.tile([0.5, -0.5, 0.5, 0.5], (20000, 1))
+    away = sigma * random.standard_normal(still.shape)
+    away -= still * np.sum(away * still, axis=1, keepdims=True)  # it has unit length
+    turns = problem.difference("base_quaternion", still, still + away)
+    size = np.full((1, 4), np.sqrt(np.mean(away**2)))
+    np.testing.assert_allclose(turns.std(axis=0), problem.deviation("base_quaternion", size)[0], rtol=0.03)
+
+
+def test_the_noise_of_a_mean_is_that_of_one_repetition_over_the_root_of_their_number() -> None:
+    """As motions that were repeated tell it together, for each of all."""
+    cases = cases_of(motions_of(load_scenario(DEMO)))
+    spreads = [c.spread["position"] for c in cases if c.spread]
+    assert spreads
+    single = np.sqrt(np.mean(np.square(spreads), axis=0))
+    assert {c.repetitions for c in cases} > {1}
+    for case in cases:
+        np.testing.assert_allclose(case.noise["position"], single / np.sqrt(case.repetitions))
 
 
 def _most(file: ScenarioFile, joint: int) -> float:

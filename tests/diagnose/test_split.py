@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from realitygap.compare.comparison import motions_of
 from realitygap.diagnose.data.case import cases_of
 from realitygap.diagnose.data.split import split
@@ -19,6 +20,8 @@ def test_a_single_run_is_cut_and_loses_nothing() -> None:
     (first, rest), said = split(file, [replace(whole, use="")], [motion])
     assert (first.use, rest.use) == ("train", "held_out")
     assert "there is one run" in said
+    time = whole.measured.time
+    assert first.measured.time[-1] - time[0] == pytest.approx(0.6 * (time[-1] - time[0]), abs=2.0 * np.diff(time).max())
     assert np.array_equal(np.concatenate([first.measured.time, rest.measured.time]), whole.measured.time)
 
 
