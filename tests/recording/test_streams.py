@@ -122,26 +122,22 @@ def test_effort_from_another_topic_with_a_factor(tmp_path: Path, write_bag: Call
     np.testing.assert_allclose(trace.effort[:, 1], 2.0)
 
 
-def test_a_stream_that_ends_early_is_unknown_afterwards(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
+@pytest.mark.parametrize(
+    ("sent", "known", "unknown"),
+    [(range(50), slice(50), slice(53, None)), (range(50, 100), slice(50, None), slice(47))],
+    ids=["ends early", "begins late"],
+)
+def test_a_stream_is_unknown_before_and_after(
+    sent: range, known: slice, unknown: slice, tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
     messages = two_joints()
-    for k in range(50):
+    for k in sent:
         effort = {"stamp": EPOCH + 0.01 * k, "name": ["a"], "effort": [1.0]}
         messages.append(("/currents", EPOCH + 0.01 * k, STATE, effort))
     asked = scenario(effort={"topic": "/currents"})
     trace = Signals(read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a"], file=FILE).trace)
-    assert np.isfinite(trace.effort[:50]).all()
-    assert np.isnan(trace.effort[53:]).all()
-
-
-def test_a_stream_that_begins_late_is_unknown_before(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
-    messages = two_joints()
-    for k in range(50, 100):
-        effort = {"stamp": EPOCH + 0.01 * k, "name": ["a"], "effort": [1.0]}
-        messages.append(("/currents", EPOCH + 0.01 * k, STATE, effort))
-    asked = scenario(effort={"topic": "/currents"})
-    trace = Signals(read_recording(write_bag(tmp_path / "run", "mcap", messages), asked, ["a"], file=FILE).trace)
-    assert np.isnan(trace.effort[:47]).all()
-    assert np.isfinite(trace.effort[50:]).all()
+    assert np.isfinite(trace.effort[known]).all()
+    assert np.isnan(trace.effort[unknown]).all()
 
 
 def test_every_joint_has_its_own_factor_of_an_effort(tmp_path: Path, write_bag: Callable[..., Path]) -> None:

@@ -155,8 +155,11 @@ class Criterion:
         and 5 to 8 % uneven over the angle, was told by side at three joints, as 5 % more. Of four servos and axes whose
         friction needs telling so, planted or recorded, it was 14 to 50 % more.
         """
-        change = float(np.linalg.norm(self.discrepancy_metric(np.nan_to_num(other.residual - fit.residual))))
-        return change <= self.typical(suspect) / TYPICAL
+        return self.apart(fit, other) <= self.typical(suspect) / TYPICAL
+
+    def apart(self, fit: Fit, other: Fit) -> float:
+        """The length of what parts two fits, in the metric in which what laws do was told."""
+        return float(np.linalg.norm(self.discrepancy_metric(np.nan_to_num(other.residual - fit.residual))))
 
     def sharp(self, found: Fit) -> Scored:
         """The evidence, and the metric in which moves from a fit are looked for."""

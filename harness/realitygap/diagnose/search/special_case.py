@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
@@ -38,9 +36,4 @@ def no_more(
         return False
     if without is None or law.evidence - special.evidence < MUCH * limit:
         return True
-    return _apart(criterion, law, special) <= OTHERWISE * _apart(criterion, law, without)
-
-
-def _apart(criterion: Criterion, one: Scored, other: Scored) -> float:
-    """The length of what parts two models, in the metric in which what laws do was told."""
-    return float(np.linalg.norm(criterion.discrepancy_metric(np.nan_to_num(other.fit.residual - one.fit.residual))))
+    return criterion.apart(law.fit, special.fit) <= OTHERWISE * criterion.apart(law.fit, without.fit)
