@@ -123,10 +123,15 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
     return cases
 
 
+HEARD = ("effort_hysteresis",)
+"""Effects that only a recorded effort shows."""
+
+
 def _singles(kind: str, effects: list[str], first: int, last: int, rng: np.random.Generator) -> list[Case]:
     """Cases with one effect each, numbered from `first` to before `last`."""
     cases: list[Case] = []
     turn, half = 0, kind.endswith("half")
+    effects = [e for e in effects if not half or e not in HEARD]
     kinds = [*ONE_JOINT[:2], *TWO_LINKS, ONE_JOINT[2]]
     while len(cases) < last - first:
         for i, effect in enumerate(rng.permutation(effects)):

@@ -42,6 +42,8 @@ _NUMBERS = {
     # sensor
     "offset": 0.0,
     "delay": 0.0,
+    "hysteresis": 0.0,  # what the effort is told less by in the direction of motion
+    "hysteresis_speed": 1.0,
     # friction: total bound = coulomb + (static - coulomb)·exp(…) ± lean + load terms, times the ripple
     "coulomb": 0.0,
     "static": 0.0,

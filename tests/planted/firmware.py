@@ -125,6 +125,13 @@ def motor_saturation(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Val
     return {"saturation": saturation}
 
 
+def effort_hysteresis(p: Foreign, r: Robot, j: int, size: float, rng: Rng) -> Values:
+    """The motor's current is told less, or more, the way it turns."""
+    effort, onset = _rounded(size * rng.uniform(0.1, 0.25) * r.torque[j] * (1 if rng.random() < 0.7 else -1)), 0.05
+    p.drive["hysteresis"][j], p.drive["hysteresis_speed"][j] = effort, onset
+    return {"effort": effort, "onset": onset}
+
+
 EFFECTS: dict[str, Plant] = {
     "payload": payload,
     "dead_band": dead_band,
@@ -139,5 +146,9 @@ EFFECTS: dict[str, Plant] = {
     "gain_law": gain_law,
     "servo_rate": servo_rate,
 }
-LATER: dict[str, Plant] = {"derivative_lag": derivative_lag, "motor_saturation": motor_saturation}
+LATER: dict[str, Plant] = {
+    "derivative_lag": derivative_lag,
+    "motor_saturation": motor_saturation,
+    "effort_hysteresis": effort_hysteresis,
+}
 """Behind the others in the suite, whose cases stay as they are."""

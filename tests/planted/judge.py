@@ -15,6 +15,7 @@ OTHER_SHAPES = {
     "effort_limit": ("share",),
     "stribeck_friction": ("exponent",),
     "load_dependent_friction": ("exponent",),
+    "effort_hysteresis": ("onset",),
 }
 UNNAMED = "effort_map"
 """A shape under no law's name: right where what is missing is outside the list."""

@@ -52,6 +52,7 @@ TABLE = (
     "derivative_gain",
     "derivative_lag",
     "motor_saturation",
+    "effort_hysteresis",
     "effort_map",
 )
 """The effects in the order of DESIGN.md's table: among exact twins the first is named."""

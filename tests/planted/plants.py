@@ -11,7 +11,7 @@ from imperfections import imperfect
 from motions import Command
 from outside import OUTSIDE
 from planted import Planted
-from recorder import Sensing, reported_velocity
+from recorder import Sensing, reported_effort, reported_velocity
 from robots import Robot
 
 VISIBLE = 4.0
@@ -125,7 +125,7 @@ def visibility(robot: Robot, plant: Foreign, motion: Motion, clean: Motion, sens
     speed = reported_velocity(plant, motion)[::5] - clean.velocity[::5]
     parts.append(speed / (1.04 * sensing.velocity_noise * robot.speed))
     if sensing.effort:
-        parts.append((motion.effort - clean.effort) / (sensing.effort_noise * robot.torque))
+        parts.append((reported_effort(plant, motion) - clean.effort) / (sensing.effort_noise * robot.torque))
     return max(float(np.sqrt(np.mean(np.square(x), axis=0)).max()) for x in parts)
 
 

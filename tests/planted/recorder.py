@@ -84,6 +84,12 @@ def reported_velocity(plant: Foreign, motion: Motion) -> np.ndarray:
     return out
 
 
+def reported_effort(plant: Foreign, motion: Motion) -> np.ndarray:
+    """The motor's effort less its sensor's hysteresis, which grows from rest by another law than the list's."""
+    drive, speed = plant.drive, motion.velocity
+    return np.asarray(motion.effort - drive["hysteresis"] * speed / np.hypot(speed, drive["hysteresis_speed"]))
+
+
 def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing: Sensing, seed: int) -> Recording:
     """Sample a motion as each command is sent; the effort is the one that this command makes."""
     rng = np.random.default_rng(seed)
@@ -105,7 +111,9 @@ def record(plant: Foreign, robot: Robot, motion: Motion, sent: Command, sensing:
     effort = None
     if sensing.effort:
         first = np.minimum(np.searchsorted(motion.time, at + 1e-9), len(motion.time) - 1)
-        effort = motion.effort[first] + sensing.effort_noise * robot.torque * rng.standard_normal(shape)
+        effort = reported_effort(plant, motion)[first] + sensing.effort_noise * robot.torque * rng.standard_normal(
+            shape
+        )
     stamp = sent.time + 0.01 * sensing.jitter / sensing.rate * rng.standard_normal(len(at))
     stamp = (stamp - stamp[0]) * (1.0 + sensing.clock)
     return Recording(np.maximum.accumulate(stamp), sent.value, position, velocity, effort, sent.enabled)

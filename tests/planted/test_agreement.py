@@ -27,8 +27,9 @@ CLEAN = Sensing(
 LEFT = 0.12
 """A share of the effect that integrators and contact laws of two simulators may disagree about: the foreign plant's
 springs are damped a little, and its bristles give."""
-SUDDEN = {"stribeck_friction": 0.2, "backlash": 0.2}
-"""More where a joint breaks away or lands: bristles creep before they slip, ends of a gap that are springs rebound."""
+SUDDEN = {"stribeck_friction": 0.2, "backlash": 0.2, "effort_hysteresis": 0.3}
+"""More where a joint breaks away or lands: bristles creep before they slip, ends of a gap that are springs rebound;
+and of an effort, which steps with every command, half a sample before or after."""
 MOTION = {"motor_braking": "lift_and_drop", "effort_limit": "steps", "torque_speed_limit": "steps"}
 """What shows an effect that slow motions do not."""
 TWO_LINKS = ("link_mass", "center_of_mass", "payload", "link_inertia", "voltage_sag", "base_tilt", "joint_offset")
@@ -66,7 +67,7 @@ def test_the_truth_removes_its_own_gap(effect: str, kind: str, tmp_path: Path) -
 
     def apart(effects: list[dict[str, Any]]) -> float:
         trace = rg.simulate(path, "mujoco", run=name, effects=effects, step_rate=4000).at(measured.time)
-        signal = "velocity" if effect == "velocity_filter" else "position"
+        signal = EFFECTS[effect].signals[0] if EFFECTS[effect].changes == "observation" else "position"
         return float(np.sqrt(np.mean((getattr(trace, signal) - getattr(measured, signal)) ** 2)))
 
     before, after = apart([]), apart([added])

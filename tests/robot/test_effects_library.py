@@ -62,7 +62,7 @@ def test_every_effect_of_the_design_is_there_in_its_order() -> None:
     joint_offset torque_ripple motor_heating constant_effort link_mass center_of_mass link_inertia base_tilt
     ground_friction soft_ground velocity_filter payload dead_band joint_stop command_profile effort_limit
     direction_friction friction_ripple cable_spring motor_braking current_lag gain_law servo_rate
-    derivative_gain derivative_lag motor_saturation"""
+    derivative_gain derivative_lag motor_saturation effort_hysteresis"""
     assert list(EFFECTS) == expected.split()
 
 

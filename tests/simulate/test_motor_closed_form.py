@@ -151,6 +151,16 @@ def test_the_servo_regulates_the_reading(engine: str) -> None:
     assert_allclose(stiffness * (0.3 - reading), MASS * 9.81 * LENGTH * np.sin(reading + 0.2), atol=1e-6)
 
 
+def test_the_hysteresis_of_the_effort_is_less_in_the_direction_of_motion_and_nothing_else() -> None:
+    plain = effort_servo(wheel())
+    for sign in (1.0, -1.0):
+        told = added(plain, "effort_hysteresis", effort=sign * 0.3, onset=0.2)
+        a, b = run(plain, 0.2), run(told, 0.2)
+        assert_allclose(a.position, b.position, atol=0.0)
+        assert_allclose(a.velocity, b.velocity, atol=0.0)
+        assert_allclose(a.effort - b.effort, sign * 0.3 * np.tanh(a.velocity / 0.2), atol=1e-12)
+
+
 def test_the_velocity_filter_is_a_low_pass_of_the_sensor_alone() -> None:
     plain = effort_servo(wheel())
     filtered = added(plain, "velocity_filter", time=0.05, scale=0.9)

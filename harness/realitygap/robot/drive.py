@@ -76,9 +76,15 @@ DRIVE = np.dtype(
         ("stop_lower", np.float64),
         ("stop_upper", np.float64),
         ("stop_stiffness", np.float64),
+        ("hysteresis", np.float64),  # of the effort's reading: half of what it differs by between both ways
+        ("hysteresis_onset", np.float64),  # speed over which that grows from rest
     ]
 )
 """The parameters of one joint's drive."""
+
+DIRECTION_KNOWN = 0.05
+"""Speed above which a drive knows the direction of its motion [rad/s or m/s]: what is likeliest on an MX-106, whose
+encoder tells 1.5 mrad."""
 
 STATE = np.dtype(
     [
@@ -143,4 +149,5 @@ def neutral_drive(n: int) -> NDArray[np.void]:
         drive[name] = 1.0
     for name in ("stribeck_exponent", "load_exponent"):
         drive[name] = 2.0
+    drive["hysteresis_onset"] = DIRECTION_KNOWN
     return drive

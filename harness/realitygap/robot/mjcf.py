@@ -57,6 +57,7 @@ WORDS = {
     "viscous_asymmetry": "direction_friction of what is viscous",
     "stiffness": "joint_compliance",
     "stop_stiffness": "joint_stop",
+    "hysteresis": "effort_hysteresis (of the sensors, not of the robot)",
 }
 """How people call the other fields; the rest is called by its own name."""
 

@@ -140,6 +140,8 @@ def _trace(
         separate = (drive["stiffness"] > 0) | (drive["backlash"] > 0)
         friction = held.dry[1 : rows + 1] + log["lean"][:-1] - log["drag"][:-1] * middle
         effort = np.where(separate, log["transmitted"][1:], effort + friction)
+    if drive["hysteresis"].any():
+        effort = effort - drive["hysteresis"] * np.tanh(middle / drive["hysteresis_onset"])
     told = sensed(middle, plant.velocity_lag, h, lagged)
     floating = plant.model.floating
     b = held.base[:rows].copy() if floating else held.base[:0]

@@ -25,7 +25,7 @@ from realitygap.robot.effects.motor import (
 )
 from realitygap.robot.effects.payload import PAYLOAD
 from realitygap.robot.effects.power_stage import CURRENT_LAG, EFFORT_LIMIT, MOTOR_BRAKING
-from realitygap.robot.effects.sensor import JOINT_OFFSET, VELOCITY_FILTER
+from realitygap.robot.effects.sensor import EFFORT_HYSTERESIS, JOINT_OFFSET, VELOCITY_FILTER
 from realitygap.robot.effects.springs import CABLE_SPRING, JOINT_STOP
 from realitygap.robot.effects.transmission import BACKLASH, JOINT_COMPLIANCE, ROTOR_INERTIA
 
@@ -73,6 +73,7 @@ EFFECTS: dict[str, Effect] = {
         DERIVATIVE_GAIN,
         DERIVATIVE_LAG,
         MOTOR_SATURATION,
+        EFFORT_HYSTERESIS,
     )
 }
 """In the order in which the simpler of two explanations is preferred."""
