@@ -128,6 +128,18 @@ def test_a_long_name_in_a_sentence_is_broken_on_a_phone(shared: chromium.Browser
     shared.resize(1280, 900)
 
 
+def test_what_is_folded_is_printed_and_folded_again(browser: chromium.Browser) -> None:
+    folded = "document.querySelectorAll('details:not([open])').length"
+    before = browser.run(folded)
+    assert before > 0
+    browser.run("document.querySelector('details').open = true")
+    browser.run("dispatchEvent(new Event('beforeprint'))")
+    assert browser.run(folded) == 0
+    browser.run("dispatchEvent(new Event('afterprint'))")
+    assert browser.run(folded) == before - 1, "what was open stays so"
+    browser.run("document.querySelector('details').open = false")
+
+
 @pytest.mark.usefixtures("shared")
 def test_dark_and_light_differ_and_both_contrast(page: Path) -> None:
     grounds = []
