@@ -28,11 +28,15 @@ class Stood:
     right: ModelKey
 
 
-def stood(missing: Effects, wrong: Effects, others: Sequence[tuple[str, str]], bare: Problem | None = None) -> Stood:
+def stood(
+    missing: Effects, wrong: Effects | Sequence[Change], others: Sequence[tuple[str, str]], bare: Problem | None = None
+) -> Stood:
     """A round of a search that found something wrong, of recordings (the demo's) where something is missing."""
     bare = demo_problem() if bare is None else bare
 
-    def of(effects: Effects) -> list[Change]:
+    def of(effects: Effects | Sequence[Change]) -> list[Change]:
+        if not isinstance(effects, dict):
+            return list(effects)
         return [guess(bare, suspect_of(bare, name, at)).at(values) for (name, at), values in effects.items()]
 
     with Simulations(bare, 2) as simulations:

@@ -1,12 +1,15 @@
 """A name says no more than it has to, on recordings of the bundled demo (synthetic) with planted effects."""
 
+from dataclasses import replace
+
 import pytest
 from demo_problem import FRICTION, demo_problem, suspect_of
-from realitygap.diagnose.data.changes import model_key
+from realitygap.diagnose.data.changes import Change, Suspect, model_key
 from realitygap.diagnose.result.diagnosis import why
-from realitygap.diagnose.search.exchange import Exchanged, exchanged
-from realitygap.diagnose.search.rivals import ODDS
+from realitygap.diagnose.search.exchange import Exchanged, _plainer, exchanged
+from realitygap.diagnose.search.rivals import ODDS, Rival
 from realitygap.diagnose.search.simpler import limits, narrower
+from realitygap.robot.effort_map import Table
 from stood import Effects, stood
 
 
@@ -31,6 +34,27 @@ def test_what_laws_are_off_by_is_not_told_by_a_name_that_says_more(more: float, 
             (rival,) = (r for of in out.rivals.values() for r in of if r.suspect.effect == "stribeck_friction")
             assert rival.behind < -ODDS, "the recordings do tell it"
             assert "better" in why(rival)
+
+
+def test_an_effort_over_speed_that_does_what_viscous_friction_does_is_that() -> None:
+    """Though a law is less likely beforehand, an effort that no law explains is none that one explains."""
+    missing: Effects = {("viscous_friction", "elbow"): {"coefficient": 0.8}}
+    table = Table(("speed",), ((-8.0, 8.0),))
+    suspect = Suspect("effort_map", "elbow", (1,), table=table)
+    line = Change(suspect, tuple(zip(table.names, (6.4, -6.4), strict=True)), table.names)
+    at = stood(missing, [line], [("coulomb_friction", "elbow")])
+    with at.simulations:
+        out = exchanged(at.round_, [], Exchanged())
+        assert _plainer(at.round_, replace(law := _law(out), behind=2.0 * ODDS), suspect, out.without[suspect])
+        assert not _plainer(at.round_, replace(law, behind=2.0 * ODDS, same=False), suspect, out.without[suspect])
+    assert law.same
+    assert out.better is not None
+    assert model_key(out.better.fit.changes) == at.right
+
+
+def _law(out: Exchanged) -> Rival:
+    (rival,) = (r for of in out.rivals.values() for r in of if r.suspect.effect == "viscous_friction")
+    return rival
 
 
 def test_a_spring_that_rests_elsewhere_is_one_finding() -> None:

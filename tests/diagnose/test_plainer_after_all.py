@@ -8,11 +8,14 @@ import recorded_joint
 from demo_problem import demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.rivals import Rival
+from realitygap.robot.effort_map import Table
 from realitygap.scenario.schema import EffectSpec
 
 
@@ -47,6 +50,32 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert told.gains[dry] == pytest.approx(told.best.evidence - alone.evidence)
     assert told.least == {sides: 7.0, dry: 7.0}
     assert [r.suspect for r in told.rivals[dry]] == [sides]
+
+
+def test_an_effort_without_a_law_loses_its_place_to_a_law_that_makes_the_same_traces() -> None:
+    bare = demo_problem()
+    oil = guess(bare, suspect_of(bare, "viscous_friction", "elbow")).at({"coefficient": 0.8})
+    dry = suspect_of(bare, "coulomb_friction", "elbow")
+    table = Table(("speed",), ((-8.0, 8.0),))
+    unnamed = Suspect("effort_map", "elbow", (1,), table=table)
+    line = Change(unnamed, tuple(zip(table.names, (6.4, -6.4), strict=True)), table.names)
+    problem = planted(oil)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [oil])
+        fits = [criterion.fit(changes) for changes in ([line], [oil], [])]
+        assert fits[0] is not None
+        criterion.set_discrepancy(fits[0].fit, criterion.responses(fits[0].fit, [oil.suspect, dry]))
+        best, law, none = (criterion.score(scored.fit) for scored in fits if scored is not None)
+        gains, without = {unnamed: best.evidence - none.evidence}, {unnamed: none}
+        found = Found(none, best, best, 6.0, {}, criterion.floors, criterion, gains, without)
+        for same in (True, False):
+            rivals = {unnamed: [Rival(oil.suspect, law, 4.0, 4.0, same=same)]}
+            told = plainer(simulations, replace(found, rivals=rivals), [oil.suspect, dry], [])
+            (change,) = told.best.fit.changes
+            assert change.suspect == (oil.suspect if same else unnamed)
+            if same:
+                assert change.parameters["coefficient"] == pytest.approx(0.8, rel=0.02)
+                assert [r.suspect for r in told.rivals[oil.suspect]] == [unnamed]
 
 
 def test_the_models_without_another_finding_have_the_plain_name_too() -> None:

@@ -18,7 +18,7 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.held_out import as_wide, besides, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.alike import in_place, same
-from realitygap.diagnose.search.apart import compare
+from realitygap.diagnose.search.apart import compare, told_apart
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.grow import with_shape
@@ -174,10 +174,15 @@ def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) ->
     it tell; each as it is begun: a first guess, and as much of it as the finding does, which straight lines overdo
     where that grows with two of its values.
 
+    Of an effort without a law, those that were seen to make the same traces in its place.
+
     A load on the axis of an arm's second joint turns about the first, and does nothing else there: of an arm whose
     first rotor was heavier it was told with four values, the search having had no time to ask for its name.
     """
     criterion, suspect = found.criterion, change.suspect
+    if suspect.table is not None:
+        laws = [r for r in found.rivals.get(suspect, ()) if r.same and r.beside is None and r.suspect.table is None]
+        return {r.suspect: [r.scored.fit.changes[-1]] for r in laws}
     special = [s for s in everyone if narrower(s, suspect)]
     fewer = [s for s in everyone if s.kind.law == suspect.kind.law != "" and len(fitted(s.kind)) < len(change.free)]
     blocks = criterion.responses(found.best.fit, [s for s in fewer if s not in special])
@@ -193,6 +198,7 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     best, criterion, name = found.best, found.criterion, plain.fit.changes[-1].suspect
     without = found.without.get(suspect)
     within = narrower(name, suspect) and no_more(criterion, best, plain, suspect, without, found.limit)
+    within = within or (suspect.table is not None and told_apart(best, plain) < ODDS)
     likely = best.evidence - plain.evidence < ODDS or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 

@@ -148,12 +148,16 @@ def _compared(
 
 def _plainer(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bool:
     """Whether a rival is the simpler name of a finding, and says as much; of a finding that says more of the same law,
-    as much but for what such laws are off by, or what is too little to decide.
+    as much but for what such laws are off by, or what is too little to decide; of an effort without a law, as much but
+    for what was thought beforehand.
 
     Dry friction of 1.02 N·m, of a joint whose friction was 5 % more at creeping, was called a Stribeck friction.
+    Viscous friction of 0.154 N·m·s/rad beside an inertia was left an effort over the speed with two values, 3.9 ahead.
     """
     if rival.beside is not None or not simpler(round_.simulations.problem, rival.suspect, finding):
         return False
+    if finding.table is not None and rival.same:
+        return True
     if not narrower(rival.suspect, finding):
         return rival.behind < EQUAL or _gains(round_, rival, finding, alone)
     return rival.behind < ODDS or no_more(round_.criterion, round_.now, rival.scored, finding, alone, round_.limit)
