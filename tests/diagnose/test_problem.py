@@ -4,10 +4,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from realitygap.compare.comparison import motions_of
 from realitygap.diagnose.data.case import cases_of
-from realitygap.diagnose.data.problem import build_problem, exerted, reached
+from realitygap.diagnose.data.problem import build_problem, exerted, lagged, reached
+from realitygap.robot.drive import EFFORT
+from realitygap.robot.effects import EFFECTS
 from realitygap.robot.effects.joint import AMPLE, effort_scale
+from realitygap.robot.effects.power_stage import SOON
 from realitygap.scenario.file import ScenarioFile, load_scenario
 from recorded_joint import recorded
 from scipy.spatial.transform import Rotation
@@ -38,6 +42,26 @@ def test_a_joint_is_not_rated_for_far_more_than_it_was_seen_to_give() -> None:
         assert effort_scale(plant, 0) == rated
     plant.exerted = None
     assert effort_scale(plant, 0) == 15.0
+
+
+def test_protection_is_first_looked_for_among_the_errors_that_were_recorded() -> None:
+    problem = build_problem(load_scenario(DEMO), "mujoco")
+    plant, train = problem.plant, [c for c in problem.cases if c.use == "train"]
+    assert plant.lagged is not None
+    for joint in range(2):
+        largest = 0.0
+        for case in train:
+            commands, at = case.experiment.commands, case.value("position")[:, joint]
+            for t, q in zip(case.measured.time, at, strict=True):
+                told = commands.value[max(np.flatnonzero(commands.time <= t), default=0), joint]
+                largest = max(largest, abs(told - q))
+        assert plant.lagged[joint] == pytest.approx(largest)
+        first = EFFECTS["effort_limit"].first_size(plant, joint)
+        assert first["beyond"] == pytest.approx(SOON * largest)
+    no_position = replace(train[0].experiment.plant, drive=plant.drive.copy())
+    no_position.drive["meaning"] = EFFORT
+    silent = replace(train[0], experiment=replace(train[0].experiment, plant=no_position))
+    assert np.allclose(lagged([silent]), 0.0)
 
 
 def test_what_a_motor_is_told_is_in_the_unit_of_its_gain(tmp_path: Path) -> None:

@@ -72,11 +72,12 @@ def same(a: Plant, b: Plant) -> bool:
         return [(link.name, link.mass, link.com.tolist(), link.inertia.tolist()) for link in plant.model.links]
 
     arrays = ("drive", "delay", "velocity_lag", "velocity_scale", "base_tilt")
-    known = {"model", "ground", "efforts", "maps", "payloads", "reached", "travelled", "exerted", *arrays}
+    known = {"model", "ground", "efforts", "maps", "payloads", "reached", "travelled", "lagged", "exerted", *arrays}
     assert {f.name for f in fields(Plant)} == known, "this comparison has to know every part of a plant"
     equal = all(np.array_equal(getattr(a, n), getattr(b, n)) for n in arrays)
     equal = equal and links(a) == links(b) and a.payloads == b.payloads
     equal = equal and a.reached is b.reached and a.travelled is b.travelled and a.exerted is b.exerted
+    equal = equal and a.lagged is b.lagged
     return equal and a.ground == b.ground and (a.efforts, a.maps) == (b.efforts, b.maps)
 
 

@@ -47,6 +47,7 @@ class Plant:
         payloads: by the index of a link, the mass [kg] and the place x, y, z in its frame [m] of a load fixed to it.
         reached: how fast each joint went where its motion was recorded [rad/s or m/s]; None where none was. Shape (n,).
         travelled: the widest range that each joint moved over in one motion [rad or m], likewise. Shape (n,).
+        lagged: how far each joint was from its position command at most [rad or m], likewise. Shape (n,).
         exerted: the most that motors were told or measured to give [N·m or N], 0 where neither is known. Shape (n,).
     """
 
@@ -62,6 +63,7 @@ class Plant:
     payloads: dict[int, tuple[float, float, float, float]] = field(default_factory=dict)
     reached: Array | None = None
     travelled: Array | None = None
+    lagged: Array | None = None
     exerted: Array | None = None
 
     def copy(self) -> Plant:

@@ -46,6 +46,7 @@ def along_the_motion(problem: Problem) -> Problem | None:
     followed, plant = ways[_robot(scenario)]
     driven = problem.plant
     plant.reached, plant.travelled, plant.exerted = driven.reached, driven.travelled, driven.exerted
+    plant.lagged = driven.lagged
     file = ScenarioFile(problem.file.path, followed, problem.file.raw)
     return replace(problem, file=file, plant=plant, cases=cases, split="", notes=())
 

@@ -17,7 +17,7 @@ from realitygap.diagnose.data.split import split
 from realitygap.diagnose.data.windowed import windowed
 from realitygap.files.errors import InputError
 from realitygap.recording.frames import rotation_vector
-from realitygap.robot.drive import EFFORT, TORQUE, Array
+from realitygap.robot.drive import EFFORT, POSITION, TORQUE, Array
 from realitygap.robot.effects.place import place
 from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.file import ScenarioFile
@@ -118,6 +118,7 @@ def build_problem(file: ScenarioFile, engine: str) -> Problem:
     cases, notes = windowed(cases, found, engine)
     train = [c for c in cases if c.use == "train"]
     plant.reached, plant.travelled, plant.exerted = reached(train), travelled(train), exerted(train)
+    plant.lagged = lagged(train)
     return Problem(file, plant, tuple(cases), engine, judged, said, tuple(notes))
 
 
@@ -135,6 +136,11 @@ def travelled(cases: Sequence[Case]) -> Array:
     return _most([case.value("position") for case in cases], np.ptp)
 
 
+def lagged(cases: Sequence[Case]) -> Array:
+    """How far each joint was from its position command at most [rad or m], 0 where it had none. Shape (n,)."""
+    return _most([_error(case) for case in cases], np.max)
+
+
 def exerted(cases: Sequence[Case]) -> Array:
     """The most that each joint's motor gave in any motion [N·m or N], as measured or told; 0 where neither is known.
     Shape (n,).
@@ -149,6 +155,14 @@ def _effort(case: Case) -> Array:
         return np.abs(case.value("effort"))
     gain = np.where(drive["kind"] == TORQUE, drive["gain"], 1.0)
     return np.where(drive["meaning"] == EFFORT, np.abs(gain * commands), np.nan)
+
+
+def _error(case: Case) -> Array:
+    """How far the joints were from their position commands, NaN where they had none. Shape (t, n)."""
+    commands, position = case.experiment.commands, case.value("position")
+    last = np.searchsorted(commands.time, case.measured.time, side="right") - 1
+    told = commands.value[np.maximum(last, 0)]
+    return np.where(case.experiment.plant.drive["meaning"] == POSITION, np.abs(told - position), np.nan)
 
 
 def _speed(case: Case) -> Array:

@@ -6,9 +6,15 @@ from realitygap.robot.effects.effect import Effect, Page, Parameter, reads, writ
 from realitygap.robot.effects.joint import effort_scale, has_dc_motor, has_servo
 from realitygap.robot.plant import Plant
 
+SOON = 0.2
+"""A first guess of where protection begins, in the largest position error that was recorded: what begins beyond that
+error does nothing. One that began at 0.29 rad was tried from 1 rad on, and a supply and a gain were named for it."""
+
 
 def _low_limit(plant: Plant, index: int) -> dict[str, float]:
-    return {"effort": 0.1 * effort_scale(plant, index)}
+    lagged = 0.0 if plant.lagged is None else float(plant.lagged[index])
+    beyond = {"beyond": SOON * lagged} if lagged > 0.0 else {}
+    return {"effort": 0.1 * effort_scale(plant, index), **beyond}
 
 
 EFFORT_LIMIT = Effect(
