@@ -10,6 +10,8 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
+from realitygap.diagnose.judge import plainer as plainer_module
+from realitygap.diagnose.judge.held_out import Verdict
 from realitygap.diagnose.judge.plainer import joined, plainer
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.criterion import Criterion
@@ -76,6 +78,29 @@ def test_an_effort_without_a_law_loses_its_place_to_a_law_that_makes_the_same_tr
             if same:
                 assert change.parameters["coefficient"] == pytest.approx(0.8, rel=0.02)
                 assert [r.suspect for r in told.rivals[oil.suspect]] == [unnamed]
+
+
+@pytest.mark.parametrize("behind", [1.0, -1.0])
+def test_held_out_runs_do_not_keep_a_richer_name_that_training_runs_find_less_likely(
+    monkeypatch: pytest.MonkeyPatch, behind: float
+) -> None:
+    """They judge what the training runs chose: a search may only not have come to the plain name."""
+    bare = demo_problem()
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    missing = guess(bare, sides).at({"forward": 0.60, "backward": 0.61})
+    problem = planted(missing)
+    monkeypatch.setattr(plainer_module, "predicted", lambda *_: Verdict(10.0, 1.0))
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [missing])
+        best, plain = criterion.fit([missing]), criterion.fit([guess(bare, dry).at({"torque": 0.605})])
+        assert best is not None
+        assert plain is not None
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [sides, dry]))
+        likeliest = criterion.refined(criterion.score(plain.fit))
+        assert likeliest is not None
+        best = replace(criterion.score(best.fit), evidence=likeliest.evidence - behind)
+        told = plainer(simulations, Found(best, best, best, 6.0, {}, criterion.floors, criterion), [dry], [])
+    assert [c.suspect for c in told.best.fit.changes] == [dry if behind > 0.0 else sides]
 
 
 def test_the_models_without_another_finding_have_the_plain_name_too() -> None:

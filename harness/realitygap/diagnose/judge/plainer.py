@@ -193,13 +193,18 @@ def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) ->
 
 def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plain: Scored) -> bool:
     """Whether a model with a plainer name says as much as the one that was found, and held-out runs do not speak for
-    the richer one.
+    the richer one, where training runs do at all: which model it is they alone choose.
+
+    Of a slide friction by side, 3 and 20 N, beside a spring that rests elsewhere, which together are dry friction of
+    11.5 N, was 2.7 behind that, and held-out runs were 17 ± 8 for it.
     """
     best, criterion, name = found.best, found.criterion, plain.fit.changes[-1].suspect
     without = found.without.get(suspect)
     within = narrower(name, suspect) and no_more(criterion, best, plain, suspect, without, found.limit)
     within = within or (suspect.table is not None and told_apart(best, plain) < ODDS)
     likely = best.evidence - plain.evidence < ODDS or within
+    if plain.evidence >= best.evidence:
+        return True
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
 
