@@ -64,6 +64,16 @@ def test_a_joint_that_starts_beyond_its_limit_comes_back_slowly(name: str) -> No
     assert found[1200] < 0.4
 
 
+@every
+def test_the_last_of_the_way_back_is_shorter_by_a_fifth_in_every_step(name: str) -> None:
+    """Of a joint that is pushed beyond either limit, and of a ball below the ground: neither arrives with a jerk."""
+    left = 1e-5 * 0.8 ** np.arange(1, 11)
+    for limit, side in ((-0.5, -1.0), (0.4, 1.0)):
+        found = turned(name, arm(-0.5, 0.4), limit + side * 1e-5, 0.0, np.full(10, side * 0.1))
+        np.testing.assert_allclose(side * (found - limit), left, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(fall(name, -1e-5, 0.0, 10), -left, rtol=0, atol=1e-8)
+
+
 def ball(radius: float) -> Model:
     sphere = (Sphere(np.zeros(3), radius),)
     return Model("ball", (Link("ball", 0.5, np.zeros(3), np.eye(3) * 2e-4, sphere),), (), True)
