@@ -67,6 +67,14 @@ def test_a_joint_sticks_where_friction_finds_it_and_not_where_there_was_none() -
     assert asked(law, 0.2, 0.0, friction=0.1) == 0.0
 
 
+def test_friction_that_is_gone_holds_nothing() -> None:
+    law = law_of(Ground())
+    asked(law, 0.0, 0.0, friction=0.1, effort=0.05)
+    assert law.dry[0] == pytest.approx(-0.05)
+    assert asked(law, 0.0, 0.0, effort=0.05) == 0.05
+    assert law.dry[0] == 0.0
+
+
 @pytest.mark.parametrize(("limit", "side"), [(-0.5, -1.0), (0.4, 1.0)])
 def test_an_engines_own_stop_is_foreseen(limit: float, side: float) -> None:
     """The rotor is stopped with the link, what pushes against the stop moves neither, and what leaves it is free."""

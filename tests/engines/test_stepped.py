@@ -9,8 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import realitygap_engines as engines
-from realitygap_engines import Ground, Physics, State
-from realitygap_engines.model.robot import Array, Joint, Link, Model, Sphere, axis_rotation, frame_along
+import trees
+from realitygap_engines import Diverged, Ground, Physics, State
+from realitygap_engines.law.runaway import diverged
+from realitygap_engines.model.robot import (
+    Array,
+    Joint,
+    Link,
+    Model,
+    Sphere,
+    axis_rotation,
+    frame_along,
+    rotation_from_quaternion,
+)
 from realitygap_engines.model.robot import quaternion_from_rotation as quaternion
 
 H = 1e-3
@@ -127,6 +138,37 @@ def test_a_base_moves_on_where_its_angles_are_singular(name: str) -> None:
             simulation.read(position, velocity, base)
         ends.append(np.concatenate([position, velocity, side.T @ base[:3], side.T @ base[7:10], side.T @ base[10:]]))
     np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-10)
+
+
+@every
+def test_a_free_body_turns_by_its_speed_times_time(name: str) -> None:
+    """However fast: 6.4 turns in two seconds, a hundredth of a radian in every half step."""
+    none, base, spin = np.zeros(0), np.zeros(13), np.array([12.0, -9.6, 12.8])
+    with engines.load(name).open(ball(0.05), Physics(H, gravity=(0.0, 0.0, 0.0))) as simulation:
+        simulation.reset(State(none, none, np.zeros(3), base_angular=spin))
+        for _ in range(2000):
+            simulation.step(none, none, none)
+        simulation.read(none, none, base)
+    expected = axis_rotation(spin / 20.0, 2.0 * 20.0)
+    np.testing.assert_allclose(rotation_from_quaternion(base[3:7]), expected, rtol=0, atol=1e-9)
+
+
+@every
+def test_a_blow_up_is_told_at_its_time_since_the_reset_and_its_joint(name: str) -> None:
+    """At a speed that no robot has, a million rad/s, and no sooner."""
+    one = np.array([0.01 * 1e6 / H])  # gives it in one step
+    with engines.load(name).open(arm(), Physics(H)) as simulation:
+        for _ in range(2):
+            simulation.reset(State(np.zeros(1), np.zeros(1)))
+            simulation.step(0.99 * one, np.zeros(1), np.zeros(1))
+            with pytest.raises(Diverged, match=r"diverged at 0.0020 s at hinge: velocity runs away"):
+                simulation.step(0.02 * one, np.zeros(1), np.zeros(1))
+
+
+def test_a_blow_up_is_told_at_the_first_joint_where_it_shows_or_at_the_base() -> None:
+    model = trees.tree([0, 1, 2])
+    for values, where in (([0.0, np.nan, 1e7], "joint1"), ([0.0, 0.0, -1e7], "joint2"), ([0.0, 9e5, 0.0], "base")):
+        assert diverged(model, 0.5, np.array(values), "runs away").joint == where
 
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.6, -0.64, 0.48)])

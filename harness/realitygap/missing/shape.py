@@ -32,6 +32,12 @@ MOSTLY = 0.7
 """The share of the parts on which it must."""
 ALIKE = 0.02
 """Shares that differ by less cannot be told apart."""
+TWICE, SOUGHT = 2.0, 1.5
+"""Periods within the angles that were seen from which on a function repeats itself, and from which on they are sought:
+a bend that is best told by fewer than two is no wave."""
+WAVE = 0.003
+"""The share of a function's variance that its wave makes at least: half of what a slow bend leaves may be noise. One of
+0.05 N·m beside a spring of 0.3 N·m/rad has 0.013, and the noise of that spring 0.00002."""
 RECORDED = "temperature"
 """What recordings may tell and no simulation knows: it is looked at, and is no variable of an `effort_map`."""
 SOFT = 0.1
@@ -176,21 +182,22 @@ def _term(chosen: Fitted, k: int, share: float, samples: EffortSamples, mean: fl
 
 
 def _periods(angle: Array, values: Array) -> float | None:
-    """How often a turn a function repeats itself, where one sine beside a slow bend is most of it."""
+    """How often a turn a function repeats itself, where one sine is most of what it has beside a slow bend."""
     grid = np.linspace(angle[0], angle[-1], 400)
     f = np.interp(grid, angle, values)
     x = np.linspace(-1, 1, len(grid))
     slow = np.stack([np.ones_like(x), x, x * x], axis=1)
     span = (grid[-1] - grid[0]) / (2 * np.pi)
-    best, found = np.inf, None
+    best, found = np.inf, 0.0
     bent = np.sum((f - slow @ np.linalg.lstsq(slow, f, rcond=None)[0]) ** 2)
-    for per_turn in np.arange(2.0 / span, 60.0, 0.02 / span):
+    for per_turn in np.arange(SOUGHT / span, 60.0, 0.02 / span):
         waves = np.stack([np.sin(per_turn * grid), np.cos(per_turn * grid)], axis=1)
         matrix = np.hstack([slow, waves])
         left = np.sum((f - matrix @ np.linalg.lstsq(matrix, f, rcond=None)[0]) ** 2)
         if left < best:
             best, found = float(left), float(per_turn)
-    return found if found is not None and best < 0.5 * bent else None
+    wave = best < 0.5 * bent and bent - best > WAVE * np.sum((f - f.mean()) ** 2)
+    return found if wave and found >= TWICE / span else None
 
 
 def samples_of(runs: Sequence[MissingEffort], joint: str) -> tuple[EffortSamples, float, float]:
