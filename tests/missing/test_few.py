@@ -40,7 +40,15 @@ def test_it_is_the_same_function_with_fewer_values(name: str) -> None:
     columns = samples_of(runs, "joint0")[0].columns
     assert terms
     for one, few in zip(terms, fewer, strict=True):
-        assert few.variables == one.variables
+        assert (few.variables, few.share, few.periods) == (one.variables, one.share, one.periods)
         assert len(few.values) <= 24 < len(one.values)
         full, other = values_of(one, columns), values_of(few, columns)
         assert np.mean((full - other) ** 2) < 3 * LOST * np.var(full)
+
+
+def test_a_ripple_keeps_its_periods() -> None:
+    commands, trace = swing(arm(), MOTIONS[0])
+    knots = np.linspace(-1.0, 1.0, 41)
+    ripple = Term(("angle",), (tuple(knots),), tuple(0.2 * np.sin(14.0 * knots)), 0.4, 14.0)
+    (few,) = few_knots([recovered(arm(), commands, trace)], "joint0", [ripple])
+    assert (few.share, few.periods) == (0.4, 14.0)

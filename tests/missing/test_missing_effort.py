@@ -89,6 +89,7 @@ def test_friction_that_the_model_has_holds_a_joint_at_rest_and_nothing_is_missin
     assert trace.velocity is not None
     assert np.abs(trace.velocity[2000:]).max() < 1e-5
     assert np.abs(found.effort[rest]).max() < 0.02
+    assert np.median(found.error[rest]) == pytest.approx(0.3 / np.sqrt(3), rel=0.05), "anything within the bound"
 
 
 @everywhere
@@ -149,3 +150,25 @@ def test_the_time_since_a_reversal_begins_anew_at_each_and_not_at_a_rest() -> No
     time = np.arange(0.0, 6.0, 1.0)
     assert_allclose(since_reversal(time, np.array([1.0, 0.0, 1.0, -1.0, 0.001, -1.0])), [0, 1, 2, 0, 1, 2])
     assert_allclose(since_reversal(time, np.zeros(6)), time)
+
+
+def test_the_error_is_what_is_commanded_less_the_reading_and_none_where_a_servo_is_off() -> None:
+    time, reading = np.arange(3.0), np.array([[0.1, 1.0], [0.2, 1.0], [0.3, 1.0]])
+    command = np.array([[0.4, 0.5], [0.4, np.nan], [0.1, 1.0]])
+    found = variables_of(time, reading, np.ones((3, 2)), reading, command, np.array([12.0, 11.0, 10.0]), None)
+    assert_allclose(found["error"], [[0.3, -0.5], [0.2, 0.0], [-0.2, 0.0]])
+    assert_allclose(found["supply"], [[12.0, 12.0], [11.0, 11.0], [10.0, 10.0]])
+
+
+def test_the_load_is_what_moving_the_links_takes_where_they_really_are() -> None:
+    """Without the rotor, at the angle beyond the reading by the offset, which the model has as it has the friction."""
+    plant = added(added(arm(), "joint_offset", angle=0.4), "coulomb_friction", torque=0.3)
+    commands, trace = swing(plant, sines)
+    found = recovered(plant, commands, trace)
+    assert trace.position is not None
+    assert trace.velocity is not None
+    at = np.searchsorted(trace.time, commands.time)
+    expected = WEIGHT * np.sin(trace.position + 0.4) + LINK * np.gradient(trace.velocity, H, axis=0)
+    miss = found.variables["load"][50:-50, 0] - expected[at][50:-50, 0]
+    assert np.sqrt(np.mean(miss**2)) < 0.02
+    assert np.sqrt(np.mean(found.effort**2)) < 0.05, "nothing is missing"

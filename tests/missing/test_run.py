@@ -73,7 +73,22 @@ def test_the_library_tells_the_same() -> None:
     assert found.shape("elbow").terms[0].variables == ("speed",)
     with pytest.raises(rg.InputError, match=r"joint: found elbo; expected .*elbow; did you mean elbow\?"):
         found.shape("elbo")
+    assert found.runs[0].slides == (False, False)
     frame = found.to_frame()
     assert set(frame["joint"]) == {"shoulder", "elbow"}
     assert {"effort", "effort_error", "angle", "speed", "load", "reversal"} <= set(frame)
     assert "error" not in frame, "its commands are efforts, and no position is commanded"
+
+
+def test_it_is_told_on_the_recordings_clock_within_the_window() -> None:
+    """Of a part that begins after a second, what is judged: the same efforts at the same times."""
+    runs = [{"path": "sines.csv", "use": "train"}]
+    whole, part = (
+        rg.missing_effort(rg.load_scenario(SCENARIO).override({"recordings.runs": [runs[0] | own]})).runs[0]
+        for own in ({}, {"part": [1.0, 4.5], "window": [2.0, 4.0]})
+    )
+    assert (part.time.min(), part.time.max()) == pytest.approx((2.0, 4.0), abs=0.011)
+    inside = (whole.time > part.time[0] - 1e-6) & (whole.time < part.time[-1] + 1e-6)
+    np.testing.assert_allclose(part.time, whole.time[inside], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(part.variables["angle"], whole.variables["angle"][inside], atol=1e-3)
+    assert np.median(np.abs(part.effort - whole.effort[inside]), axis=0) == pytest.approx([0.0, 0.0], abs=5e-3)

@@ -74,6 +74,9 @@ def test_a_sliders_is_in_newtons_and_a_constant_one_is_told_with_its_sign() -> N
     assert shape.unit == "N"
     assert not shape.terms
     assert sentence(shape).endswith("(0.7 N rms) is -0.7 N in the mean, and depends on nothing that was looked at")
+    assert sentence(replace(shape, mean=0.3)).endswith("(0.7 N rms) depends on nothing that was looked at")
+    assert sentence(replace(shape, within=0.89)) == sentence(shape)
+    assert sentence(replace(shape, within=0.91)).endswith("(0.7 N rms) is no more than its band leaves open")
     assert shape_of(told(lambda angle, _: np.full_like(angle, 0.7)), "joint0").unit == "N·m"
 
 
