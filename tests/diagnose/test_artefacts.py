@@ -13,11 +13,24 @@ from realitygap.diagnose.search_budget import SearchBudget
 FRICTION = Suspect("coulomb_friction", "elbow", (1,))
 
 
-@pytest.mark.parametrize(("elsewhere", "artefact"), [((10.0, 9.9), True), ((10.0, 1.2), False)])
+@pytest.mark.parametrize(
+    ("elsewhere", "artefact"),
+    [
+        ([(10.0, 9.9)], True),
+        ([(10.0, 1.2)], False),
+        ([(10.0, 7.2)], True),
+        ([(10.0, 6.9)], False),  # half of the square, which is 99
+        ([(10.0, 9.9), (10.0, 1.2)], False),
+        ([(10.0, 9.9), (10.0, 12.0)], True),
+        ([], False),
+    ],
+)
 def test_what_helps_in_the_searching_engine_alone_mends_that_engine(
-    elsewhere: tuple[float, float], artefact: bool
+    elsewhere: list[tuple[float, float]], artefact: bool
 ) -> None:
-    assert artefacts({FRICTION: Shown(10.0, 1.0, {"dart": elsewhere})}) == [FRICTION] * artefact
+    others = {f"other{i}": gaps for i, gaps in enumerate(elsewhere)}
+    assert artefacts({FRICTION: Shown(10.0, 1.0, others)}) == [FRICTION] * artefact
+    assert not artefacts({FRICTION: Shown(1.0, 10.0, others)}), "what helps nowhere is told otherwise"
 
 
 def test_what_is_found_in_its_place_is_asked_as_well(simulations: Simulations, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -196,3 +196,25 @@ def test_an_interval_is_as_wide_as_a_value_moved_by_what_is_not_named(found: Fou
     elsewhere = replace(own.fit, changes=(own.fit.changes[0].at({"torque": float(own.fit.value[0]) + 0.3}),))
     assert _wider(own, own.fit).deviation[0] <= own.deviation[0] < 0.2
     assert _wider(own, elsewhere).deviation[0] == pytest.approx(0.3, rel=0.1)
+
+
+def test_a_verdict_is_what_stretches_leave_of_a_gain() -> None:
+    """An error of 1 leaves 1.64 less, and what changes nothing may seem to gain or lose 0.1."""
+    told = {1.5: (True, False), 1.6: (False, False), 1.7: (False, False), 1.8: (False, True)}
+    assert {gain: (Verdict(gain, 1.0).worse, Verdict(gain, 1.0).better) for gain in told} == told
+
+
+@pytest.mark.parametrize(
+    ("alone", "gaps", "silent", "widens"),
+    [
+        (Verdict(-0.05, 0.04), (0.5, 1.19), True, False),
+        (Verdict(0.05, 0.06), (0.5, 1.21), False, True),
+        (Verdict(0.11, 0.0), (2.0, 2.39), False, False),
+        (Verdict(0.0, 0.0), (2.0, 2.41), True, True),
+    ],
+)
+def test_what_says_nothing_is_silent_and_what_is_below_the_floor_is_no_wider(
+    alone: Verdict, gaps: tuple[float, float], silent: bool, widens: bool
+) -> None:
+    told = Against(Verdict(5.0, 1.0), gaps, alone)
+    assert (told.silent, told.widens) == (silent, widens)
