@@ -95,8 +95,10 @@ def collect(
 
 def _timings(cells: Sequence[tuple[Task, Outcome]]) -> pd.DataFrame:
     rows = []
-    for _, o in cells:
+    for task, o in cells:
         if o.steps:
-            speed = o.steps / o.cell.step_rate / o.wall
+            first = task.motion.experiments[0]
+            seconds = o.steps / o.cell.step_rate if first.followed is None else first.duration
+            speed = seconds / o.wall
             rows.append({**vars(o.cell), "wall_seconds": o.wall, "real_time_factor": speed, "steps": o.steps})
     return pd.DataFrame(rows)

@@ -33,10 +33,17 @@ REPORT = 10.0
 
 
 def steps(task: Task) -> float:
-    """Steps of a cell: of all repetitions, and with floors those of half the step, too."""
-    seconds = sum(e.duration for e in task.motion.experiments)
-    rate = task.motion.experiments[0].scenario.physics.step_rate
-    return seconds * rate * (3 if task.floors and task.motion.measured is not None else 1)
+    """Steps of a cell: of all repetitions, and with floors those of half the step, too; of a motion that is followed
+    its samples, and with floors once more.
+    """
+    floors = task.floors and task.motion.measured is not None
+    out = 0.0
+    for e in task.motion.experiments:
+        if e.followed is not None:
+            out += len(e.followed.time) * (2 if floors else 1)
+        else:
+            out += e.duration * e.scenario.physics.step_rate * (3 if floors else 1)
+    return out
 
 
 def memory(task: Task) -> float:
@@ -48,6 +55,7 @@ def memory(task: Task) -> float:
     out = 0.0
     for e in task.motion.experiments:
         steps, joints = e.duration * e.scenario.physics.step_rate, len(e.plant.model.joints)
+        steps = 0.0 if e.followed is not None else steps
         rows = 0 if e.recording is None else len(e.recording.trace.time)
         out += joints * ((steps if whole else min(steps, PART)) * BYTES + rows * SAMPLE)
     return out
