@@ -93,9 +93,9 @@ def test_a_phase_is_named_where_its_residual_is_clearly_larger_than_that_of_the_
     share = float(np.mean(np.concatenate(list(turns.values()))))
     factor = 4.0 * larger * np.sqrt((1.0 - share) / (1.0 - larger**2 * share))
     times = {i: np.where(turn, factor, 4.0)[:, None] for i, turn in turns.items()}
-    (place,) = (
-        p for p in locate(problem, floors, off(problem, floors, times)) if (p.joint, p.signal) == ("elbow", "velocity")
-    )
+    places = locate(problem, floors, off(problem, floors, times))
+    (place,) = (p for p in places if (p.joint, p.signal) == ("elbow", "velocity"))
+    assert [p.floors for p in places] == sorted((p.floors for p in places), reverse=True), "the largest first"
     assert ("reversal" in place.when) == named
     assert place.floors == pytest.approx(factor / larger)
 
