@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from realitygap.compare.gap import unit_of
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.judge.gaps import cost, rms
+from realitygap.diagnose.judge.gaps import WORST, cost, rms
 from realitygap.diagnose.judge.locate import Mask, locate, phases
-from realitygap.diagnose.judge.worsened import worsened
+from realitygap.diagnose.judge.worsened import in_units, worsened
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.robot.drive import PID
 from realitygap.trace.trace import Array, Trace
@@ -80,6 +81,8 @@ def off(problem: Problem, floors: Floors, times: float | Mapping[int, Array]) ->
 def test_a_gap_in_floors_is_a_root_mean_square_of_cases_that_count_alike(problem: Problem) -> None:
     floors = floors_of(problem)
     assert cost(problem, floors, 0, off(problem, floors, 3.0)[0]) == pytest.approx(9.0)
+    assert cost(problem, floors, 0, off(problem, floors, 1e4)[0]) == pytest.approx(1e8)
+    assert cost(problem, floors, 0, off(problem, floors, 1e9)[0]) == cost(problem, floors, 0, None) == WORST**2
     assert rms({4: 1.0, 7: 9.0, 8: 100.0}, [4, 7]) == pytest.approx(np.sqrt(5.0))
 
 
@@ -116,3 +119,21 @@ def test_a_gap_has_grown_by_a_twentieth_and_a_quarter_of_the_noise(
     for w in found:
         scale = 1.0 if w.signal == "effort" else RADIAN
         assert (w.before, w.after) == pytest.approx((0.01 * before * scale, 0.01 * after * scale))
+
+
+def test_a_gap_in_units_is_of_one_kind_of_joint_alone(problem: Problem) -> None:
+    """The shoulder turns and the elbow slides: neither's gap is a mean of both."""
+    floors, judge, plant = floors_of(problem), problem.of("held_out"), problem.plant.copy()
+    first, second = plant.model.joints
+    plant.model = replace(plant.model, joints=(first, replace(second, prismatic=True)))
+    noise = tuple({s: np.array([0.01, 0.03]) for s in of} for of in floors.noise)
+    floors, problem = replace(floors, noise=noise), replace(problem, plant=plant)
+    found = in_units(problem, judge, off(problem, floors, 1.0), off(problem, floors, 2.0))
+    signals = list(noise[judge[0]])
+    assert sorted(u.signal for u in found) == sorted(2 * signals)
+    turns, slides = (u for u in found if u.signal == "position")
+    assert (turns.before, turns.after) == pytest.approx((0.01 * RADIAN, 0.02 * RADIAN))
+    assert slides.after / slides.before == pytest.approx(2.0)
+    assert slides.before == pytest.approx(0.03 * unit_of("position", True)[1])
+    assert (turns.unit, slides.unit) == (unit_of("position", False)[0], unit_of("position", True)[0])
+    assert turns.logarithm == pytest.approx(np.log(2.0))
