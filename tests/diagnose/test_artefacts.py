@@ -31,6 +31,7 @@ def test_what_helps_in_the_searching_engine_alone_mends_that_engine(
     others = {f"other{i}": gaps for i, gaps in enumerate(elsewhere)}
     assert artefacts({FRICTION: Shown(10.0, 1.0, others)}) == [FRICTION] * artefact
     assert not artefacts({FRICTION: Shown(1.0, 10.0, others)}), "what helps nowhere is told otherwise"
+    assert not artefacts({FRICTION: Shown(1.0, 2.0, {"dart": (1.0, 30.0)})})
 
 
 def test_what_is_found_in_its_place_is_asked_as_well(simulations: Simulations, monkeypatch: pytest.MonkeyPatch) -> None:
