@@ -6,7 +6,7 @@ from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.fit import nearest
-from realitygap.diagnose.fit.space import LITTLE, SLAB, STEP, TAIL, Space, negative_log_prior
+from realitygap.diagnose.fit.space import SLAB, TAIL, Space, negative_log_prior
 from realitygap.robot.drive import Array
 
 EFFECTS = {"coulomb_friction": "elbow", "controller_gain": "elbow", "joint_offset": "shoulder", "link_mass": "forearm"}
@@ -54,7 +54,7 @@ def test_a_tenth_of_what_is_there_is_as_odd_as_its_tenfold_and_an_offset_counts_
 def test_a_value_is_moved_by_a_part_of_itself_and_back_where_a_bound_is(space: Space) -> None:
     x = np.minimum(np.maximum(space.first, 0.01), space.bounds()[1])
     for k, (moved, step) in enumerate(space.steps(x)):
-        assert step == pytest.approx(STEP * max(abs(x[k]), LITTLE))
+        assert step == pytest.approx(0.05 * max(abs(x[k]), 0.3))
         np.testing.assert_allclose(moved - x, step * np.eye(len(x))[k], atol=1e-12)
     bounded = np.isfinite(space.bounds()[1])
     at = np.where(bounded, space.bounds()[1], x)

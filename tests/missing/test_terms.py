@@ -117,6 +117,7 @@ def test_where_no_sample_is_a_function_stays_within_what_was_seen() -> None:
 BENDS: dict[str, Callable[[Array], Array]] = {
     "a spring": lambda a: 0.2 * a,
     "an arc": lambda a: 0.2 * a**2,
+    "an S": lambda a: 0.2 * a**3,
     "a sine of one period": lambda a: 0.2 * np.cos(2.0 * a),
     "a corner": lambda a: 0.2 * np.abs(a),
     "a jump": lambda a: 0.2 * np.tanh(5.0 * a),
