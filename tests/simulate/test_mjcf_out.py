@@ -169,6 +169,12 @@ def test_what_a_file_cannot_say_is_told() -> None:
     assert [sentence.split(",")[0] for sentence in told] == ["efforts over time", "effort_map"]
 
 
+def test_what_a_sensor_does_is_one_sentence() -> None:
+    plant = planted(EFFECTS["effort_hysteresis"], {"effort": 0.3, "onset": 0.2})
+    _, lost = write_mjcf(plant, Physics(STEP))
+    assert lost == ["effort_hysteresis, of the sensor and not of the robot (hinge)"]
+
+
 def test_the_file_is_the_machine_that_was_written(tmp_path: Path) -> None:
     """Read again it has the plant's inertia and gravity, limits, friction and servos."""
     plant = driven("cascade")

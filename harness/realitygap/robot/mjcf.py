@@ -33,7 +33,7 @@ NATIVE = {
 WITH = {
     *("sag_group", "no_load_speed", "protection_share", "profile_acceleration", "stribeck_velocity"),
     *("stribeck_exponent", "load_velocity", "load_exponent", "friction_periods", "friction_phase"),
-    *("stop_lower", "stop_upper", "give_damping", "current_factor"),
+    *("stop_lower", "stop_upper", "give_damping", "current_factor", "hysteresis_onset"),
 }
 """What says nothing without another field, or nothing of how a robot moves."""
 WORDS = {
@@ -57,7 +57,7 @@ WORDS = {
     "viscous_asymmetry": "direction_friction of what is viscous",
     "stiffness": "joint_compliance",
     "stop_stiffness": "joint_stop",
-    "hysteresis": "effort_hysteresis (of the sensors, not of the robot)",
+    "hysteresis": "effort_hysteresis, of the sensor and not of the robot",
 }
 """How people call the other fields; the rest is called by its own name."""
 
