@@ -8,6 +8,8 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +53,8 @@ class Browser:
             self._call(f"{domain}.enable")
         self.resize(width, height)
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-        self._call("Emulation.setEmulatedMedia", features=[scheme])
+        self._features = [scheme]
+        self._call("Emulation.setEmulatedMedia", features=self._features)
 
     def resize(self, width: int, height: int) -> None:
         self._call(
@@ -74,6 +77,13 @@ class Browser:
         if "exceptionDetails" in answer:
             raise AssertionError(f"{script}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
+
+    @contextmanager
+    def printing(self) -> Iterator[None]:
+        """As the page is on paper."""
+        self._call("Emulation.setEmulatedMedia", media="print", features=self._features)
+        yield
+        self._call("Emulation.setEmulatedMedia", media="", features=self._features)
 
     def texts(self, selector: str) -> Any:
         """The text of every element that a selector finds."""

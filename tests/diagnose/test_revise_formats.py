@@ -96,8 +96,8 @@ SERVO = {
 PID_SERVO = {"joints": "*", "kind": "pid", "kp": 28.0, "kd": 1.0, "armature": 0.0266}
 
 
-def team(folder: Path, form: str, *, on_the_ground: bool, servo: dict[str, Any] = SERVO) -> Path:
-    """A scenario of the cart in a format: clamped, or on the ground."""
+def team(folder: Path, form: str, *, on_the_ground: bool, servo: dict[str, Any] = SERVO, effort: str = "none") -> Path:
+    """A scenario of the cart in a format: clamped, or on the ground; `effort` is what was measured of it."""
     name, text = ROBOTS[form]
     (folder / name).write_text(text())
     time = np.arange(0.0, 2.0, 0.01)
@@ -107,8 +107,8 @@ def team(folder: Path, form: str, *, on_the_ground: bool, servo: dict[str, Any] 
         "" if 0.6 < t < 0.8 else f"{c:.5f}" for t, c in zip(time, goal, strict=True)
     ]  # the servo is off for a while
     columns = zip(time, told, seen, np.gradient(seen, time), strict=True)
-    rows = "".join(f"{t:.2f},{c},{q:.3f},{w:.2f}\n" for t, c, q, w in columns)
-    (folder / "log.csv").write_text(f"time,command,position,velocity\n{rows}")
+    rows = "".join(f"{t:.2f},{c},{q:.3f},{w:.2f},{0.1 * w:.3f}\n" for t, c, q, w in columns)
+    (folder / "log.csv").write_text(f"time,command,position,velocity,effort\n{rows}")
     content = {
         "name": "cart",
         "robot": {"urdf": name, "base": "floating" if on_the_ground else "fixed"},
@@ -116,7 +116,7 @@ def team(folder: Path, form: str, *, on_the_ground: bool, servo: dict[str, Any] 
         "motion": {"recorded": "command"},
         "ground": {"friction": 0.5, "stiffness": 20_000, "damping": 200} if on_the_ground else "none",
         "physics": {"step_rate": 1000},
-        "recordings": {"runs": [{"path": "log.csv", "use": "train"}]},
+        "recordings": {"effort": effort, "runs": [{"path": "log.csv", "use": "train"}]},
     }
     path = folder / "scenario.yaml"
     path.write_text(yaml.safe_dump(content, sort_keys=False))
@@ -134,7 +134,9 @@ def test_a_mended_model_moves_as_the_changed_one_in_every_format(effect: Effect,
     skip_without(form)
     (tmp_path / "team").mkdir()
     servo = PID_SERVO if effect.name.startswith("derivative_") else SERVO
-    scenario = team(tmp_path / "team", form, on_the_ground=effect.sits_at == "ground", servo=servo)
+    effort = "motor" if effect.signals == ("effort",) else "none"  # else nothing shows it
+    on_the_ground = effect.sits_at == "ground"
+    scenario = team(tmp_path / "team", form, on_the_ground=on_the_ground, servo=servo, effort=effort)
     plant = build_plant(load_scenario(scenario))
     target, index = {"joint": ("hinge", 0), "link": ("arm", 1)}.get(effect.sits_at, (effect.sits_at, 0))
     values = effect.first_size(plant, index)
