@@ -42,6 +42,8 @@ FIRMWARE = {"single": 24, "half": 12, "nearly_single": 12, "nearly_half": 12}
 """So many of a kind, behind the others, have effects of firmware and fittings."""
 LATER = {"single": 6, "half": 4, "nearly_single": 6, "nearly_half": 4}
 """So many of a kind, behind those, have `firmware.LATER`."""
+HEARD = ("effort_hysteresis",)
+"""Effects that only a recorded effort shows."""
 COUNTS = ORDINARY | {"nearly_single": 48, "nearly_half": 20, "nearly_pair": 24, "nearly_triple": 12}
 COUNTS |= {"nearly_nothing": 24, "nearly_outside": 12, "nearly_several": 15}
 COUNTS |= {kind: COUNTS[kind] + more + LATER[kind] for kind, more in FIRMWARE.items()}
@@ -121,10 +123,6 @@ def catalogue(kind: str, seed: int = 1) -> list[Case]:
         for k in range(count):
             cases.append(_several(k, kind, ("planar", "arm", "pendulum", "skew", "arm")[k % 5], rng))
     return cases
-
-
-HEARD = ("effort_hysteresis",)
-"""Effects that only a recorded effort shows."""
 
 
 def _singles(kind: str, effects: list[str], first: int, last: int, rng: np.random.Generator) -> list[Case]:

@@ -54,8 +54,8 @@ def memory(task: Task) -> float:
     whole = task.traces == "whole" or whole_size(task.motion) <= WHOLE
     out = 0.0
     for e in task.motion.experiments:
-        steps, joints = e.duration * e.scenario.physics.step_rate, len(e.plant.model.joints)
-        steps = 0.0 if e.followed is not None else steps
+        steps = 0.0 if e.followed is not None else e.duration * e.scenario.physics.step_rate
+        joints = len(e.plant.model.joints)
         rows = 0 if e.recording is None else len(e.recording.trace.time)
         out += joints * ((steps if whole else min(steps, PART)) * BYTES + rows * SAMPLE)
     return out
