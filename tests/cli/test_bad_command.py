@@ -45,6 +45,7 @@ COMMANDS = {
     "a diagnosis into a run": (["diagnose", "scenario.yaml", "--out", "ran"], "--out: ran holds the result of `run`"),
     "a rehearsal into a run": (["rehearse", "scenario.yaml", "--out", "ran"], "--out: ran holds the result of `run`"),
     "a page of a diagnosis": (["report", "diagnosed"], "holds the result of `diagnose`, which writes its page itself"),
+    "a page anew of nothing known": (["report", "diagnosed"], "; `realitygap diagnose SCENARIO --out diagnosed` makes"),
     "a scenario without name": (["run", ""], "invalid value for 'scenario': found an empty name, expected a file"),
     "a recording without name": (["init", "arm.urdf", ""], "'bags': found an empty name, expected a file"),
     "a bench without name": (["bench", "servo", ""], "'file': found an empty name, expected a file"),

@@ -84,7 +84,7 @@ def matrix(
     _judged(said)
 
 
-def report(folder: Annotated[Path, file_argument("a result folder")]) -> None:
+def report(folder: Annotated[Path, file_argument("a folder that `run` or `matrix` wrote")]) -> None:
     """Make page and figures again from the results."""
     from realitygap.report import remake
 

@@ -1,6 +1,7 @@
 """Which commands' results a folder holds: told by the files of ours that they write."""
 
 from pathlib import Path
+from shlex import join
 
 from realitygap.files.errors import InputError
 from realitygap.files.own_files import content
@@ -28,6 +29,16 @@ HEAD = 4096
 def held_results(folder: Path) -> list[str]:
     """The commands whose results a folder holds."""
     return [command for command, (name, key) in WRITTEN.items() if key in content(folder / name)]
+
+
+def command_of(folder: Path, command: str) -> str:
+    """What to type for the result of a command anew, in its folder: of the scenario and in the engines that it tells
+    of, as far as it does.
+    """
+    told = content(folder / WRITTEN[command][0])
+    file, engines = told.get("scenario_file"), told.get("engines")
+    named = [e for engine in engines for e in ("--engine", str(engine))] if isinstance(engines, list) else []
+    return join(["realitygap", command, str(file or "SCENARIO"), *named, "--out", str(folder)])
 
 
 def held_scenario(folder: Path) -> str | None:

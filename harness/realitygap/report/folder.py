@@ -12,7 +12,7 @@ from realitygap.compare.row import CELL, Cell
 from realitygap.compare.table import means, read_gaps
 from realitygap.compare.traces import FOLDER, cell_of_traces
 from realitygap.files.errors import InputError
-from realitygap.files.result_kind import held_results
+from realitygap.files.result_kind import command_of, held_results
 from realitygap.page.style import AXES, SIGNALS
 from realitygap.report.groups import SECTIONS, by_kind
 from realitygap.report.manifest import read_manifest
@@ -69,7 +69,10 @@ def read_folder(folder: Path) -> Results:
     if not path.is_file():
         expected = "expected a folder written by `realitygap run` or `matrix`"
         if held := held_results(folder):
-            raise InputError(f"{folder}: holds the result of `{held[0]}`, which writes its page itself; {expected}")
+            raise InputError(
+                f"{folder}: holds the result of `{held[0]}`, which writes its page itself, of simulations that are not "
+                f"kept; {expected}; `{command_of(folder, held[0])}` makes result and page anew"
+            )
         raise InputError(f"{folder}: found no gaps.csv; {expected}")
     raw = read_gaps(path)
     _check(path, raw)
