@@ -43,10 +43,13 @@ def test_a_table_that_commands_it_tells_by_how_much(team: Team, tmp_path: Path) 
     worst = found.runs[0]
     asked = team.tables[worst].command[:, 1]
     assert (found.certainty, found.key, len(found.runs)) == ("likely", "robot.hold", len(team.tables))
+    assert found.joints == ("elbow",)
     told = f"elbow is welded at 0.2 rad and was commanded from {asked.min():.3g} to {asked.max():.3g} rad: "
     assert found.sentence.startswith(told)
     assert of_held(certain(load_scenario(path))) == [found], "a run says it, too"
     assert of_held(certain(load_scenario(path).override({"accept": ["held_joint"]}))) == []
+    assert of_held(certain(load_scenario(path).override({"accept": ["held_joint@elbow"]}))) == []
+    assert of_held(certain(load_scenario(path).override({"accept": ["held_joint@shoulder"]}))) == [found]
 
 
 @pytest.mark.parametrize("motion", ["command_shoulder", "command"])

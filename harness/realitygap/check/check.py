@@ -10,14 +10,14 @@ from realitygap.check.limits import limit_mistakes
 from realitygap.check.links import link_mistakes
 from realitygap.check.load import load_mistakes
 from realitygap.check.mistake import KINDS, Mistake, merged
-from realitygap.check.observed import Read, observe
+from realitygap.check.observed import Observed, Read, observe
 from realitygap.check.recordings import joints_of, recording_mistakes
 from realitygap.check.repetitions import repetition_mistakes
 from realitygap.check.welded import welded_mistakes
 from realitygap.check.window import window_mistakes
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.recording import read_recording
-from realitygap.robot.plant import Plant, build_plant
+from realitygap.robot.plant import Plant, build_plant, whole_model
 from realitygap.robot.suspicion import check_suspicion
 from realitygap.scenario.file import ScenarioFile
 
@@ -32,7 +32,7 @@ def check(file: ScenarioFile, read: Read = read_recording) -> list[Mistake]:
     """
     observed = observe(file, read)
     plants = list({id(o.plant): o.plant for o in observed}.values()) or [build_plant(file)]
-    _check_accepted(file, plants)
+    _check_accepted(file, plants, observed)
     check_suspicion(file, plants[0].model)
     found = servo_patterns(file, plants)
     whole = drives_nothing(file, plants, observed)
@@ -72,8 +72,8 @@ def blamed_joints(warnings: Iterable[Mistake]) -> set[str]:
     return joints_of(warnings)
 
 
-def _check_accepted(file: ScenarioFile, plants: Sequence[Plant]) -> None:
-    names = [name for plant in plants for name in plant.model.joint_names]
+def _check_accepted(file: ScenarioFile, plants: Sequence[Plant], observed: Sequence[Observed]) -> None:
+    names = _joint_names(file, plants, observed) if file.scenario.accept else []
     for i, entry in enumerate(file.scenario.accept):
         kind, _, where = entry.partition("@")
         if kind not in KINDS:
@@ -85,3 +85,11 @@ def _check_accepted(file: ScenarioFile, plants: Sequence[Plant]) -> None:
             raise InputError(
                 f"{file.path}: accept[{i}]: {where} matches no joint; the robot has {', '.join(dict.fromkeys(names))}"
             )
+
+
+def _joint_names(file: ScenarioFile, plants: Sequence[Plant], observed: Sequence[Observed]) -> list[str]:
+    """The joints of every run's robot, those that it holds among them."""
+    scenarios = [o.scenario for o in observed] or [file.scenario]
+    holding = {s.robot.model_dump_json(): s for s in scenarios if s.robot.hold}
+    models = [*(plant.model for plant in plants), *(whole_model(file, s) for s in holding.values())]
+    return [name for model in models for name in model.joint_names]

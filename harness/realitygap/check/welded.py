@@ -45,7 +45,7 @@ def welded_mistakes(file: ScenarioFile, observed: Sequence[Observed], read: Read
                 f"expected the measured position of {joined(list(told))} in the recording, without `hold`, or `hold` "
                 "where it stood"
             )
-            out.append(Mistake("held_joint", "likely", (), sentence, "robot.hold", (o.name,)))
+            out.append(Mistake("held_joint", "likely", tuple(sorted(told)), sentence, "robot.hold", (o.name,)))
     return out
 
 
