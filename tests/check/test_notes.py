@@ -8,6 +8,7 @@ import pytest
 from realitygap.check.observed import observe
 from realitygap.cli.main import main
 from realitygap.scenario.file import load_scenario
+from realitygap.simulate.experiment import experiments
 
 sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 
@@ -58,3 +59,14 @@ def test_rows_that_are_the_same_are_told_and_nothing_is_lost(
     repeated = f"chirp_1: {len(frame)} rows repeat the time of another and were dropped, of {2 * len(frame)}"
     assert notes(path, capsys) == [repeated]
     assert [lack.kind for o in observe(load_scenario(path)) for lack in o.recording.absent] == ["copies"]
+
+
+def test_a_topic_that_tables_do_not_take_is_told(
+    team: Team, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exported = team.copy()
+    exported.scenario["recordings"]["state"] = "/joint_states"
+    path = exported.write(tmp_path)
+    (note,) = notes(path, capsys)
+    assert note.startswith("recordings.state: is for bags, and not used; found a table, ")
+    assert all(note in e.notes for e in experiments(load_scenario(path))), "a run and a diagnosis say it, too"

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from realitygap.check import check
 from realitygap.files.errors import InputError
-from realitygap.recording.sections import fitting_cases
+from realitygap.recording.sections import fitting_cases, unused_keys
 from realitygap.scenario.file import ScenarioFile, load_scenario
 from realitygap.simulate.experiment import experiments
 
@@ -75,3 +75,21 @@ def test_of_recordings_of_several_kinds_each_has_its_keys(folder: Path) -> None:
     own = {"path": BAG, "with": {"recordings.columns.time": "t"}}
     with pytest.raises(InputError, match=r"recordings\.columns\.time: is for tables .* found a bag"):
         fitting_cases(scenario(folder, {"state": "/joint_states"}, own, TABLE))
+
+
+@pytest.mark.parametrize("state", ["/joint_states", {"topic": "/joint_states", "joints": ["elbow"]}])
+@pytest.mark.parametrize(("path", "found"), [(TABLE, "a table"), (DATASET, "a data set")])
+def test_a_topic_of_the_state_that_no_recording_takes_is_told(
+    path: str, found: str, state: str | dict[str, Any], folder: Path
+) -> None:
+    file = scenario(folder, {"state": state}, path)
+    (said,) = unused_keys(file, fitting_cases(file))
+    assert said.startswith(
+        f"recordings.state: is for bags, and not used; found {found}, {folder / path}; expected its "
+    )
+
+
+def test_one_that_a_bag_beside_a_table_takes_is_not(folder: Path) -> None:
+    for said, runs in (({"state": "/joint_states"}, (BAG, TABLE)), ({}, (TABLE,))):
+        file = scenario(folder, said, *runs)
+        assert unused_keys(file, fitting_cases(file)) == []

@@ -19,6 +19,7 @@ def check(scenario: Annotated[Path, file_argument("the scenario file")]) -> None
     from realitygap.compare.comparison import motions_of
     from realitygap.matrix.plan import Reader
     from realitygap.recording.outliers import told
+    from realitygap.recording.sections import unused_keys
     from realitygap.scenario.file import load_scenario
 
     file, read = load_scenario(scenario), Reader()
@@ -33,7 +34,7 @@ def check(scenario: Annotated[Path, file_argument("the scenario file")]) -> None
     for name, recording in ((e.name, e.recording) for e in prepared if e.recording is not None):
         for text in (*(lack.text for lack in recording.absent), *told(recording.outliers).values()):
             typer.echo(f"note: {name}: {text}")
-    for note in advice(file, read):
+    for note in (*unused_keys(file, file.cases()), *advice(file, read)):
         typer.echo(f"note: {note}")
     if not found:
         typer.echo("no mistake found")

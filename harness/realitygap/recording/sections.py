@@ -1,6 +1,6 @@
 """Which keys of a scenario's recordings are for which kind of recording: one that none of them takes is a mistake."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from realitygap.files.errors import InputError, standing
 from realitygap.recording import reader_of
@@ -23,6 +23,7 @@ KINDS = {
 }
 """By reader: what recordings of a kind are called, one of them, and where a scenario says what it holds."""
 TAKEN_BY = {
+    "state": (BAG,),
     "pose": (BAG,),
     "imu": (BAG,),
     "temperature": (BAG,),
@@ -31,8 +32,9 @@ TAKEN_BY = {
     "columns.units.time": (TABLE,),
     "dataset": (DATASET,),
 }
-"""The readers that take a key under `recordings`, and those below it. All of them take the others: a topic of the state
-that is left in place beside a table says nothing that the table does not."""
+"""The readers that take a key under `recordings`, and those below it. All of them take the others."""
+LEFT_IN_PLACE = ("state",)
+"""Keys that are told and not refused where no recording takes them: they stay when a bag is exported to a table."""
 
 
 def fitting_cases(file: ScenarioFile) -> list[RunCase]:
@@ -42,6 +44,25 @@ def fitting_cases(file: ScenarioFile) -> list[RunCase]:
         InputError: as that does; for a key that is of another kind of recording than all of those it is stated for.
     """
     cases = file.cases()
+    for key, known, found in _untaken(file, cases):
+        if known not in LEFT_IN_PLACE:
+            raise InputError(f"{file.path}: recordings.{key}: is for {_takers(known)}; {found}")
+    return cases
+
+
+def unused_keys(file: ScenarioFile, cases: Sequence[RunCase]) -> list[str]:
+    """Sentences on the keys of a scenario's recordings that are left in place, and that none of them takes."""
+    left = {known: found for _, known, found in _untaken(file, cases) if known in LEFT_IN_PLACE}
+    return [f"recordings.{known}: is for {_takers(known)}, and not used; {found}" for known, found in left.items()]
+
+
+def _untaken(file: ScenarioFile, cases: Sequence[RunCase]) -> Iterator[tuple[str, str, str]]:
+    """Every key that none of the recordings takes which it is stated for, the part of it that `TAKEN_BY` knows, and
+    words on what was found.
+
+    Raises:
+        InputError: for a recording that nothing here reads.
+    """
     stated: dict[str, list[tuple[RunCase, str]]] = {}
     for case in cases:
         with standing(f"{file.path}: {case.key}.path: "):
@@ -49,22 +70,22 @@ def fitting_cases(file: ScenarioFile) -> list[RunCase]:
         for key in _stated(case.scenario.recordings):
             stated.setdefault(key, []).append((case, reader))
     for key, of in stated.items():
-        takers = _takers(key)
-        if all(reader not in takers for _, reader in of):
+        known = _known(key)
+        if known is not None and all(reader not in TAKEN_BY[known] for _, reader in of):
             case, reader = of[0]
-            _, found, instead = KINDS[reader]
-            raise InputError(
-                f"{file.path}: recordings.{key}: is for {' and '.join(KINDS[t][0] for t in takers)}; found {found}, "
-                f"{case.path}; expected {instead}"
-            )
-    return cases
+            _, one, instead = KINDS[reader]
+            yield key, known, f"found {one}, {case.path}; expected {instead}"
 
 
-def _takers(key: str) -> tuple[str, ...]:
-    """The readers that take a key, as the longest part of it says that is known."""
+def _known(key: str) -> str | None:
+    """The longest part of a key of which it is known who takes it; None where all do."""
     parts = key.split(".")
     known = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
-    return next((TAKEN_BY[part] for part in known if part in TAKEN_BY), tuple(KINDS))
+    return next((part for part in known if part in TAKEN_BY), None)
+
+
+def _takers(known: str) -> str:
+    return " and ".join(KINDS[taker][0] for taker in TAKEN_BY[known])
 
 
 def _stated(section: Section | None, prefix: str = "") -> Iterator[str]:

@@ -13,7 +13,7 @@ from realitygap_engines.model.robot import Array
 
 from realitygap.files.errors import InputError, standing
 from realitygap.recording import Recording, read_recording
-from realitygap.recording.sections import fitting_cases
+from realitygap.recording.sections import fitting_cases, unused_keys
 from realitygap.robot.effects.place import known, place
 from realitygap.robot.held import stated_start
 from realitygap.robot.plant import Plant, build_plant
@@ -58,7 +58,8 @@ class Experiment:
         window: what is judged, on the recording's clock [s].
         where: the scenario file and the key that the recording stands at.
         overrides: the scenario's keys that this run sets, as JSON.
-        notes: sentences on what the recording shows to be wrong in the model, and was changed.
+        notes: sentences on what the recording shows to be wrong in the model, and was changed, and on what the scenario
+            says of recordings and none of them takes.
         followed: the measured motion, where the joints follow it; None where they are driven.
         midway: the measured state in which it starts, where that is in the middle of a motion.
     """
@@ -132,6 +133,8 @@ def experiments(
     found = [_prepare(file, case.scenario, case.name, case, read, effects, plants) for case in chosen]
     if fitted:
         found = _with_fitted_gains(file, found)
+    if unused := unused_keys(file, cases):
+        found = [replace(e, notes=(*unused, *e.notes)) for e in found]
     return [e for e in found if any(fnmatchcase(e.name, p) for p in only)]
 
 
