@@ -8,7 +8,7 @@ import synthetic
 from realitygap.compare.row import Cell
 from realitygap.report.folder import read_folder
 from realitygap.report.levels import pareto
-from realitygap.report.sentences import Sentence, sentences
+from realitygap.report.sentences import NO_RESULT, Sentence, sentences
 
 NONE = ()
 
@@ -71,6 +71,15 @@ def test_a_failed_engine_is_told_in_words_and_does_not_win(tmp_path: Path) -> No
     (text,) = about(said, "gap")
     assert text.startswith("DART")
     assert "MuJoCo" not in text
+
+
+def test_no_result_at_all_is_told(tmp_path: Path) -> None:
+    assert say(tmp_path, engines(mujoco=float("inf"), dart=float("inf")))[-1].text == NO_RESULT
+
+
+def test_nor_traces_where_nothing_was_measured_and_all_failed(tmp_path: Path) -> None:
+    """As of keyframes alone: a cell that failed has no rows without a measurement."""
+    assert [s.text for s in say(tmp_path, {})] == [NO_RESULT]
 
 
 def test_engines_are_compared_over_the_cells_in_which_all_of_them_ran(tmp_path: Path) -> None:

@@ -21,14 +21,14 @@ from realitygap.matrix.matrix_file import MatrixFile, load_matrix, matrix_of
 from realitygap.report import write_report
 from realitygap.report.folder import read_folder
 from realitygap.report.levels import differ, levels
-from realitygap.report.sentences import SAME, sentences
+from realitygap.report.sentences import NO_RESULT, SAME, sentences
 from realitygap.scenario.engine_names import engine_names
 from realitygap.scenario.file import load_scenario
 
 CONTEXT = ("engine", "recording")
 """What cells of one scenario differ in."""
 Said = tuple[list[str], int]
-"""The lines to print and the exit status: 1 where a budget is exceeded."""
+"""The lines to print and the exit status: 1 where a budget is exceeded, or no simulation came to its end."""
 
 
 def run(
@@ -56,6 +56,7 @@ def run(
             with spared("the missing effort", made.failures):
                 lacking = add_missing(folder, file, chosen, progress)
         made.failures.extend(write_report(folder))
+    _say_failed(made, progress)
     return _said(made, [*summary(made), *lacking, *_replaced(before, made.name, out)], out, limits, junit)
 
 
@@ -69,6 +70,7 @@ def matrix(
     lines = [f"{counted(len(made.cells), 'cell')}: " + ", ".join(f"{n} {what}" for what, n in counts.most_common())]
     with spared("the summary", made.failures):
         lines += [s.text for s in sentences(read_folder(out))]
+    _say_failed(made, progress)
     return _said(made, [*lines, *_replaced(before, made.name, out)], out, budget, junit)
 
 
@@ -95,12 +97,18 @@ def _replaced(before: str | None, name: str, out: Path) -> list[str]:
     return [f"the results of {before}, which were in {out}, are replaced; --out takes another folder"]
 
 
+def _say_failed(made: Collected, progress: Progress) -> None:
+    """On standard error, as a build server shows it: nothing that was asked for is there."""
+    if not made.has_result:
+        progress.say(NO_RESULT)
+
+
 def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, float], junit: Path | None) -> Said:
     over = made.excess(budget)
     if junit is not None:
         write_junit(junit, made.name, made.cells, over)
     excess = [line for found in over.values() for line in found] + made.not_judged(budget)
-    return [*lines, *made.failures, *excess, f"report: {out / 'report.html'}"], int(bool(excess))
+    return [*lines, *made.failures, *excess, f"report: {out / 'report.html'}"], int(bool(excess) or not made.has_result)
 
 
 def summary(made: Collected) -> list[str]:
@@ -110,7 +118,7 @@ def summary(made: Collected) -> list[str]:
         for _, o in made.cells
         if o.outcome != "ok"
     ]
-    if made.gaps.empty:
+    if made.gaps.empty and made.has_result:
         return [*lines, "nothing was measured: no gap, traces only"]
     good = means(made.gaps[made.gaps["outcome"] == "ok"])
     for (group, signal, unit), part in good.groupby(["group", "signal", "unit"], sort=True):

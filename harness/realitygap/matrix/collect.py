@@ -34,6 +34,11 @@ class Collected:
     cells: list[tuple[Task, Outcome]]
     failures: list[str] = field(default_factory=list)
 
+    @property
+    def has_result(self) -> bool:
+        """Whether any cell was simulated to its end."""
+        return any(outcome.outcome == "ok" for _, outcome in self.cells)
+
     def excess(self, budget: Mapping[str, float]) -> dict[str, list[str]]:
         """Sentences on the cells that exceed a budget, by the cell's key."""
         found = {}

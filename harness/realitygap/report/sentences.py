@@ -17,6 +17,7 @@ from realitygap.report.groups import groups, joints_of, kinds
 from realitygap.report.levels import Level, differ, joined, levels
 
 SAME = "no difference seen"
+NO_RESULT = "No simulation came to its end: there is no trace and no gap."
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,8 @@ class Sentence:
 def sentences(results: Results) -> list[Sentence]:
     """All sentences, those on moving joints and the base before those on unmoving joints."""
     out = [*virtual(results), *mistakes(results), *failures(results.cells)]
+    if (results.cells["outcome"] != "ok").all():
+        return [*out, Sentence("failed", NO_RESULT)]
     if results.gaps.empty:
         return [*out, Sentence("virtual", "Nothing was measured: there are traces and no gaps.")]
     rest: list[Sentence] = []
