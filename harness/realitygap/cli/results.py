@@ -28,7 +28,7 @@ from realitygap.scenario.file import load_scenario
 CONTEXT = ("engine", "recording")
 """What cells of one scenario differ in."""
 Said = tuple[list[str], int]
-"""The lines to print and the exit status: 1 where a budget is exceeded, or no simulation came to its end."""
+"""The lines to print and the exit status: 1 where a budget is exceeded."""
 
 
 def run(
@@ -108,7 +108,7 @@ def _said(made: Collected, lines: list[str], out: Path, budget: Mapping[str, flo
     if junit is not None:
         write_junit(junit, made.name, made.cells, over)
     excess = [line for found in over.values() for line in found] + made.not_judged(budget)
-    return [*lines, *made.failures, *excess, f"report: {out / 'report.html'}"], int(bool(excess) or not made.has_result)
+    return [*lines, *made.failures, *excess, f"report: {out / 'report.html'}"], int(bool(excess))
 
 
 def summary(made: Collected) -> list[str]:

@@ -24,7 +24,7 @@ def run(
     """Run one scenario in the engines.
 
     Writes traces (Parquet and MCAP), the gap table, figures and the page. Exits with 1 where a gap exceeds the budget
-    that the scenario states, or no simulation came to its end; --max-gap replaces the budget for a signal.
+    that the scenario states; --max-gap replaces it for a signal.
     """
     from realitygap.cli import results
     from realitygap.compare.budget import parse_budget
