@@ -211,3 +211,32 @@ def test_a_heavier_link_of_more_inertia_is_a_load_at_its_end() -> None:
     assert set(told.gains) == {friction.suspect, load.suspect}, "the others are asked anew beside it"
     assert lines is not None
     assert lines.gain_of(0).change.parameters["z"] < 0.0, "straight lines lead to where the link lies"
+
+
+def test_a_spring_that_rests_elsewhere_and_dry_friction_are_plainer_than_friction_by_side() -> None:
+    bare = demo_problem()
+    spring, sides, dry = (
+        suspect_of(bare, e, "elbow") for e in ("cable_spring", "direction_friction", "coulomb_friction")
+    )
+    missing = (guess(bare, dry).at({"torque": 0.6}), guess(bare, spring).at({"stiffness": 0.8, "rest": 0.2}))
+    problem = planted(*missing)
+    begun = [
+        guess(problem, spring).at({"stiffness": 0.8}),
+        guess(problem, sides).at({"forward": 0.75, "backward": 0.45}),
+    ]
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, begun)
+        fits = [criterion.fit(changes) for changes in (begun, begun[1:], begun[:1], [])]
+        assert fits[0] is not None
+        criterion.set_discrepancy(fits[0].fit, criterion.responses(fits[0].fit, [spring, sides, dry]))
+        best, no_spring, no_friction, none = (criterion.score(scored.fit) for scored in fits if scored is not None)
+        without = {spring: no_spring, sides: no_friction}
+        gains = {s: best.evidence - alone.evidence for s, alone in without.items()}
+        found = Found(none, best, best, 6.0, {}, criterion.floors, criterion, gains, without)
+        told = plainer(simulations, found, suspects(problem), [])
+    values = {c.suspect: c.parameters for c in told.best.fit.changes}
+    assert set(values) == {spring, dry}
+    assert values[dry]["torque"] == pytest.approx(0.6, rel=0.03)
+    assert values[spring]["stiffness"] == pytest.approx(0.8, rel=0.05)
+    assert values[spring]["rest"] == pytest.approx(0.2, rel=0.1)
+    assert [r.suspect for r in told.rivals[dry]] == [sides]

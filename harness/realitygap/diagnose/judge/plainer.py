@@ -162,11 +162,25 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
     for suspect, begun in _plainer_names(found, change, everyone).items():
         if any(clash(suspect, c.suspect) for c in rest):
             continue
-        near = next((quick for plain in begun if (quick := _near(found, [*rest, plain])) is not None), None)
+        ways = [[*beside, plain] for beside in (rest, *_reshaped(simulations, change, rest)) for plain in begun]
+        near = next((quick for way in ways if (quick := _near(found, way)) is not None), None)
         full = None if near is None else found.criterion.refined(near)
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
     return sorted(said, key=lambda scored: -scored.evidence)
+
+
+def _reshaped(simulations: Simulations, change: Change, rest: Sequence[Change]) -> Iterator[list[Change]]:
+    """The other findings with the shape of one of them freed that sits at the joints of a finding: it may say the rest
+    of what that does.
+
+    A slide's spring, 116 N/m from zero, beside friction by side, 33 and 21 N, is one that rests elsewhere beside dry
+    friction of 27 N: the same traces with as many values.
+    """
+    for i, other in enumerate(rest):
+        shaped = with_shape(simulations.problem.plant, other, 1.0)
+        if shaped is not other and other.free and other.suspect.joints == change.suspect.joints:
+            yield [*rest[:i], shaped, *rest[i + 1 :]]
 
 
 def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) -> dict[Suspect, list[Change]]:
