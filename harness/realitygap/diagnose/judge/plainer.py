@@ -145,7 +145,21 @@ def _in_place_of_both(
 def _near(found: Found, changes: Sequence[Change]) -> Scored | None:
     """A model that is fitted quickly; None where it is far behind what was found."""
     quick = found.criterion.fit(changes, found.best.fit, "quick")
-    return quick if quick is not None and found.best.evidence - quick.evidence <= FAR * found.limit else None
+    return quick if quick is not None and _close(found, quick) else None
+
+
+def _close(found: Found, quick: Scored) -> bool:
+    """Whether a quick fit comes near enough to what was found to be fitted in full."""
+    return found.best.evidence - quick.evidence <= FAR * found.limit
+
+
+def _within(found: Found, suspect: Suspect, plain: Scored) -> bool:
+    """Whether a model with a special case of a finding, its last, is apart from that by no more than such laws are off
+    by.
+    """
+    without = found.without.get(suspect)
+    special = narrower(plain.fit.changes[-1].suspect, suspect)
+    return special and no_more(found.criterion, found.best, plain, suspect, without, found.limit)
 
 
 def _without(changes: Sequence[Change], gone: Collection[Suspect]) -> list[Change]:
@@ -163,7 +177,8 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
         if any(clash(suspect, c.suspect) for c in rest):
             continue
         ways = [[*beside, plain] for beside in (rest, *_reshaped(simulations, change, rest)) for plain in begun]
-        near = next((quick for way in ways if (quick := _near(found, way)) is not None), None)
+        quick = (found.criterion.fit(way, found.best.fit, "quick") for way in ways)
+        near = next((q for q in quick if q and (_close(found, q) or _within(found, change.suspect, q))), None)
         full = None if near is None else found.criterion.refined(near)
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
@@ -212,14 +227,10 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     Of a slide friction by side, 3 and 20 N, beside a spring that rests elsewhere, which together are dry friction of
     11.5 N, was 2.7 behind that, and held-out runs were 17 ± 8 for it.
     """
-    best, name = found.best, plain.fit.changes[-1].suspect
+    best = found.best
     if plain.evidence >= best.evidence:
         return True
-    if suspect.table is not None:
-        within = told_apart(best, plain) < ODDS
-    else:
-        without = found.without.get(suspect)
-        within = narrower(name, suspect) and no_more(found.criterion, best, plain, suspect, without, found.limit)
+    within = _within(found, suspect, plain) if suspect.table is None else told_apart(best, plain) < ODDS
     likely = best.evidence - plain.evidence < ODDS or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
