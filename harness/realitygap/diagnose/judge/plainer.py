@@ -231,7 +231,8 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     if plain.evidence >= best.evidence:
         return True
     within = _within(found, suspect, plain) if suspect.table is None else told_apart(best, plain) < ODDS
-    likely = best.evidence - plain.evidence < ODDS or within
+    special = narrower(plain.fit.changes[-1].suspect, suspect)
+    likely = best.evidence - plain.evidence < (found.limit if special else ODDS) or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
 
