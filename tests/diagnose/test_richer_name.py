@@ -12,25 +12,24 @@ from realitygap.diagnose.search.rivals import Rival
 from realitygap.diagnose.search.round import Round
 
 LIMIT = 6.0
-MODEL = cast("Scored", SimpleNamespace())
 
 
 @pytest.mark.parametrize(("more", "needed"), [(4.5, False), (7.5, True)])
-def test_it_needs_what_every_name_needs(
-    problem: Problem, monkeypatch: pytest.MonkeyPatch, more: float, needed: bool
-) -> None:
-    monkeypatch.setattr(exchange, "no_more", lambda *_: False)  # laws are off by less than that
+def test_it_needs_what_every_name_needs(problem: Problem, more: float, needed: bool) -> None:
+    less, best = (cast("Scored", SimpleNamespace(evidence=e, fit=None)) for e in (-more, 0.0))
+    laws = SimpleNamespace(alike=lambda *_: False)  # are off by less than that
     round_ = cast(
         "Round",
         SimpleNamespace(
             limit=LIMIT,
-            now=MODEL,
-            criterion=None,
+            criterion=laws,
             simulations=SimpleNamespace(problem=problem),
             little=lambda _: 0.0,
         ),
     )
     dry, sides = (suspect_of(problem, e, "elbow") for e in ("coulomb_friction", "direction_friction"))
-    plain, rich = Rival(dry, MODEL, more, 0.0), Rival(sides, MODEL, -more, 0.0)
-    assert exchange._plainer(round_, plain, sides, MODEL) != needed
-    assert exchange._gains(round_, rich, dry, MODEL) == needed
+    plain, rich = Rival(dry, less, more, 0.0), Rival(sides, best, -more, 0.0)
+    round_.now = best
+    assert exchange._plainer(round_, plain, sides, less) != needed
+    round_.now = less
+    assert exchange._gains(round_, rich, dry, less) == needed

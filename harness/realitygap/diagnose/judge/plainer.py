@@ -154,9 +154,7 @@ def _close(found: Found, quick: Scored) -> bool:
 
 
 def _within(found: Found, suspect: Suspect, plain: Scored) -> bool:
-    """Whether a model with a special case of a finding, its last, is apart from that by no more than such laws are off
-    by.
-    """
+    """Whether a model with a special case of a finding, its last, says as much as that with it (`no_more`)."""
     without = found.without.get(suspect)
     special = narrower(plain.fit.changes[-1].suspect, suspect)
     return special and no_more(found.criterion, found.best, plain, suspect, without, found.limit)
@@ -231,8 +229,7 @@ def _says_as_much(simulations: Simulations, found: Found, suspect: Suspect, plai
     if plain.evidence >= best.evidence:
         return True
     within = _within(found, suspect, plain) if suspect.table is None else told_apart(best, plain) < ODDS
-    special = narrower(plain.fit.changes[-1].suspect, suspect)
-    likely = best.evidence - plain.evidence < (found.limit if special else ODDS) or within
+    likely = best.evidence - plain.evidence < ODDS or within
     return likely and not predicted(simulations, found.floors, best.fit.changes, plain.fit.changes).better
 
 

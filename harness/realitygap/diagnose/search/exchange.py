@@ -160,19 +160,17 @@ def _plainer(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bo
         return True
     if not narrower(rival.suspect, finding):
         return rival.behind < EQUAL or _gains(round_, rival, finding, alone)
-    return rival.behind < round_.limit or no_more(
-        round_.criterion, round_.now, rival.scored, finding, alone, round_.limit
-    )
+    return no_more(round_.criterion, round_.now, rival.scored, finding, alone, round_.limit)
 
 
 def _gains(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bool:
     """Whether a rival gains what a new name has to, and no less where it says more of the same law than laws are off
     by.
     """
-    richer = rival.beside is None and narrower(finding, rival.suspect)
-    more = round_.limit if richer else round_.limit * (len(rival.suspects) - 1)
+    more = round_.limit * (len(rival.suspects) - 1)
     if -rival.behind <= max(ODDS, more, round_.little(rival.scored)):
         return False
+    richer = rival.beside is None and narrower(finding, rival.suspect)
     return not (richer and no_more(round_.criterion, rival.scored, round_.now, rival.suspect, alone, round_.limit))
 
 

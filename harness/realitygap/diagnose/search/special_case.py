@@ -17,7 +17,8 @@ friction of 1.26 N·m that fell to 0.25, of a geared joint, by 0.44."""
 def no_more(
     criterion: Criterion, law: Scored, special: Scored, suspect: Suspect, without: Scored | None, limit: float
 ) -> bool:
-    """Whether a model with a law says no more than the one with a special case of it than such laws are off by.
+    """Whether a model with a law says no more than the one with a special case of it than such laws are off by, or what
+    is too little for a name, whichever was found first.
 
     Both differ by no more than all of that kind are off by at its joints, which may be more than the law itself does:
     of a geared joint with much viscous friction, a Stribeck friction of 1.26 N·m that fell to 0.25 did half of that,
@@ -32,8 +33,11 @@ def no_more(
         without: the model with neither; None where it is not known.
         limit: what a name has to gain.
     """
+    more = law.evidence - special.evidence
+    if more < limit:
+        return True
     if not criterion.alike(law.fit, special.fit, suspect):
         return False
-    if without is None or law.evidence - special.evidence < MUCH * limit:
+    if without is None or more < MUCH * limit:
         return True
     return criterion.apart(law.fit, special.fit) <= OTHERWISE * criterion.apart(law.fit, without.fit)
