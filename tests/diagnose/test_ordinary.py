@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from demo_problem import DEMO, suspect_of
+from demo_problem import DEMO, demo_problem, planted, suspect_of
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import build_problem
@@ -107,3 +107,30 @@ def test_what_laws_could_not_do_is_named_however_small_and_what_they_could_do_on
     assert not replace(small, beyond=12.0).named(6.0), "a limit, where a droop does most of it"
     assert replace(small, beyond=12.0, ordinary=25.0, usual=True).named(6.0)
     assert not replace(small, beyond=np.sqrt(11.9), ordinary=0.0).named(6.0), "all laws together could do it"
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "large"),
+    [
+        ("backlash", {"angle": 0.0005}, False),
+        ("backlash", {"angle": 0.02}, True),
+        ("joint_compliance", {"stiffness": 3e4}, False),
+        ("joint_compliance", {"stiffness": 200.0}, True),
+    ],
+)
+def test_play_and_springs_are_named_beyond_what_every_joint_gives_way(
+    effect: str, values: dict[str, float], large: bool
+) -> None:
+    bare = demo_problem()
+    gives = guess(bare, suspect_of(bare, effect, "elbow")).at(values)
+    problem = planted(gives)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [gives])
+        still = residual(simulations, [gives], criterion.train)
+        assert still is not None
+        best = criterion.score(Fit((gives,), still))
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [gives.suspect]))
+        done = all_done(simulations, Found(best, best, best, 6.0, {}, criterion.floors, criterion))[gives.suspect]
+    assert done.ordinary > 0.0
+    assert done.large == large
+    assert done.usual, "however little laws could do of it"

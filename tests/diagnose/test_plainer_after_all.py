@@ -54,7 +54,7 @@ def test_friction_that_hardly_differs_by_side_is_dry_friction(forward: float, ba
     assert [r.suspect for r in told.rivals[dry]] == [sides]
 
 
-def test_an_effort_without_a_law_loses_its_place_to_a_law_that_makes_the_same_traces() -> None:
+def test_an_effort_without_a_law_loses_its_place_to_a_law_that_makes_the_same_traces_or_explains_as_much() -> None:
     bare = demo_problem()
     oil = guess(bare, suspect_of(bare, "viscous_friction", "elbow")).at({"coefficient": 0.8})
     dry = suspect_of(bare, "coulomb_friction", "elbow")
@@ -70,12 +70,13 @@ def test_an_effort_without_a_law_loses_its_place_to_a_law_that_makes_the_same_tr
         best, law, none = (criterion.score(scored.fit) for scored in fits if scored is not None)
         gains, without = {unnamed: best.evidence - none.evidence}, {unnamed: none}
         found = Found(none, best, best, 6.0, {}, criterion.floors, criterion, gains, without)
-        for same in (True, False):
-            rivals = {unnamed: [Rival(oil.suspect, law, 4.0, 4.0, same=same)]}
+        for behind, same in ((4.0, True), (4.0, False), (0.5, False)):
+            rivals = {unnamed: [Rival(oil.suspect, law, behind, 4.0, same=same)]}
             told = plainer(simulations, replace(found, rivals=rivals), [oil.suspect, dry], [])
             (change,) = told.best.fit.changes
-            assert change.suspect == (oil.suspect if same else unnamed)
-            if same:
+            lawful = same or behind < 1.0
+            assert change.suspect == (oil.suspect if lawful else unnamed)
+            if lawful:
                 assert change.parameters["coefficient"] == pytest.approx(0.8, rel=0.02)
                 assert [r.suspect for r in told.rivals[oil.suspect]] == [unnamed]
 

@@ -77,6 +77,21 @@ def test_a_law_that_explains_as_much_leaves_nothing_to_it(problem: Problem, simu
     assert with_unnamed(round_, []) is None
 
 
+def test_it_has_to_gain_what_a_name_has_to_where_stretches_scatter(
+    problem: Problem, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The demo, whose elbow has more dry friction than its model, where no friction is on the list."""
+    nothing = residual(simulations, [], problem.of("train"))
+    assert nothing is not None
+    bare, delay = Fit((), nothing), suspect_of(problem, "command_delay", "elbow")
+    round_ = Round(simulations, bare, [delay], needed(1), bare, print)
+    found = with_unnamed(round_, [])
+    assert found is not None
+    gain = found.evidence - round_.now.evidence
+    monkeypatch.setattr(Round, "asked", lambda *_: gain + 1.0)
+    assert with_unnamed(round_, []) is None
+
+
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> Diagnosed:
     """The demo, whose elbow has more dry friction than its model, where no friction is on the list."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
+from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import residuals
@@ -23,6 +24,8 @@ from realitygap.diagnose.search.discrepancy import usual
 from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.round import MUCH
 from realitygap.robot.drive import Array
+from realitygap.robot.effects.transmission import BACKLASH
+from realitygap.robot.plant import Plant
 
 SHOWS = 1.1
 """How many times as large the held-out gap is, of all joints or of one, without a finding that all runs together say
@@ -38,6 +41,12 @@ had seen what was missing did 3.4 to 9.0 times that, and a rotor's inertia that 
 APART = 0.6
 """What laws have to leave of it, as a share of its length, where they are off by nothing of its kind: of the limit and
 the ripple they left 0.67 and 0.80, of two false limits 0.54 and 0.55."""
+
+PLAY, PLAY_ALONG = 6.5e-4, 3e-5
+"""What joints of a typical machine give way, before their friction slides or their teeth meet [rad, and m of a linear
+axis]: the geometric means of what planetary gears, 1 to 5 arc minutes, and rolled ball screws, 0.02 and 0.05 mm, are
+rated at. Small servos are rated at 15 to 20 (ROBOTIS MX-106, XL430). Of a plant whose friction begins as a spring does,
+a play of 0.67 mrad was named, of a joint that was read in steps of 1.5 mrad."""
 
 
 @dataclass(frozen=True)
@@ -131,19 +140,38 @@ def _missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
 def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
     """What each finding does; an effort without a law may stand for any kind."""
     criterion, fit = found.criterion, found.best.fit
-    asked = fit.changes
+    asked, plant = fit.changes, criterion.problem.plant
     rest = [[c for c in fit.changes if c is not change] for change in asked]
-    still, *without = residuals(simulations, [fit.changes, *rest], criterion.train, criterion.floors.coarse)
+    plays = {c.suspect: _play(plant, c.suspect) for c in asked if _gives_way(c.suspect)}
+    ways = [[*beside, plays[c.suspect]] for c, beside in zip(asked, rest, strict=True) if c.suspect in plays]
+    still, *answers = residuals(simulations, [fit.changes, *rest, *ways], criterion.train, criterion.floors.coarse)
+    with_play = dict(zip(plays, answers[len(rest) :], strict=True))
     exact, laws = criterion.discrepancy_metric, criterion.tolerant(fit)
     out = {}
-    for change, answer in zip(asked, without, strict=True):
+    for change, answer in zip(asked, answers[: len(rest)], strict=True):
         if still is None or answer is None:
             continue
         suspect, does = change.suspect, np.nan_to_num(answer - still)
         whole, beyond = (float(np.linalg.norm(metric(does))) for metric in (exact, laws.metric))
-        least = USUAL if suspect.kind.everywhere else AS_LARGE
-        out[suspect] = Done(whole, beyond, criterion.typical(suspect), _usual(criterion, suspect), least)
+        least = USUAL if suspect.kind.everywhere or suspect in plays else AS_LARGE
+        play = with_play.get(suspect)
+        given = 0.0 if play is None else float(np.linalg.norm(exact(np.nan_to_num(play - answer))))
+        ordinary = max(criterion.typical(suspect), given)
+        out[suspect] = Done(whole, beyond, ordinary, suspect in plays or _usual(criterion, suspect), least)
     return out
+
+
+def _gives_way(suspect: Suspect) -> bool:
+    """Whether it is a play, or a spring, between a motor and its link."""
+    return BACKLASH.name in {suspect.effect, *suspect.kind.excludes}
+
+
+def _play(plant: Plant, suspect: Suspect) -> Change:
+    """What joints give way in any case, beside the play that those of a suspect are known to have."""
+    loose = replace(suspect, effect=BACKLASH.name)
+    along = all(plant.model.joints[i].prismatic for i in suspect.indices)
+    own = neutral(plant, loose)
+    return Change(loose, tuple({**own, "angle": own["angle"] + (PLAY_ALONG if along else PLAY)}.items()))
 
 
 def _usual(criterion: Criterion, suspect: Suspect) -> bool:

@@ -9,20 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, permutations
+
+import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.candidates.suspects import fitted, many_joints
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.candidates.suspects import fitted, many_joints, neutral
+from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.held_out import as_wide, besides, predicted
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.search.alike import in_place, same
 from realitygap.diagnose.search.apart import compare, told_apart
-from realitygap.diagnose.search.evidence import Scored
-from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.evidence import EQUAL, Scored
+from realitygap.diagnose.search.found import Apart, Found, Said
 from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
+from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.simpler import narrower
 from realitygap.diagnose.search.special_case import no_more
 
@@ -59,19 +62,21 @@ def plainer(simulations: Simulations, found: Found, everyone: Sequence[Suspect],
 
 def joined(simulations: Simulations, found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Found:
     """What was found with one law in the place of two that it says together, where that loses no more than a finding
-    has to gain and held-out runs do not speak for both: a finding with its shape freed, of it and another one at its
-    joints; or what two findings at one place are special cases of, also where that is apart from them by no more than
-    such laws are off by. `keep` stays.
+    has to gain and held-out runs do not speak for both: a finding in a richer shape, of it and another one at its
+    joints (`_richer`); or what two findings at one place are special cases of, also where that is apart from them by no
+    more than such laws are off by. `keep` stays.
 
     A load of 60 g at the end of a forearm was a link that is 17 % heavier, with 1.4 times its inertia. A hand's load of
     2.1 kg was a mass and another centre of it, 25 ahead, and apart from the load by an eighth of what loads are off by.
     """
-    shaped = () if many_joints(simulations.problem) else _shaped(simulations, found, keep)
-    ways = [*shaped, *_both_of(found, everyone, keep)]
+    there = frozenset(c.suspect for c in found.best.fit.changes)
+    apart = set(found.apart.among(there))
+    richer = () if many_joints(simulations.problem) else _richer(simulations, found, everyone, keep, apart)
+    ways = [*richer, *_both_of(found, everyone, keep)]
     said = [_in_place_of_both(simulations, found, way, gone) for way, gone in ways]
     best = max((f for f in said if f is not None), key=lambda f: f.best.evidence, default=None)
     if best is None:
-        return found
+        return replace(found, apart=Apart(frozenset(apart), there)) if apart else found
     others = {c.suspect for c in best.best.fit.changes}.difference(keep)
     return joined(simulations, besides(best, others, "quick"), everyone, keep)
 
@@ -80,21 +85,53 @@ Way = tuple[list[Change], set[Suspect]]
 """A model with one change, its last, in the place of two findings of another; and these."""
 
 
-def _shaped(simulations: Simulations, found: Found, keep: Collection[Suspect]) -> Iterator[Way]:
-    """Every finding with its shape freed, with another one at its joints in whose place it may stand, too; without what
-    a quick fit tells is far behind.
+def _richer(
+    simulations: Simulations,
+    found: Found,
+    everyone: Sequence[Suspect],
+    keep: Collection[Suspect],
+    apart: set[Said],
+) -> Iterator[Way]:
+    """Every finding with its shape freed, or as the law of which it is a special case, with another one at its joints
+    in whose place that may stand, too; without what a quick fit tells is far behind, which goes to those `apart`.
     """
     changes = found.best.fit.changes
-    for change in changes:
-        shaped = with_shape(simulations.problem.plant, change, 1.0)
-        for other in changes if change.free and shaped is not change else ():
-            if other is change or not other.free or other.suspect in keep:
+    for change, other in permutations([c for c in changes if c.free], 2):
+        gone = {change.suspect, other.suspect}
+        within = set(other.suspect.joints) <= set(change.suspect.joints) and other.suspect not in keep
+        rest = _without(changes, gone)
+        richer = _in_richer_shape(simulations, found, change, other, everyone) if within else ()
+        for one in richer:
+            if change.suspect in keep and one.suspect != change.suspect:
                 continue
-            gone = {change.suspect, other.suspect}
-            within = set(other.suspect.joints) <= set(change.suspect.joints)
-            quick = _near(found, [*_without(changes, gone), shaped]) if within else None
+            said = one.suspect, frozenset(gone)
+            quick = None if said in apart else _near(found, [*rest, one])
             if quick is not None:
                 yield list(quick.fit.changes), gone
+            else:
+                apart.add(said)
+
+
+def _in_richer_shape(
+    simulations: Simulations, found: Found, change: Change, other: Change, everyone: Sequence[Suspect]
+) -> Iterator[Change]:
+    """A finding with its shape freed; and as laws of which it is a special case, if the other one gains little enough
+    for what these have besides. A torque-told pendulum's dry friction, 0.16 N·m beside a constant effort of -0.03 N·m,
+    is friction by side.
+    """
+    plant = simulations.problem.plant
+    shaped = with_shape(plant, change, 1.0)
+    if shaped is not change:
+        yield shaped
+    if found.gains.get(other.suspect, np.inf) >= MUCH * found.limit:
+        return
+    with_it = changed(plant, [change], plant)
+    beside = _without(found.best.fit.changes, {change.suspect, other.suspect})
+    for law in everyone:
+        if narrower(change.suspect, law) and not any(clash(law, c.suspect) for c in beside):
+            first, said, bare = guess(simulations.problem, law), neutral(with_it, law), neutral(plant, law)
+            if any(said[n] != bare[n] for n in first.free):
+                yield first.at({n: said[n] for n in first.free if said[n] != bare[n]})
 
 
 def _both_of(found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect]) -> Iterator[Way]:
@@ -201,14 +238,15 @@ def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) ->
     it tell; each as it is begun: a first guess, and as much of it as the finding does, which straight lines overdo
     where that grows with two of its values.
 
-    Of an effort without a law, those that were seen to make the same traces in its place.
+    Of an effort without a law, those that were seen to make the same traces in its place, or to explain as much.
 
     A load on the axis of an arm's second joint turns about the first, and does nothing else there: of an arm whose
     first rotor was heavier it was told with four values, the search having had no time to ask for its name.
     """
     criterion, suspect = found.criterion, change.suspect
     if suspect.table is not None:
-        laws = [r for r in found.rivals.get(suspect, ()) if r.same and r.beside is None and r.suspect.table is None]
+        known = [r for r in found.rivals.get(suspect, ()) if r.beside is None and r.suspect.table is None]
+        laws = [r for r in known if r.same or r.behind < EQUAL]
         return {r.suspect: [r.scored.fit.changes[-1]] for r in laws}
     special = [s for s in everyone if narrower(s, suspect)]
     fewer = [s for s in everyone if s.kind.law == suspect.kind.law != "" and len(fitted(s.kind)) < len(change.free)]

@@ -13,6 +13,21 @@ from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.linear import LinearGain
 from realitygap.diagnose.search.rivals import Rival
 
+Said = tuple[Suspect, frozenset[Suspect]]
+"""A finding, or a law of which it is a special case, and the two findings that it might say together."""
+
+
+@dataclass(frozen=True)
+class Apart:
+    """What was seen to be far from saying two findings together, beside some findings and so beside more than these."""
+
+    said: frozenset[Said] = frozenset()
+    beside: frozenset[Suspect] = frozenset()
+
+    def among(self, there: Collection[Suspect]) -> frozenset[Said]:
+        """The same of a model with these findings: nothing, where one has gone that they were seen beside."""
+        return self.said if self.beside.issubset(there) else frozenset()
+
 
 @dataclass
 class Found:
@@ -36,6 +51,7 @@ class Found:
         blocks: the responses of what could still be added, in the last round.
         fuller: the model from which findings were left out in the end, as they gain too little; None where none was.
         adjusted: what of the best model is no finding, but what its laws are off by (`judge.adjust`).
+        apart: what was seen to be far from saying two of the findings together, which is not asked again.
     """
 
     base: Scored
@@ -55,3 +71,4 @@ class Found:
     blocks: Sequence[Block] = ()
     fuller: Scored | None = None
     adjusted: tuple[Suspect, ...] = ()
+    apart: Apart = Apart()
