@@ -45,8 +45,9 @@ the ripple they left 0.67 and 0.80, of two false limits 0.54 and 0.55."""
 PLAY, PLAY_ALONG = 6.5e-4, 3e-5
 """What joints of a typical machine give way, before their friction slides or their teeth meet [rad, and m of a linear
 axis]: the geometric means of what planetary gears, 1 to 5 arc minutes, and rolled ball screws, 0.02 and 0.05 mm, are
-rated at. Small servos are rated at 15 to 20 (ROBOTIS MX-106, XL430). Of a plant whose friction begins as a spring does,
-a play of 0.67 mrad was named, of a joint that was read in steps of 1.5 mrad."""
+rated at. Small servos are rated at 15 to 20 (ROBOTIS MX-106, XL430). Of eight true plays and springs of four plants all
+did 15 to 125 times as much in place of it, and a play of 0.67 mrad, of a leg whose friction begins as a spring does and
+that was read in steps of 1.5 mrad, 1.0 times."""
 
 
 @dataclass(frozen=True)
