@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from demo_problem import DEMO, FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change
+from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Care, Fit
@@ -103,6 +103,28 @@ def test_what_was_left_out_in_the_end_is_adjusted_where_no_straight_line_leads_t
     assert values == pytest.approx([GAIN, GAIN], rel=0.01)
     assert list(adjusted(simulations, found, left_out[:1]).adjusted) == left_out[1:]
     assert adjusted(simulations, replace(found, fuller=None), []).adjusted == ()
+
+
+def test_what_a_plainer_name_stands_for_is_not_tried_beside_it(off: Found, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Friction by side was found, and dry friction took its place; two frictions of a joint cannot stand together."""
+    problem, criterion = off.criterion.problem, off.criterion
+    sides = guess(problem, suspect_of(problem, "direction_friction", "elbow"))
+    gain = guess(problem, suspect_of(problem, "controller_gain", "shoulder"))
+    fuller, bare = criterion.fit([sides, gain]), off.base.fit
+    assert fuller is not None
+    blocks = [*off.blocks, *criterion.responses(bare, [sides.suspect])]
+    tried, fit = list[set[Suspect]](), Criterion.fit
+
+    def told(
+        self: Criterion, changes: Sequence[Change], known: Fit | None = None, care: Care = "whole"
+    ) -> Scored | None:
+        tried.append({c.suspect for c in changes})
+        return fit(self, changes, known, care)
+
+    monkeypatch.setattr(Criterion, "fit", told)
+    assert gain.suspect in adjusted(criterion.simulations, replace(off, blocks=blocks, fuller=fuller), []).adjusted
+    assert tried
+    assert not any(sides.suspect in of for of in tried)
 
 
 def test_beside_what_was_left_out_is_adjusted_what_straight_lines_say_there(off: Found) -> None:

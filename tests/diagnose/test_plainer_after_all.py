@@ -241,3 +241,13 @@ def test_a_spring_that_rests_elsewhere_and_dry_friction_are_plainer_than_frictio
     assert values[spring]["stiffness"] == pytest.approx(0.8, rel=0.05)
     assert values[spring]["rest"] == pytest.approx(0.2, rel=0.1)
     assert [r.suspect for r in told.rivals[dry]] == [sides]
+
+
+def test_a_mass_beside_another_centre_of_it_is_no_plainer_than_a_load() -> None:
+    bare = demo_problem()
+    mass, centre, load = (suspect_of(bare, e, "forearm") for e in ("link_mass", "center_of_mass", "payload"))
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    beside = [guess(bare, centre)]
+    assert plainer_module._in_parts(load, mass, beside)
+    assert not plainer_module._in_parts(load, mass, [])
+    assert not plainer_module._in_parts(sides, dry, beside)

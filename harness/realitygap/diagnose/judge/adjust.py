@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
-from realitygap.diagnose.data.changes import Change, Suspect
+from realitygap.diagnose.data.changes import Change, Suspect, clash
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
@@ -36,7 +36,8 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
 
     Each of them explains as much as a name would have to if laws were exact. Tried is what straight lines say, and what
     was found and left out in the end, as it gains too little for a name or as its interval does not tell it, alone and
-    with what straight lines say beside it: where stiction makes fits rough, straight lines do not lead there. Of an
+    with what straight lines say beside it: where stiction makes fits rough, straight lines do not lead there. What a
+    named law stands for now is not: two links' dry friction had been told by side, and was, beside the dry one. Of an
     STS3215 they led to another centre of its mass, and 0.052 rad on held-out runs; it is 0.029 with the viscous
     friction, the rotor's inertia and the gain that had been left out. A pendulum told torques was left at 8.4 floors
     without its viscous friction, whose interval mass and rotor had widened; with all three it is at 3.0. `refused` is
@@ -80,7 +81,9 @@ def _likelier(found: Found, refused: Collection[Suspect]) -> Scored | None:
     begun = [[*named, *_faults(found, found.best, refused)]]
     if found.fuller is not None:
         known, here = {c.suspect: c for c in found.fuller.fit.changes}, {c.suspect for c in named}
-        left_out = [c for s, c in known.items() if s not in here and s not in refused and _law(s)]
+        left_out = [
+            c for s, c in known.items() if s not in here and s not in refused and _law(s) and _beside_all(s, here)
+        ]
         fuller = [*(known.get(c.suspect, c) for c in named), *left_out]
         begun += [fuller, [*fuller, *_faults(found, found.fuller, {*refused, *known})]]
     fitted = [s for changes in begun if (s := _beside(found, changes)) is not None]
@@ -125,15 +128,20 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
     """What laws are off by beside a model, as few of them as explain what exact laws would ask for, each as much as a
     name has to.
     """
-    exact = found.criterion.plain(beside.fit)
+    exact, there = found.criterion.plain(beside.fit), [c.suspect for c in found.best.fit.changes]
     out = set(refused)
     while True:
-        blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in out]
+        blocks = [b for b in found.blocks if _of_a_law(b) and b.suspect not in out and _beside_all(b.suspect, there)]
         seen = linear_at(exact, blocks).several(found.limit)
         absurd = {p.block.suspect for p in seen if p.change.absurd(found.criterion.problem.plant)}
         if not absurd:
             return [_seen(p) for p in seen]
         out |= absurd
+
+
+def _beside_all(suspect: Suspect, named: Collection[Suspect]) -> bool:
+    """Whether a suspect can stand beside all that is named."""
+    return not any(clash(suspect, other) for other in named)
 
 
 def _seen(told: LinearGain) -> Change:

@@ -209,7 +209,7 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
     rest = _without(found.best.fit.changes, {change.suspect})
     said = list[Scored]()
     for suspect, begun in _plainer_names(found, change, everyone).items():
-        if any(clash(suspect, c.suspect) for c in rest):
+        if any(clash(suspect, c.suspect) for c in rest) or _in_parts(change.suspect, suspect, rest):
             continue
         ways = [[*beside, plain] for beside in (rest, *_reshaped(simulations, change, rest)) for plain in begun]
         quick = (found.criterion.fit(way, found.best.fit, "quick") for way in ways)
@@ -218,6 +218,13 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
         if full is not None and _says_as_much(simulations, found, change.suspect, full):
             said.append(full)
     return sorted(said, key=lambda scored: -scored.evidence)
+
+
+def _in_parts(law: Suspect, plain: Suspect, rest: Sequence[Change]) -> bool:
+    """Whether a plain name and another change of a model are parts of a law, and so no plainer than it: a load, and a
+    mass beside another centre of it.
+    """
+    return narrower(plain, law) and any(narrower(c.suspect, law) for c in rest)
 
 
 def _reshaped(simulations: Simulations, change: Change, rest: Sequence[Change]) -> Iterator[list[Change]]:
