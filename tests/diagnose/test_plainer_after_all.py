@@ -12,7 +12,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge import plainer as plainer_module
 from realitygap.diagnose.judge.held_out import Verdict
-from realitygap.diagnose.judge.plainer import joined, plainer
+from realitygap.diagnose.judge.plainer import joined, plainer, retold
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.found import Found
@@ -251,3 +251,23 @@ def test_a_mass_beside_another_centre_of_it_is_no_plainer_than_a_load() -> None:
     assert plainer_module._in_parts(load, mass, beside)
     assert not plainer_module._in_parts(load, mass, [])
     assert not plainer_module._in_parts(sides, dry, beside)
+
+
+def test_values_are_fitted_as_if_laws_were_exact_once_another_name_stands() -> None:
+    """Models that are compared are where their evidence is best."""
+    bare = demo_problem()
+    dry, oil = (guess(bare, suspect_of(bare, e, "elbow")) for e in ("coulomb_friction", "viscous_friction"))
+    problem = planted(dry.at({"torque": 0.6}))
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [dry])
+        best, other = criterion.fit([dry.at({"torque": 0.5})], care="quick"), criterion.fit([oil])
+        assert best is not None
+        assert other is not None
+        found = Found(best, best, best, 6.0, {}, criterion.floors, criterion, gains={dry.suspect: 9.0})
+        assert retold(simulations, found, found) is found, "the same name"
+        told = retold(simulations, found, replace(found, best=other))
+        whole = criterion.fit(best.fit.changes, best.fit)
+    assert whole is not None
+    assert told.best.fit.changes == whole.fit.changes
+    assert told.gains == found.gains, "as models were compared"
+    assert told.cautious.fit.changes == whole.fit.changes

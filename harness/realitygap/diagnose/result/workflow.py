@@ -24,7 +24,7 @@ from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap
 from realitygap.diagnose.judge.held_out import Verdict, certain_of, predicted, supported
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.ordinary import tolerated
-from realitygap.diagnose.judge.plainer import joined, plainer, told_plainly
+from realitygap.diagnose.judge.plainer import joined, plainer, retold, told_plainly
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.result import not_named
@@ -201,7 +201,7 @@ def _searched(
     found, against = supported(simulations, joined(simulations, found, everyone, keep), keep)
     if against:  # what they leave as it is has no more to join
         found = joined(simulations, found, everyone, keep)
-    found = plainer(simulations, found, everyone, keep)
+    found = retold(simulations, plainer(simulations, found, everyone, keep), found)
     rivals = found.rivals
     found, vague = certain_of(simulations, found, keep)
     found = adjusted(simulations, tolerated(simulations, found, keep), set(against))

@@ -1,8 +1,11 @@
-"""Whether a special case of a law says as much as the law, but for what such laws are off by."""
+"""Special cases of laws: whether one says as much as the law, but for what such laws are off by; and as which law."""
 
 from __future__ import annotations
 
-from realitygap.diagnose.data.changes import Suspect
+from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.data.changes import Change, Suspect, changed
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.round import MUCH
@@ -41,3 +44,18 @@ def no_more(
     if without is None or more < MUCH * limit:
         return True
     return criterion.apart(law.fit, special.fit) <= OTHERWISE * criterion.apart(law.fit, without.fit)
+
+
+def as_law(problem: Problem, special: Change, law: Suspect) -> Change | None:
+    """A law with values that do what a special case of it does, from where its own are found: dry friction of 0.2 N·m
+    as friction by side of 0.2 to either. None where none of its values say that, as those of a load do not say a mass.
+
+    Args:
+        problem: whose scenario has neither.
+        special: the special case.
+        law: the law.
+    """
+    plant, first = problem.plant, guess(problem, law)
+    said, bare = neutral(changed(plant, [special], plant), law), neutral(plant, law)
+    told = {n: said[n] for n in first.free if said[n] != bare[n]}
+    return first.at(told) if told else None
