@@ -36,12 +36,12 @@ def adjusted(simulations: Simulations, found: Found, refused: Collection[Suspect
 
     Each of them explains as much as a name would have to if laws were exact. Tried is what straight lines say, and what
     was found and left out in the end, as it gains too little for a name or as its interval does not tell it, alone and
-    with what straight lines say beside it: where stiction makes fits rough, straight lines do not lead there. What a
-    named law stands for now is not: two links' dry friction had been told by side, and was, beside the dry one. Of an
+    with what straight lines say beside it: where stiction makes fits rough, straight lines do not lead there. Of an
     STS3215 they led to another centre of its mass, and 0.052 rad on held-out runs; it is 0.029 with the viscous
     friction, the rotor's inertia and the gain that had been left out. A pendulum told torques was left at 8.4 floors
-    without its viscous friction, whose interval mass and rotor had widened; with all three it is at 3.0. `refused` is
-    what held-out runs spoke against.
+    without its viscous friction, whose interval mass and rotor had widened; with all three it is at 3.0. Not tried is
+    what cannot stand beside a name, as friction by side that two links had until dry friction took its place, and what
+    held-out runs spoke against (`refused`).
     """
     before = found.best.fit
     named = {c.suspect for c in before.changes}

@@ -48,8 +48,11 @@ def retold(simulations: Simulations, found: Found, before: Found) -> Found:
     taken the place of friction by side, a spring of 14 N·m/rad was left at 19.5, and is 13.9.
     """
     best = None if found.best is before.best else found.criterion.fit(found.best.fit.changes, found.best.fit)
-    if best is None:
-        return found
+    return found if best is None else _with_best(simulations, found, best)
+
+
+def _with_best(simulations: Simulations, found: Found, best: Scored) -> Found:
+    """What was found with another best model, its floors, and intervals that are as wide as those of the one before."""
     cautious = as_wide(found.criterion.cautious(best.fit), found.cautious)
     return replace(found, best=best, cautious=cautious, floors=measure(simulations, best.fit.changes))
 
@@ -322,10 +325,7 @@ def _renamed(
     others = {s: of for s, of in found.rivals.items() if s not in before}
     least = max((found.least.get(s, found.limit) for s in before), default=found.limit)
     return replace(
-        found,
-        best=plain,
-        cautious=as_wide(found.criterion.cautious(plain.fit), found.cautious),
-        floors=measure(simulations, plain.fit.changes),
+        _with_best(simulations, found, plain),
         gains=gains,
         without=left,
         rivals={**others, name: list(rivals)},
