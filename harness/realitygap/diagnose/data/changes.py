@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -99,6 +99,11 @@ def clash(a: Suspect, b: Suspect) -> bool:
     if a.effect == b.effect:
         return a.table is None or b.table is None or a.table.variables == b.table.variables
     return a.kind.rules_out(b.kind)
+
+
+def stands_beside(suspect: Suspect, others: Iterable[Suspect]) -> bool:
+    """Whether a suspect can stand together with all others."""
+    return not any(clash(suspect, other) for other in others)
 
 
 def as_read(changes: Sequence[Change], before: Sequence[Change], plant: Plant) -> list[Change]:

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from realitygap.diagnose.candidates.suspects import ALWAYS_FREE, neutral
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.responses import Block, at_one_place
 from realitygap.diagnose.judge.gaps import CLEAR, costs, held_out_gap, rms
@@ -141,7 +141,7 @@ def _faults(found: Found, beside: Scored, refused: Collection[Suspect]) -> Seque
 
 def _beside_all(suspect: Suspect, named: Collection[Suspect]) -> bool:
     """Whether a suspect can stand beside all that is named."""
-    return not any(clash(suspect, other) for other in named)
+    return stands_beside(suspect, named)
 
 
 def _seen(told: LinearGain) -> Change:

@@ -15,7 +15,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import fitted, many_joints
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.held_out import as_wide, besides, predicted
 from realitygap.diagnose.likelihood.floors import measure
@@ -143,7 +143,7 @@ def _in_richer_shape(
         return
     beside = _without(found.best.fit.changes, {change.suspect, other.suspect})
     for law in everyone:
-        if narrower(change.suspect, law) and not any(clash(law, c.suspect) for c in beside):
+        if narrower(change.suspect, law) and stands_beside(law, [c.suspect for c in beside]):
             richer = as_law(simulations.problem, change, law)
             if richer is not None:
                 yield richer
@@ -156,7 +156,7 @@ def _both_of(found: Found, everyone: Sequence[Suspect], keep: Collection[Suspect
         rest = _without(changes, {a, b})
         for suspect in everyone:
             both = narrower(a, suspect) and narrower(b, suspect)
-            if both and not any(suspect == c.suspect or clash(suspect, c.suspect) for c in rest):
+            if both and stands_beside(suspect, [c.suspect for c in rest]):
                 yield [*rest, _like(found, suspect, {a, b})], {a, b}
 
 
@@ -224,7 +224,7 @@ def _plain(simulations: Simulations, found: Found, change: Change, everyone: Seq
     rest = _without(found.best.fit.changes, {change.suspect})
     said = list[Scored]()
     for suspect, begun in _plainer_names(found, change, everyone).items():
-        if any(clash(suspect, c.suspect) for c in rest) or _in_parts(change.suspect, suspect, rest):
+        if not stands_beside(suspect, [c.suspect for c in rest]) or _in_parts(change.suspect, suspect, rest):
             continue
         ways = [[*beside, plain] for beside in (rest, *_reshaped(simulations, change, rest)) for plain in begun]
         quick = (found.criterion.fit(way, found.best.fit, "quick") for way in ways)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from realitygap.diagnose.candidates.starts import starts
-from realitygap.diagnose.data.changes import Suspect, clash
+from realitygap.diagnose.data.changes import Suspect, stands_beside
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
@@ -66,7 +66,7 @@ class PredictedDiscrepancy:
         rows, fit = self._of(cases), self.fits[number]
         fit = replace(fit, residual=fit.residual[rows], slope=fit.slope[rows])
         here = [c.suspect for c in fit.changes]
-        beside = [b for b in self.blocks if not any(clash(b.suspect, s) for s in here)]
+        beside = [b for b in self.blocks if stands_beside(b.suspect, here)]
         found = tuple(c for c in self.found if c.case in cases)
         whitening = self.whitening.elsewhere(found)
         none = ChannelBlocks.of(np.zeros((len(whitening.rows), 0)), whitening.number)
@@ -104,7 +104,7 @@ def predicted_discrepancy(
         return None
     accepted = [c.suspect for c in named.fit.changes]
     alone = [s for s in everyone if s.kind.sits_at != "joint" or single(s)]
-    possible = [s for s in alone if not any(clash(s, a) for a in accepted)]
+    possible = [s for s in alone if stands_beside(s, accepted)]
     tried = [start for s in possible for start in starts(problem, s) if start.kind == "linear"]
     blocks = respond(simulations, named.fit.changes, tried, both, floors.coarse, found)
     return PredictedDiscrepancy(problem, found, good, tuple(blocks), named.metric.whitening)

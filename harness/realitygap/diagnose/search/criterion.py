@@ -13,7 +13,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start, softer, starts, swings
 from realitygap.diagnose.data.case import JOINT_SIGNALS
-from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, clash
+from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, as_seen, fit, residual_near, stretched
 from realitygap.diagnose.fit.responses import Block, residual, respond, single
@@ -72,7 +72,7 @@ class Criterion:
     def responses(self, at: Fit, everyone: Sequence[Suspect]) -> list[Block]:
         """The responses of every suspect that can stand beside the changes of a fit."""
         accepted = [c.suspect for c in at.changes]
-        beside = [s for s in self.possible(at, everyone) if not any(clash(s, a) for a in accepted)]
+        beside = [s for s in self.possible(at, everyone) if stands_beside(s, accepted)]
         found = self.simulations.side_by_side(lambda s: starts(self.problem, s, self._of_joint(at, s)), beside)
         tried = [start for of in found for start in of]
         return self._softer(at, self._respond(at, tried))

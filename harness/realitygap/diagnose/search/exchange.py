@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, stands_beside
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.pairs import pairs_for
 from realitygap.diagnose.search.prune import pruned, superfluous
@@ -186,7 +186,7 @@ def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | 
     (first, _), (second, gone), *_ = sure
     rest = [c for c in first.scored.fit.changes if c.suspect != gone]
     new = [c for c in second.scored.fit.changes if c.suspect == second.suspect]
-    if any(clash(c.suspect, second.suspect) for c in rest):
+    if not stands_beside(second.suspect, [c.suspect for c in rest]):
         return None
     quick = round_.adjusted([*rest, *new], first.scored.fit)
     scored = None if quick is None else round_.criterion.refined(quick)

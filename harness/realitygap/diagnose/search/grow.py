@@ -12,7 +12,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again, everyday, richer
-from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key
+from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key, stands_beside
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import linear_at
@@ -304,5 +304,5 @@ def _each(round_: Round, change: Change, beside: Sequence[Change]) -> list[Chang
         return []
     alone = [s for s in round_.everyone if s.effect == group.effect and len(s.indices) == 1]
     inside = [s for s in alone if s.indices[0] in group.indices]
-    free = [s for s in inside if not any(clash(s, b.suspect) for b in beside)]
+    free = [s for s in inside if stands_beside(s, [b.suspect for b in beside])]
     return [replace(change, suspect=s) for s in free] if len(free) > 1 else []

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from realitygap.diagnose.data.changes import clash
+from realitygap.diagnose.data.changes import stands_beside
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.grow import Ways
 from realitygap.diagnose.search.round import Round
@@ -25,6 +25,6 @@ def one_for_two(round_: Round) -> Ways:
             continue
         rest = [c for c in accepted if c not in (a, b)]
         for suspect, change in alike(round_, a, b).items():
-            if not any(clash(suspect, c.suspect) for c in rest):
+            if stands_beside(suspect, [c.suspect for c in rest]):
                 ways.append(([*rest, change], -round_.limit))
     return ways

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from realitygap.diagnose.candidates.starts import sized
-from realitygap.diagnose.data.changes import Change, Suspect, clash
+from realitygap.diagnose.data.changes import Change, Suspect, stands_beside
 from realitygap.diagnose.search.apart import compare
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.prune import wald_losses
@@ -47,7 +47,7 @@ def pairs_for(place: Place, rivals: Sequence[Rival]) -> list[Rival]:
 def _beside(place: Place, rival: Rival) -> list[Change]:
     """What would gain most beside a rival, as it answers beside the finding, if both may do what that does."""
     round_, here = place.round_, [c.suspect for c in rival.scored.fit.changes]
-    known = [b for b in round_.blocks if not any(clash(b.suspect, s) for s in [*here, place.change.suspect])]
+    known = [b for b in round_.blocks if stands_beside(b.suspect, [*here, place.change.suspect])]
     gains = lines_at(round_, rival.scored, [b for b in known if b.start.kind != "whole"]).gains()
     whole = round_.now.evidence - place.alone.evidence
     enough = [p for p in gains if p.gain > max(round_.limit, rival.behind - (1.0 - CLOSE) * whole)]

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
+from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash, stands_beside
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.alike import alike
 from realitygap.diagnose.search.apart import ERRORS, compare, told_apart
@@ -102,7 +102,7 @@ class Place:
         rest, gain = [c.suspect for c in alone.fit.changes], round_.now.evidence - alone.evidence
 
         def fits(suspect: Suspect) -> bool:
-            return not any(clash(suspect, other) for other in rest)
+            return stands_beside(suspect, rest)
 
         here = [b for b in round_.blocks if fits(b.suspect)]
         likely = [p for p in lines_at(round_, alone, here).gains() if p.gain > ROUGHLY * gain]

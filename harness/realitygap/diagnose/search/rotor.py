@@ -7,7 +7,7 @@ it, nothing of that kind can be tried: both have to come at once.
 from __future__ import annotations
 
 from realitygap.diagnose.candidates.starts import guess, starts
-from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
+from realitygap.diagnose.data.changes import Change, Suspect, changed, stands_beside
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.round import Round
 
@@ -26,7 +26,7 @@ def parted(round_: Round) -> list[tuple[list[Change], float]]:
         behind = [s for s in waiting if s.indices == rotor.indices]
         for change in [c for c in accepted if behind and _carried(c.suspect, rotor)]:
             rest = [c for c in accepted if c is not change]
-            if any(clash(rotor, c.suspect) for c in rest):
+            if not stands_beside(rotor, [c.suspect for c in rest]):
                 continue
             heavy = guess(problem, rotor).at({"armature": _added(round_, change, rotor)})
             for suspect in behind:

@@ -9,7 +9,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.candidates.suspects import everyday
-from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash
+from realitygap.diagnose.data.changes import Change, Suspect, as_read, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
@@ -99,7 +99,7 @@ class Round:
         self._at = (start if done is None else criterion.elsewhere(done)).fit
         self._nothing = nothing
         accepted, possible = [c.suspect for c in at.changes], set(criterion.possible(self._at, everyone))
-        beside = [b for b in known if b.suspect in possible and not any(clash(b.suspect, a) for a in accepted)]
+        beside = [b for b in known if b.suspect in possible and stands_beside(b.suspect, accepted)]
         self.blocks: list[Block] = beside
         self.told: Scored | None = None
         self.short: dict[Suspect, tuple[float, float]] = {}
@@ -160,9 +160,9 @@ class Round:
             return False
         accepted = [c.suspect for c in to.fit.changes]
         gone = [c.suspect for c in self.now.fit.changes if c.suspect not in accepted]
-        self.blocks = [b for b in self.blocks if not any(clash(b.suspect, a) for a in accepted)]
+        self.blocks = [b for b in self.blocks if stands_beside(b.suspect, accepted)]
         known = {b.suspect for b in self.blocks}
-        freed = [s for s in self.everyone if s not in known and any(clash(s, g) for g in gone)]
+        freed = [s for s in self.everyone if s not in known and not stands_beside(s, gone)]
         self.blocks += self.criterion.responses(to.fit, freed)
         self.explained += to.evidence - self.now.evidence
         self.now, self.told, self._led = to, None, True

@@ -14,7 +14,7 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import plain_first, suspects
 from realitygap.diagnose.data.along import along_the_motion
-from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key
+from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, model_key, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
@@ -261,7 +261,7 @@ def _along(
         except InputError:  # what is followed cannot be told, and what is driven can
             return nothing
     named = [c for c in found.best.fit.changes if c.suspect.table is None]
-    new = [c for c in named if not any(clash(c.suspect, t.suspect) for t in nothing.changes)]
+    new = [c for c in named if stands_beside(c.suspect, [t.suspect for t in nothing.changes])]
     criterion = Criterion(simulations, nothing.changes)
     criterion.set_effective_fraction(nothing.residual)
     there = criterion.fit([*nothing.changes, *new], care="compared") if new else None
