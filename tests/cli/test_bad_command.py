@@ -37,6 +37,11 @@ COMMANDS = {
         "is a link to nothing; expected a folder",
     ),
     "out of nobody": (["run", "scenario.yaml", "--out", ""], "--out' / '-o': found an empty name, expected a folder"),
+    "a first scenario for nobody": (
+        ["init", "arm.urdf", "chirp_1.mcap", "-o", ""],
+        "found an empty name, expected a folder",
+    ),
+    "JUnit of nobody": (["run", "scenario.yaml", "--junit", ""], "--junit': found an empty name, expected a file"),
     "a run into a diagnosis": (
         ["run", "scenario.yaml", "--out", "diagnosed"],
         "--out: diagnosed holds the result of `diagnose`, whose report.html `run` would write over; expected another",

@@ -6,6 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
+from realitygap.files.home import at_home
+
 Engines = Annotated[list[str] | None, typer.Option("--engine", "-e", help="engine; may be repeated (default: all)")]
 
 
@@ -13,14 +15,14 @@ def named_folder(name: str) -> Path:
     """A folder that is named; an empty name, as of a shell variable that is not set, is not the one where one is."""
     if not name:
         raise typer.BadParameter("found an empty name, expected a folder")
-    return Path(name)
+    return at_home(name)
 
 
 def named_file(name: str) -> Path:
     """A file that is named, likewise: an empty name would be the folder that one is in."""
     if not name:
         raise typer.BadParameter("found an empty name, expected a file; is a variable of the shell not set?")
-    return Path(name)
+    return at_home(name)
 
 
 def file_argument(said: str) -> Any:
@@ -28,10 +30,10 @@ def file_argument(said: str) -> Any:
     return typer.Argument(help=said, parser=named_file)
 
 
-def out_option(default: str) -> Any:
+def out_option(default: str, what: str = "result folder") -> Any:
     """The option `--out`; its default is said, as what is done without it is no value that typer could show."""
-    said = f"result folder (default: {default})"
-    return typer.Option("--out", "-o", help=said, parser=named_folder, metavar="<path>")
+    said = f"{what} (default: {default})"
+    return typer.Option("--out", "-o", help=said, parser=named_folder, metavar="<path>", show_default=False)
 
 
 RUNS = "results/runs"
@@ -44,7 +46,10 @@ MaxGap = Annotated[
         help="SIGNAL=VALUE: exit with 1 where the mean gap of moving joints is larger (°, °/s, N·m); may be repeated",
     ),
 ]
-Junit = Annotated[Path | None, typer.Option("--junit", help="write JUnit XML: every cell is a test")]
+Junit = Annotated[
+    Path | None,
+    typer.Option("--junit", help="write JUnit XML: every cell is a test", parser=named_file, metavar="<path>"),
+]
 Jobs = Annotated[int | None, typer.Option("--jobs", "-j", min=1, help="worker processes (default: one per core)")]
 
 

@@ -11,6 +11,7 @@ from realitygap_engines.model.read import read_model
 from realitygap_engines.model.robot import Joint, Model
 
 from realitygap.files.errors import InputError
+from realitygap.files.home import at_home
 from realitygap.files.interrupted import last
 from realitygap.files.unfinished import UNFINISHED
 from realitygap.files.unpacked import plain_name
@@ -159,9 +160,9 @@ def parse_packages(stated: list[str]) -> dict[str, Path]:
     found = {}
     for text in stated:
         name, _, folder = text.partition("=")
-        if not name or not Path(folder).is_dir() or not folder:
+        if not name or not at_home(folder).is_dir() or not folder:
             raise InputError(f"--package: found {text}; expected NAME=DIR, where DIR is a folder that is there")
-        found[name] = Path(folder)
+        found[name] = at_home(folder)
     return found
 
 

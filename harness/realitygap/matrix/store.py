@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.files.home import at_home
 from realitygap.files.unfinished import sweep
 from realitygap.files.whole import write_whole
 
@@ -76,4 +77,4 @@ class RemoteStore(Store):
 
 def open_store(place: str) -> Store:
     """The store at a path or URL."""
-    return RemoteStore(place) if re.match(r"[a-z0-9+]+://", place) else FolderStore(Path(place))
+    return RemoteStore(place) if re.match(r"[a-z0-9+]+://", place) else FolderStore(at_home(place))
