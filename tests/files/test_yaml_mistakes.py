@@ -16,6 +16,12 @@ from realitygap.files.yaml_file import load_yaml
         ("- a\nname: b\n", "line 2, column 1, in `name: b`", "its indentation does not fit"),
         ("name: foo: bar\n", "line 1, column 10, in `name: foo: bar`", "holds `: `; expected such a value in quotes"),
         ("kp:100\nkd: 2\n", "line 2, column 3, in `kd: 2`", "expected `: ` with a space behind every key"),
+        (
+            "r:\n  urdf: a\n  base:fixed  # so\n\ns:\n",
+            "line 3, column 3, in `base:fixed # so`",
+            "no key with a value; expected `: `",
+        ),
+        ("r:\n  urdf: a\n  base\ns:\n", "line 3, column 3, in `base`", "no key with a value; expected `: `"),
         ('name: "a" b\n', 'line 1, column 11, in `name: "a" b`', "text stands behind a value in quotes"),
         ("joints: *\nkp: 1\n", "line 1, column 10, in `joints: *`", "begins with * or &; expected such a value in qu"),
         ("joints: *_knee\n", "line 1, column 9, in `joints: *_knee`", "begins with * or &"),

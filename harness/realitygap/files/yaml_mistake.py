@@ -8,6 +8,7 @@ LONGEST = 60
 SPACES = "expected spaces in place of a tab"
 INDENTED = "its indentation does not fit the lines above; expected keys of one section one below the other"
 NO_COLON = "the line above is no key with a value; expected `: ` with a space behind every key"
+KEY = "it is no key with a value; expected `: ` with a space behind every key"
 COLON = "its value holds `: `; expected such a value in quotes"
 BEHIND = "text stands behind a value in quotes; expected the quotes around all of it"
 BRACKET = "what opens in line {line} is not closed; expected a comma between values and a closing bracket"
@@ -18,6 +19,10 @@ STAR = "its value begins with * or &; expected such a value in quotes"
 BEGINS = "its value begins with a character that YAML keeps for itself; expected such a value in quotes"
 BACKSLASH = "a backslash in double quotes begins a special character; expected single quotes around such a value"
 
+KEYLESS = "could not find expected ':'"
+BEGUN = ("end of stream", KEYLESS)
+"""Problems that are seen behind the mistake, which is where what is not ended begins."""
+
 
 def yaml_mistake(text: str, error: yaml.MarkedYAMLError) -> str:
     """The end of a sentence: the line and column, the line's text, and what is likely wrong there."""
@@ -27,7 +32,7 @@ def yaml_mistake(text: str, error: yaml.MarkedYAMLError) -> str:
         return f": {in_a_line(problem)}"
     if isinstance(error, yaml.constructor.ConstructorError):  # well-formed, and its sentence is our own
         return f" at line {mark.line + 1}: {problem}"
-    if "end of stream" in problem and error.context_mark is not None:
+    if any(words in problem for words in BEGUN) and error.context_mark is not None:
         mark = error.context_mark
     number = min(mark.line, max(len(lines) - 1, 0))  # the end of the file is behind its last line
     line = lines[number] if lines else ""
@@ -51,6 +56,7 @@ def _likely(problem: str, line: str, column: int, above: list[str]) -> str:
         return INDENTED if begins else BEHIND
     for words, likely in (
         ("'\\t'", SPACES),
+        (KEYLESS, KEY),
         ("end of stream", QUOTE),
         ("expected ',' or", BRACKET),
         ("<stream end>", OPEN),
