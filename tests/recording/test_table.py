@@ -225,15 +225,6 @@ def test_the_columns_say_where_a_command_is_that_bags_hold_as_a_topic(recorded: 
     np.testing.assert_array_equal(recording.command[:, 0], TIME + 1)
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.parquet"])
-@pytest.mark.parametrize("data", [b"", b"\x89PNG\r\n\x1a\n\x00\xff\xfe", b'time,position\n1,2\n1,2,3,4\n"'])
-def test_files_that_are_not_tables(name: str, data: bytes, tmp_path: Path) -> None:
-    path = tmp_path / name
-    path.write_bytes(data)
-    with pytest.raises(InputError, match=r"run\.\w+: is not a table .*expected columns with a header line"):
-        read_recording(path, scenario(), ["elbow"], file=FILE)
-
-
 def rendered(
     frame: pd.DataFrame, separator: str, point: str, *, end: str = "", comment: str = "", header: str | None = None
 ) -> str:

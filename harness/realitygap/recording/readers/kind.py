@@ -11,7 +11,8 @@ FIRST = {  # suffix -> what files of the kind begin with, and what they are call
     ".parquet": (b"PAR1", "a Parquet file"),
 }
 BAGS = (".bag", ".db3", ".mcap")
-"""Kinds that are never text. Text that is called .parquet the reader of tables tells by itself."""
+PACKED = {".gz": (b"\x1f\x8b", "packed with gzip"), ".zst": (b"\x28\xb5\x2f\xfd", "packed with Zstandard")}
+"""The same of packed files, whose suffix stands behind that of what they hold."""
 ENOUGH = 64
 """Bytes that tell text from other things."""
 
@@ -36,8 +37,13 @@ def check_kind(path: Path, plain: Path) -> None:
             if suffix == own:
                 return
             raise InputError(f"{path}: is {called}; expected a name with {suffix} for it: rename it")
-    if own in BAGS and start.isascii() and (words := start.decode().split()) and "".join(words).isprintable():
+    for suffix, (first, how) in PACKED.items():
+        if start.startswith(first):
+            raise InputError(
+                f"{path}: is {how}; expected a name with {suffix} for it: rename it to {path.name}{suffix}"
+            )
+    if own in FIRST and start.isascii() and (words := start.decode().split()) and "".join(words).isprintable():
         raise InputError(
-            f"{path}: the bag cannot be read: it is text; expected {FIRST[own][1]}: rename it to .csv where it is a "
-            "table with a header line"
+            f"{path}: {'the bag cannot be read' if own in BAGS else 'is not a table'}: it is text; expected "
+            f"{FIRST[own][1]}: rename it to .csv where it is a table with a header line"
         )

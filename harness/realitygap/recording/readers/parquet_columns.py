@@ -11,6 +11,7 @@ from realitygap.files.text_table import TWICE, twice
 
 LARGEST = 2e8
 """Values of a table: three hours of twenty joints with four signals at 200 Hz, and 1.6 GB."""
+WHOLE = "a whole Parquet file: get it again, or close its writer, which writes the end of it"
 
 
 class ParquetColumns:
@@ -49,7 +50,7 @@ class ParquetColumns:
             found: pd.Series[float] = self._file.read(columns=[self._places[name]])[self._places[name]].to_pandas()
         except Exception as error:  # pyarrow raises many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
-            raise InputError(f"{self._path}: is not a table ({what}); expected columns with a header line") from None
+            raise InputError(f"{self._path}: is not a table ({what}); expected {WHOLE}") from None
         if len(found) != len(self):
             raise InputError(f"{self._path}: {name} holds {len(found)} values, expected {len(self)}: it is damaged")
         return found

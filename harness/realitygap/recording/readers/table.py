@@ -17,7 +17,7 @@ from realitygap.recording.lack import Lack
 from realitygap.recording.readers.cells import Cells, Frame
 from realitygap.recording.readers.dialect import dialect_of
 from realitygap.recording.readers.kind import check_kind
-from realitygap.recording.readers.parquet_columns import ParquetColumns
+from realitygap.recording.readers.parquet_columns import WHOLE, ParquetColumns
 from realitygap.recording.readers.rows import (
     APART,
     Mask,
@@ -113,8 +113,9 @@ def load(path: Path) -> Frame:
             raise
         except Exception as error:  # pandas and pyarrow raise many kinds for a broken file
             what = " ".join(str(error).split()) or type(error).__name__
-            saved = ", saved as UTF-8" if isinstance(error, UnicodeError) else ""
-            raise InputError(f"{path}: is not a table ({what}); expected columns with a header line{saved}") from None
+            text = f"columns with a header line{', saved as UTF-8' if isinstance(error, UnicodeError) else ''}"
+            expected = WHOLE if plain.suffix.lower() == ".parquet" else text
+            raise InputError(f"{path}: is not a table ({what}); expected {expected}") from None
     if not len(frame) or not len(frame.columns):
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
     if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
