@@ -280,6 +280,21 @@ def test_the_two_columns_of_a_stamp_are_one_time(names: tuple[str, str], tmp_pat
     assert any(line.startswith("time: ") for line in draft.guessed)
 
 
+@pytest.mark.parametrize(("step", "clocks"), [(1, False), (10, True)])
+def test_an_index_that_counts_the_rows_is_no_time(step: int, clocks: bool, tmp_path: Path) -> None:
+    """As pandas writes one; a column without a name of a time that rises otherwise is one, in ms here."""
+    frame = pd.read_csv(named(tmp_path, ["shoulder", "elbow"])).drop(columns="time")
+    frame.set_index(frame.index * step).to_csv(tmp_path / "run.csv")
+    if clocks:
+        draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+        assert any("Unnamed: 0 counts in ms" in line for line in draft.guessed)
+        return
+    with pytest.raises(
+        InputError, match=r"has no column of time; .* \(Unnamed: 0 counts the rows\); expected one named"
+    ):
+        init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+
+
 TIMES = [(s, u, r) for s in (0.0, 1.7e9) for u in ("s", "ms", "us", "ns") for r in (5.5, 50.0, 500.0)]
 TIMES += [(0.0, "s", 4000.0), *((1.7e9, unit, 4000.0) for unit in ("s", "us", "ns"))]
 """Starts, units and rates; at 4 kHz, 250 may be as many µs or ms where nothing is stamped, and ms tell none apart."""

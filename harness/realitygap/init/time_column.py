@@ -24,6 +24,8 @@ SINCE_1970 = (1e9, 4e9)
 def time_column(path: Path, frame: Frame) -> list[str]:
     """The column of time: by its name, or the only one that always rises; or the two of a stamp, s and ns.
 
+    One that rises by ones and has no name of a time counts the rows, as an index that was written with the table.
+
     Raises:
         InputError: where none is found.
     """
@@ -42,10 +44,13 @@ def time_column(path: Path, frame: Frame) -> list[str]:
             parts = words(label)
             if parts and parts[0] == option and set(parts[1:]) <= TIME_UNITS:
                 return [label]
-    rising = [label for label in labels if len(frame) > 2 and (_numbers(frame[label]).diff().iloc[1:] > 0).all()]
+    steps = {label: _numbers(frame[label]).diff().iloc[1:] for label in labels if len(frame) > 2}
+    counts = [label for label, step in steps.items() if (step == 1).all()]
+    rising = [label for label, step in steps.items() if (step > 0).all() and label not in counts]
     if len(rising) == 1:
         return rising
-    raise InputError(f"{path}: has no column of time; it has {', '.join(labels)}; expected one named time, in s")
+    rows = f" ({', '.join(counts)} counts the rows)" if counts else ""
+    raise InputError(f"{path}: has no column of time; it has {', '.join(labels)}{rows}; expected one named time, in s")
 
 
 def time_unit(column: "pd.Series[Any]") -> str:
