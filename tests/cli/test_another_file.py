@@ -63,3 +63,13 @@ def test_a_robot_or_recording_in_place_of_a_scenario(
     assert refused(command, case / name) == 2
     said = one_sentence(capfd.readouterr())
     assert f"{name}: is {what}; expected a scenario in YAML: `realitygap init ROBOT RECORDING` writes a first " in said
+
+
+def test_the_folder_of_a_scenario_in_its_place(case: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert refused("run", case) == 2
+    assert f"{case}: is a folder; expected a scenario file, as {case}/scenario.yaml\n" in one_sentence(
+        capfd.readouterr()
+    )
+    (tmp_path / "new").mkdir()
+    assert refused("check", tmp_path / "new") == 2
+    assert f"which `realitygap init ROBOT RECORDING --out {tmp_path}/new` writes\n" in one_sentence(capfd.readouterr())

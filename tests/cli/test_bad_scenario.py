@@ -52,7 +52,10 @@ def lean(asymmetry: object, **more: object) -> Edit:
 CASES: dict[str, tuple[Edit, str]] = {
     # the scenario file
     "no scenario": (gone("scenario.yaml"), "scenario.yaml: cannot be read (No such file"),
-    "scenario is a folder": (folder_instead("scenario.yaml"), "scenario.yaml: cannot be read (Is a directory)"),
+    "scenario is a folder": (
+        folder_instead("scenario.yaml"),
+        "scenario.yaml: is a folder; expected a scenario file, which",
+    ),
     "scenario empty": (file("scenario.yaml", ""), "scenario.yaml: holds nothing, expected a mapping of keys"),
     "scenario a list": (file("scenario.yaml", "- a"), "holds a list, expected a mapping of keys"),
     "scenario malformed": (file("scenario.yaml", "robot: {"), "is not valid YAML at line 1"),
@@ -117,6 +120,11 @@ CASES: dict[str, tuple[Edit, str]] = {
         "scenario.yaml: motion.keyframes: /",
     ),
     "unknown ground": (changed(ground="mud"), "ground: found 'mud'; expected 'none', 'flat' or 'grass'"),
+    "ground damping alone": (
+        changed(ground={"damping": 100}),
+        "ground.damping: found 100; expected a stiffness beside it: without one the ground is rigid",
+    ),
+    "no suspects at all": (changed(suspects=[]), "suspects: found []; expected at least 1 item"),
     "ground damping negative": (changed(ground={"stiffness": 1e3, "damping": -1}), "ground.damping: found -1"),
     "servos that match nothing": (
         changed(servos__0__joints="knee_*"),

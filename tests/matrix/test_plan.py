@@ -160,6 +160,15 @@ def test_what_is_wrong_is_one_sentence(write: Callable[..., list[Task]], text: s
         write(f"{text}\n")
 
 
+def test_a_scenario_that_is_not_there_is_told_with_its_key(tmp_path: Path) -> None:
+    path = tmp_path / "matrix.yaml"
+    path.write_text(f"name: test\nscenarios: [{DEMO}/scenario.yaml, none.yaml]\n")
+    with pytest.raises(
+        InputError, match=r"matrix\.yaml: scenarios\[1\]: .*none\.yaml does not exist; expected a scenario"
+    ):
+        load_matrix(path)
+
+
 def keys(write: Callable[..., list[Task]], folder: Path) -> list[str]:
     return [t.key for t in write("engines: mujoco\n", folder)]
 

@@ -97,6 +97,9 @@ def load_matrix(path: Path) -> MatrixFile:
         if len({repr(v) for v in values}) < len(values):
             raise InputError(f"{path}: axes.{axis}: a value stands twice in {values}; expected each once")
     paths = [resolve_path(path, s, f"scenarios[{i}]") for i, s in enumerate(matrix.scenarios)]
+    for i, file in enumerate(paths):
+        if not file.exists():
+            raise InputError(f"{path}: scenarios[{i}]: {file} does not exist; expected a scenario file")
     return MatrixFile(path, matrix, tuple(load_scenario(p) for p in paths))
 
 

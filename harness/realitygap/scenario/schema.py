@@ -276,6 +276,7 @@ class Scenario(Section):
     )
     suspects: list[str] = Field(
         default=[],
+        min_length=1,
         description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
         "patterns over joint and link names",
     )

@@ -52,11 +52,15 @@ def check_kind(path: Path, wanted: str, raw: Mapping[str, Any]) -> None:
 
 
 def check_scenario_name(path: Path) -> None:
-    """Make sure that a file is not plainly the robot's or a recording.
+    """Make sure that a file is not plainly the robot's or a recording, and no folder.
 
     Raises:
         InputError: for one that is, by its name.
     """
+    if path.is_dir():
+        files = sorted(path.glob("*.y*ml"))
+        there = f"as {files[0]}" if files else f"which `realitygap init ROBOT RECORDING --out {path}` writes"
+        raise InputError(f"{path}: is a folder; expected a scenario file, {there}")
     suffix = plain_name(path).suffix.lower()
     what = "a robot's file" if suffix in ROBOTS else "a recording" if suffix in RECORDINGS else None
     if what is not None and path.is_file():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+import math
+
+from pydantic import Field, ValidationInfo, field_validator
 
 from realitygap.scenario.section import Count, Finite, NotNegative, Positive, Section
 
@@ -12,7 +14,14 @@ class GroundSpec(Section):
 
     friction: NotNegative = Field(default=0.8, description="coefficient of the pair robot-ground")
     stiffness: Positive | None = Field(default=None, description="per contact point [N/m]; rigid where absent")
-    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m]")
+    damping: NotNegative | None = Field(default=None, description="per contact point [N·s/m], with a stiffness")
+
+    @field_validator("damping")
+    @classmethod
+    def _of_a_soft_one(cls, damping: float | None, others: ValidationInfo) -> float | None:
+        if damping and others.data.get("stiffness", math.nan) is None:  # NaN: it is there and wrong itself
+            raise ValueError("expected a stiffness beside it: without one the ground is rigid, and has no damping")
+        return damping
 
 
 GROUNDS = {
