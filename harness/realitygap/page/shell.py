@@ -7,6 +7,7 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from realitygap.page.cards import with_column_names
+from realitygap.page.coded import with_code
 
 PAGE = "realitygap.page"
 STYLES = ("page.css", "story.css")
@@ -28,7 +29,7 @@ def render(room: str, template: str, *, title: str, **content: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return with_column_names(environment.get_template(template).render(css=style(), title=title, **content))
+    return with_code(with_column_names(environment.get_template(template).render(css=style(), title=title, **content)))
 
 
 def style() -> Markup:
