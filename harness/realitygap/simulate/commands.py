@@ -23,6 +23,21 @@ class Commands:
     held: bool = True
 
 
+def going_on(commands: Commands, duration: float) -> Commands:
+    """A trajectory that goes on as it came where it ends with a motion of this duration [s]: what recorded it stopped,
+    and no joint. Its rate, which a controller takes over a step and the next one, would else break off in the last.
+    """
+    if commands.held or len(commands.time) < 2:
+        return commands
+    time, value = commands.time, commands.value
+    after = time[-1] + (time[-1] - time[-2])
+    if duration >= after:  # one more would have been recorded
+        return commands
+    further = 2.0 * value[-1] - value[-2]
+    further = np.where(np.isnan(further), value[-1], further)  # switched on or off there
+    return Commands(np.append(time, after), np.vstack([value, further]), commands.held)
+
+
 def on_steps(commands: Commands, steps: int, h: float, delay: Array, first: int = 0) -> Array:
     """The mean command over every step of length h from a first one on, after each joint's delay [s]. Shape (steps, n).
 

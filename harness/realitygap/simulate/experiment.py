@@ -20,7 +20,7 @@ from realitygap.robot.plant import Plant, build_plant
 from realitygap.scenario.effort import fitted_factors
 from realitygap.scenario.file import RunCase, ScenarioFile
 from realitygap.scenario.schema import EffectSpec, EffortStream, Scenario
-from realitygap.simulate.commands import Commands
+from realitygap.simulate.commands import Commands, going_on
 from realitygap.simulate.drive_gain import Weighed, drive_gains, with_gains
 from realitygap.simulate.feasible import check_steps, check_supply
 from realitygap.simulate.flight import Launch, launch
@@ -237,7 +237,7 @@ def _commands(
     if recording is None or scenario.follows or not len(recording.command_time):
         return Commands(np.zeros(1), np.full((1, n), np.nan), held=not scenario.follows), begin, duration
     held = motion is None or motion.held
-    return Commands(recording.command_time - begin, recording.command, held), begin, duration
+    return going_on(Commands(recording.command_time - begin, recording.command, held), duration), begin, duration
 
 
 def _followed(

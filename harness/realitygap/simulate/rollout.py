@@ -90,7 +90,9 @@ def rolled(
     h = simulation.physics.timestep
     n = len(plant.model.joints)
     most = max(most, 2)  # of every stretch the last state is told with the next one
-    told = Told(commands, plant.drive, steps, h, plant.delay)
+    told = Told(
+        commands, plant.drive, steps + 1, h, plant.delay
+    )  # of each step a controller looks at the next one, too
     drive, state = plant.drive, np.zeros(n, STATE)
 
     held = Held(0, n, min(most, steps) + 2)
@@ -106,7 +108,7 @@ def rolled(
     lagged: Array | None = None
     while done < steps:
         todo = min(most, steps - done)
-        command = told.over(held.first, min(at + todo + 1, steps - held.first))
+        command = told.over(held.first, at + todo + 1)
         times = np.arange(done, done + todo) * h
         volts = np.zeros(todo) if supply is None else np.interp(times, *supply)
         try:
