@@ -30,6 +30,14 @@ def test_files_that_are_not_tables(name: str, data: bytes, said: str, tmp_path: 
         read_recording(path, scenario(), ["elbow"], file=FILE)
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.parquet", "run.mcap", "run.bag"])
+def test_what_git_has_not_fetched_is_told(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n")
+    with pytest.raises(InputError, match=rf"{name}: is a pointer of git-lfs, .*: run `git lfs pull`"):
+        read_recording(path, scenario(), ["elbow"], file=FILE)
+
+
 @pytest.mark.parametrize("name", ["run.csv", "run.parquet", "run.mcap"])
 def test_what_is_packed_without_saying_so_is_told(name: str, tmp_path: Path) -> None:
     path = tmp_path / name

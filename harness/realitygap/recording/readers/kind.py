@@ -13,6 +13,8 @@ FIRST = {  # suffix -> what files of the kind begin with, and what they are call
 BAGS = (".bag", ".db3", ".mcap")
 PACKED = {".gz": (b"\x1f\x8b", "packed with gzip"), ".zst": (b"\x28\xb5\x2f\xfd", "packed with Zstandard")}
 """The same of packed files, whose suffix stands behind that of what they hold."""
+POINTER = b"version https://git-lfs"
+"""How a file begins that `git clone` left out and git-lfs would fetch."""
 ENOUGH = 64
 """Bytes that tell text from other things."""
 
@@ -31,6 +33,8 @@ def check_kind(path: Path, plain: Path) -> None:
     """
     with plain.open("rb") as file:
         start = file.read(ENOUGH)
+    if start.startswith(POINTER):
+        raise InputError(f"{path}: is a pointer of git-lfs, not the recording; expected that: run `git lfs pull`")
     own = plain.suffix.lower()
     for suffix, (first, called) in FIRST.items():
         if start.startswith(first):

@@ -17,10 +17,9 @@ import pyarrow.parquet as pq
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.files.found import counted, kind_of
 from realitygap.files.plain_file import check_plain, read_written
+from realitygap.recording.readers.kind import POINTER
 
 Found = TypeVar("Found")
-POINTER = b"version https://git-lfs"
-"""How a file begins that `git clone` left out and git-lfs would fetch."""
 SHOWN = 12
 """Episodes that a sentence lists."""
 
