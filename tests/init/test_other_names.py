@@ -25,6 +25,29 @@ def test_a_prefix_of_all_joints_is_found_and_said(
     assert f'guessed: joints: {{"*": "{pattern}"}} (so the recording names the joints)' in draft.lines()
 
 
+@pytest.mark.parametrize("names", [("Shoulder", "Elbow"), ("SHOULDER_", "el-bow")])
+def test_names_that_are_spelt_otherwise_are_found_and_said(
+    names: Sequence[str], tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    bag = write_bag(tmp_path / "run", "mcap", messages(names=names))
+    draft = init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+    scenario, (recording,) = read_all(draft.path, ["shoulder", "elbow"])
+    assert there(scenario.recordings).joints == {"shoulder": names[0], "elbow": names[1]}
+    assert there(scenario.motion).recorded == "/joint_commands"
+    assert Signals(recording.trace).command.any()
+    said = f'guessed: joints: {{"shoulder": "{names[0]}", "elbow": "{names[1]}"}} (so the recording names the joints)'
+    assert said in draft.lines()
+
+
+@pytest.mark.parametrize("names", [("Shoulder", "Elbow", "ELBOW"), ("Shoulder", "wrist")])
+def test_names_that_are_not_all_told_apart_are_left_to_the_user(
+    names: Sequence[str], tmp_path: Path, write_bag: Callable[..., Path]
+) -> None:
+    bag = write_bag(tmp_path / "run", "mcap", messages(names=names))
+    with pytest.raises(InputError, match=r"recordings\.joints tells their names"):
+        init(arm(tmp_path / "arm.urdf"), [bag], tmp_path / "out")
+
+
 def test_of_two_arms_the_other_is_said(tmp_path: Path, write_bag: Callable[..., Path]) -> None:
     names = [f"{side}/{joint}" for side in ("left", "right") for joint in ("shoulder", "elbow")]
     bag = write_bag(tmp_path / "run", "mcap", messages(names=names))

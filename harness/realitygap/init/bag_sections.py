@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from realitygap.files.errors import InputError
+from realitygap.init.names import spelt_otherwise
 from realitygap.init.probe import Contents, probe
 from realitygap.init.roles import COMMAND, CURRENT, Roles, other_states, roles_of, unfit_commands, why_no_state
 from realitygap.init.sections import (
@@ -25,20 +26,19 @@ from realitygap.scenario.joint_names import JOINT, name_patterns
 
 def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path) -> Sections:
     """Motion, recordings and runs of bags that are built like the first one. Joints that its state does not name, while
-    it does others, are held. Where it names none, names that differ by what stands before or behind them are theirs.
+    it does others, are held. Where it names none, names that differ by what stands before or behind them are theirs,
+    or that are spelt otherwise.
 
     Raises:
         InputError: for a bag that holds none of the robot's joints, or no pose of a robot without joints.
     """
     contents = probe(paths[0], joints)
-    roles, patterns = roles_of(contents), _patterns(contents, joints)
-    names = {joint: joint for joint in joints}
-    if joints and roles.state is None and patterns:
-        names = {joint: patterns[0].replace(JOINT, joint) for joint in joints}
+    roles = roles_of(contents)
+    names, said = {joint: joint for joint in joints}, list[str]()
+    if joints and roles.state is None and (other := _names(contents, joints)) is not None:
+        names, said = other
         contents = probe(paths[0], list(names.values()))
         roles = roles_of(contents)
-    else:
-        patterns = []
     if joints and roles.state is None and (reasons := why_no_state(contents)):
         raise InputError(
             f"{contents.path}: {', and '.join(reasons)}; expected a topic with the measured positions of "
@@ -61,7 +61,7 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
     seen = {j: [s.topic for s in contents.joint_streams if names[j] in s.joints] for j in held}
     return Sections(
         _motion(replace(roles, order=tuple(joint for name in roles.order for joint in joints if names[joint] == name))),
-        [*_names(patterns), *_recordings(contents, roles)],
+        [*said, *_recordings(contents, roles)],
         runs_of(paths, out),
         roles.meaning,
         moving,
@@ -77,11 +77,16 @@ def _patterns(contents: Contents, joints: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(p for names in contents.others.values() for p in name_patterns(names, joints)))
 
 
-def _names(patterns: Sequence[str]) -> list[str]:
-    if not patterns:
-        return []
-    also = _also(patterns[1:])
-    return [f'  joints: {{"*": {quoted(patterns[0])}}}  # GUESS: so the recording names the joints{also}']
+def _names(contents: Contents, joints: Sequence[str]) -> tuple[dict[str, str], list[str]] | None:
+    """The names that a recording has for the joints where they are others, and the key that says so."""
+    if patterns := _patterns(contents, joints):
+        stated, also = f'"*": {quoted(patterns[0])}', _also(patterns[1:])
+        names = {joint: patterns[0].replace(JOINT, joint) for joint in joints}
+    else:
+        spelt = (spelt_otherwise(found, joints) for found in contents.others.values())
+        names, also = next((found for found in spelt if found), {}), ""
+        stated = ", ".join(f"{quoted(joint)}: {quoted(name)}" for joint, name in names.items())
+    return (names, [f"  joints: {{{stated}}}  # GUESS: so the recording names the joints{also}"]) if names else None
 
 
 def _also(others: Sequence[str]) -> str:

@@ -16,6 +16,18 @@ def words(label: str) -> Stem:
     return tuple(word.lower() for word in WORD.findall(label))
 
 
+def spelt_otherwise(names: Sequence[str], joints: Sequence[str]) -> dict[str, str]:
+    """The name of every joint among names that are its own but for capitals and what stands between words, as
+    `Shoulder-Pan` of shoulder_pan; none where that leaves one without a name, or with several.
+    """
+    found = {joint: [name for name in names if _letters(name) == _letters(joint)] for joint in joints}
+    return {joint: same[0] for joint, same in found.items()} if all(len(s) == 1 for s in found.values()) else {}
+
+
+def _letters(name: str) -> str:
+    return "".join(letter for letter in name.casefold() if letter.isalnum())
+
+
 def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str, str]]:
     """What is there for every joint: stem to joint to label. A label names a joint by its name or by its number.
 
