@@ -89,6 +89,14 @@ def test_where_nothing_is_missing_nothing_is_told() -> None:
     assert "no more than its band" in sentence(shape)
 
 
+def test_of_a_motion_within_one_block_it_is_said_that_it_is_too_short() -> None:
+    spring = [{"variables": ["angle"], "knots": [[-1.5, 1.5]], "values": [0.6, -0.6]}]
+    commands, trace = swing(mapped(arm(), spring), MOTIONS[3], lasts=0.5)
+    shape = shape_of([recovered(arm(), commands, trace)], "joint0")
+    assert not shape.terms
+    assert "is of too short a motion to tell what it depends on" in sentence(shape)
+
+
 def test_as_effects_it_closes_the_gap_on_a_motion_that_was_not_fitted() -> None:
     maps = [{"variables": ["angle"], "knots": [[-1.5, -0.5, 0.0, 0.7, 1.5]], "values": [0.2, -0.3, 0.1, 0.3, -0.2]}]
     runs = []

@@ -86,6 +86,7 @@ class Shape:
         noise: the share of its variance that the band explains.
         within: how often its band holds 0.
         rivals: other variables that predict it as well.
+        judged: whether there were parts to judge on; a motion within one block of time has none.
     """
 
     joint: str
@@ -97,6 +98,7 @@ class Shape:
     noise: float
     within: float
     rivals: tuple[tuple[str, ...], ...]
+    judged: bool = True
 
     @property
     def effects(self) -> list[EffectSpec]:
@@ -112,6 +114,8 @@ def shape_of(runs: Sequence[MissingEffort], joint: str) -> Shape:
     size = float(np.sqrt(np.mean(effort**2)))
     within = float(np.mean(np.abs(effort) < BAND * np.concatenate([r.error[:, index] for r in runs])))
     unit = "N" if runs[0].slides[index] else "N·m"
+    if samples.folds < 2:
+        return Shape(joint, unit, size, mean, (), 0.0, noise, within, (), judged=False)
     whole = nothing(samples)
     chosen, alone, rivals = _choose(samples, whole)
     if chosen is None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from realitygap.missing.shape import Shape
+from realitygap.missing.shape import BLOCK, Shape
 
 DEPENDS = {
     "angle": "the angle",
@@ -25,6 +25,8 @@ def sentence(shape: Shape) -> str:
     if not shape.terms:
         if shape.within > WITHIN:
             return f"{size} is no more than its band leaves open"
+        if not shape.judged:
+            return f"{size} is of too short a motion to tell what it depends on: record more than {BLOCK:g} s of motion"
         if abs(shape.mean) > shape.size / 2:
             return f"{size} is {shape.mean:.2g} {shape.unit} in the mean, and depends on nothing that was looked at"
         return f"{size} depends on nothing that was looked at"
