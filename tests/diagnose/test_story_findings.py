@@ -319,3 +319,13 @@ def test_what_laws_are_off_by_stands_beside_the_findings_and_is_none(
     )
     revised = content.revised.save(tmp_path / "revised").read_text(encoding="utf-8")
     assert "effect: controller_gain" in revised
+
+
+def test_where_a_mistake_is_likely_nothing_is_said_to_explain_nothing(
+    told: Callable[[str], Diagnosis], tmp_path: Path
+) -> None:
+    result = told("unexplained")
+    _, _, words = page_of(replace(result, blamed=(result.where[0].joint,)), tmp_path)
+    assert "A mistake is likely where the gap is, so that nothing was looked for there" in words
+    assert "that no effect explains" not in words
+    assert "No fault of sensor or clock" not in words

@@ -51,6 +51,7 @@ class Diagnosis:
         predicted: how much better what was kept back is predicted.
         before, after: simulated signals by case.
         deviations: standard errors of what the recordings show by themselves, by suspect and parameter.
+        blamed: joints where a mistake is likely, so that nothing was looked for there.
     """
 
     problem: Problem
@@ -71,6 +72,7 @@ class Diagnosis:
     after: dict[int, dict[str, Array]]
     notes: list[str] = field(default_factory=list)
     deviations: dict[Suspect, dict[str, float]] = field(default_factory=dict)
+    blamed: tuple[str, ...] = ()
     adjusted: tuple[Change, ...] = ()
 
     @property

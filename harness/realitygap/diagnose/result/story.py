@@ -114,6 +114,7 @@ def _story(result: Diagnosis) -> dict[str, Any]:
         "worsened": [(w.joint, w.signal, number(w.before), in_unit(w.after, w.unit)) for w in result.worsened],
         "left": [_place(p) for p in result.left],
         "faults": result.faults,
+        "blamed": result.blamed,
         "closest": [_closest(result, c) for c in result.closest],
         "units": [(u.signal, number(u.before), in_unit(u.after, u.unit)) for u in result.units],
         "notes": [_begun(result, in_words(note)) for note in result.notes],

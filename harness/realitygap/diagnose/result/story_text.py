@@ -247,6 +247,8 @@ def _unexplained(result: Diagnosis) -> str:
     rest = f" With {_adjusted(result.adjusted)} it {_moved(before, after)}." if result.adjusted else ""
     if result.found.cut:
         return f"Something is missing: {text}. {CUT}, and nothing that it had tried explains it well enough.{rest}"
+    if result.where and result.where[0].joint in result.blamed:
+        return f"A mistake is likely where the gap is, so that nothing was looked for there: {text}.{rest}"
     return (
         f"Something is missing that no effect explains: {text}, and no effect explains it better than something else "
         f"would.{rest}"

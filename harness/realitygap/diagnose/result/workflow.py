@@ -54,6 +54,10 @@ NOT_REPEATED = (
     "no motion was recorded twice: how much the robot itself differs from one time to the next is not known, and less "
     "is named; record one motion three times"
 )
+NOT_SOUGHT = (
+    "nothing was looked for at {}, where a mistake is likely: mend it, or say that it is none by `accept: [{}]`, and "
+    "diagnose again"
+)
 CUT = (
     "the search stopped when its simulations or its time were used up: more may be missing than what was found; "
     "--minutes inf searches to the end"
@@ -108,6 +112,9 @@ def diagnosed(
     with Simulations(problem, workers, ahead) as simulations:
         result = diagnose(simulations, chosen, progress.say, blamed_joints(warnings), budget)
     result.notes[:0] = [f"likely a mistake: {m.text}" for m in warnings]
+    if result.blamed:
+        kinds = dict.fromkeys(m.kind for m in warnings if m.joints)
+        result.notes.insert(len(warnings), NOT_SOUGHT.format(", ".join(result.blamed), ", ".join(kinds)))
     return result
 
 
@@ -180,6 +187,7 @@ def diagnose(
         after=after,
         notes=[*notes, *replaced(problem, changes)],
         deviations={c.suspect: deviations(problem, c) for c in told},
+        blamed=tuple(sorted(blamed)),
     )
     rest = result.verdict in ("partly explained", "unexplained")
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
