@@ -41,6 +41,15 @@ def test_a_command_says_which_other_one_is_meant(
     assert [p.name for p in tmp_path.iterdir()] == ["file.yaml"]
 
 
+def test_a_matrix_whose_scenarios_are_misspelt_is_no_bench(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file.yaml").write_text("name: m\nscenario: scenario.yaml\naxes: {step_rate: [500]}\n")
+    assert refused("matrix", "file.yaml") == 2
+    assert "did you mean scenarios?" in one_sentence(capfd.readouterr())
+
+
 @pytest.mark.parametrize("path", sorted(SCENARIOS.glob("*/*.yaml")), ids=lambda p: f"{p.parent.name}/{p.name}")
 def test_no_file_of_this_repository_is_taken_for_another(path: Path, data_dir: Path) -> None:
     loaders: list[Callable[[Path], object]] = [load_scenario, load_matrix, load_servo_bench, load_supply_bench,

@@ -8,14 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import synthetic
 from realitygap.cli.main import app
 from realitygap.compare.traces import read_traces
 from realitygap.files.errors import InputError
+from realitygap.page.style import number
 from realitygap.report import remake, write_figures, write_page
 from realitygap.report.curves import read_curves, unpack, write_curves
 from realitygap.report.folder import read_folder
+from realitygap.report.payload import payload
 from realitygap.report.spread import spread
 from realitygap.report.thesis import grounds, improvements
 from realitygap.trace.trace import Trace
@@ -37,6 +40,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             np.inf if (c.engine, c.step_rate) == ("drake", 500.0) else 0.02 if c.robot_revision == "old" else 0.01
         ),
     )
+
+
+def test_means_of_the_page_are_those_of_the_table() -> None:
+    results = read_folder(Path(__file__).parents[2] / "results" / "reference" / "demo")
+    rows = payload(results)["rows"]
+    keys = [rows[name] for name in ("cell", "signal", "group")]
+    exact, told = (pd.Series(v).groupby(keys).mean() for v in (results.gaps["mean_abs"].to_numpy(), rows["mean"]))
+    assert [number(v) for v in told] == [number(v) for v in exact]
 
 
 def test_same_folder_same_page(folder: Path, tmp_path: Path) -> None:

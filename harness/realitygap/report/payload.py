@@ -11,8 +11,9 @@ from realitygap.page.style import AXES, SIGNALS, axis_value, engine_color, engin
 from realitygap.report.folder import Results, cell_key
 from realitygap.report.groups import groups
 
-DIGITS = 4
-"""Significant digits of numbers in the page: one more than it prints."""
+DIGITS = 6
+"""Significant digits of numbers in the page, three more than it prints: what is rounded twice, or the mean of what was
+rounded, is the number that the terminal tells."""
 NUMBERS = {
     "mean": "mean_abs",
     "median": "median_abs",

@@ -19,7 +19,7 @@ class _Kind:
 
 KINDS = {
     "a scenario": _Kind(("robot",), "run"),
-    "a matrix": _Kind(("scenarios",), "matrix"),
+    "a matrix": _Kind(("scenarios", "axes"), "matrix"),
     "a bench of servos": _Kind(("torque_speed", "static_friction", "regression"), "bench servo"),
     "a bench of a supply": _Kind(("chains",), "bench supply"),
     "a bench of links": _Kind(("masses", "centers", "parts"), "bench links"),
