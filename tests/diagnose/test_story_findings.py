@@ -11,6 +11,7 @@ import pytest
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.library import Diagnosed
+from realitygap.diagnose.propose.told import found_changes
 from realitygap.diagnose.result import story, story_text
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.story import _Value
@@ -329,3 +330,15 @@ def test_where_a_mistake_is_likely_nothing_is_said_to_explain_nothing(
     assert "A mistake is likely where the gap is, so that nothing was looked for there" in words
     assert "that no effect explains" not in words
     assert "No fault of sensor or clock" not in words
+
+
+def test_findings_that_are_read_again_are_the_same_changes(told: Callable[[str], Diagnosis]) -> None:
+    stop = Suspect("joint_stop", "elbow", (1,))
+    values = (("lower", -np.inf), ("upper", 0.8), ("stiffness", 30.0))
+    result = told("explained")
+    friction = dict(result.changes[0].values)
+    assert friction["onset"] == 0.0
+    changes = (*result.changes, Change(stop, values))
+    result = replace(result, changes=changes, shown={c.suspect: Shown(3.0, 1.05) for c in changes})
+    again = found_changes(result.problem, result.to_json()["findings"], Path("diagnosis.json"))
+    assert [dict(c.values) for c in again] == [pytest.approx(friction, rel=1e-4), dict(values)]

@@ -111,10 +111,8 @@ def found_changes(problem: Problem, findings: Sequence[dict[str, Any]], file: Pa
                 "scenario as was diagnosed"
             )
         parameters = told["parameters"]
-        values = {
-            p.name: float(parameters[p.name]["value"]) if p.name in parameters else float("inf")
-            for p in suspect.kind.parameters
-        }
+        left_out = {p.name: np.inf if p.absent is None else p.absent for p in suspect.kind.parameters}
+        values = left_out | {n: float(p["value"]) for n, p in parameters.items()}
         free = tuple(n for n, p in parameters.items() if p["low"] < p["high"])
         out.append(Change(suspect, tuple(values.items()), free))
     return out
