@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from demo_problem import FRICTION, suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import Change, model_key
+from realitygap.diagnose.data.changes import Change, Suspect, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -13,7 +13,7 @@ from realitygap.diagnose.fit.responses import residual
 from realitygap.diagnose.judge.held_out import CHOSE, Against, Verdict, _asked, _wider, certain_of, predicted, supported
 from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure
-from realitygap.diagnose.result.not_named import held_out_against
+from realitygap.diagnose.result.not_named import held_out_against, vague
 from realitygap.diagnose.result.workflow import _against_all
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
@@ -187,6 +187,13 @@ def test_a_finding_is_not_named_where_its_interval_holds_what_the_model_has(
     assert left.fuller is best, "what it was found beside is adjusted from there"
     assert model_key(left.best.fit.changes) == model_key([friction])
     assert certain_of(simulations, vague, [offset.suspect]) == (vague, [])
+
+
+def test_others_are_told_beside_what_is_adjusted_only_where_there_are_some() -> None:
+    friction, gain = Suspect("coulomb_friction", "elbow", (1,)), Suspect("controller_gain", "elbow", (1,))
+    assert "others" not in vague(friction, {friction})
+    assert "before others were adjusted beside it" in vague(friction, {friction, gain})
+    assert "adjusted" not in vague(friction, {gain})
 
 
 def test_an_interval_is_as_wide_as_a_value_moved_by_what_is_not_named(found: Found) -> None:

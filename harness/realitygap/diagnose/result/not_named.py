@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.judge.held_out import Against
 from realitygap.diagnose.result.odds import odds
@@ -29,14 +31,12 @@ def usual(suspect: Suspect) -> str:
     )
 
 
-def vague(suspect: Suspect, adjusted: bool) -> str:
-    """Why a finding is not named whose interval does not tell it."""
-    if adjusted:
-        return (
-            f"{suspect} is adjusted and not named: before others were adjusted beside it, its 95 % interval held what "
-            "the model has already"
-        )
-    return f"{suspect} is not named: its 95 % interval holds what the model has already"
+def vague(suspect: Suspect, adjusted: Collection[Suspect]) -> str:
+    """Why a finding is not named whose interval does not tell it, of those that are adjusted or of none."""
+    instead = f"{suspect} is {'adjusted and ' * (suspect in adjusted)}not named: "
+    if suspect in adjusted and len(adjusted) > 1:
+        return f"{instead}before others were adjusted beside it, its 95 % interval held what the model has already"
+    return f"{instead}its 95 % interval holds what the model has already"
 
 
 def held_out_against(suspect: Suspect, told: Against) -> str:

@@ -219,7 +219,7 @@ def _searched(
     found, small = usual_after_all(simulations, found, keep)
     named = {c.suspect for c in found.best.fit.changes}.difference(found.adjusted)
     why_not = [not_named.held_out_against(s, told) for s, told in against.items()]
-    why_not += [not_named.vague(s, s in found.adjusted) for s in vague if s not in {*named, *wide, *small}]
+    why_not += [not_named.vague(s, found.adjusted) for s in vague if s not in {*named, *wide, *small}]
     why_not += [*(not_named.wide(s) for s in wide), *(not_named.usual(s) for s in small)]
     return found, [*why_not, *(not_named.beaten(s) for s in found.adjusted if s in found.beaten)]
 
