@@ -36,6 +36,15 @@ def test_a_joint_without_a_servo_is_a_mistake_where_it_is_told_to_move(
     assert ("undriven_joint" in found) == (told == "moves")
 
 
+def test_servos_that_are_off_all_along_are_told_with_what_accepts_them(team: Team, tmp_path: Path) -> None:
+    off = team.copy()
+    for table in off.tables.values():
+        table.command[:] = np.nan
+    (found,) = [m for m in check(load_scenario(off.write(tmp_path))) if m.kind == "drives_nothing"]
+    assert "no command of a joint whose servo is on" in found.sentence
+    assert "`accept: [drives_nothing]`" in found.sentence
+
+
 def test_what_is_tried_there_does_not_hang_on_the_effort_that_a_urdf_states(team: Team, tmp_path: Path) -> None:
     """A pole had 100 N·m in its URDF, and friction of 0.01 N·m·s/rad was tried at 0.6."""
     tried = []

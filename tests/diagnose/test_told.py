@@ -64,6 +64,13 @@ def test_nothing_else_is_a_late_speed(kind: str, other: EffectSpec, tmp_path: Pa
     assert not told_by_recordings(planted, suspects(planted))
 
 
+def test_an_effort_that_never_changes_tells_of_no_late_speed(tmp_path: Path) -> None:
+    planted = recorded(tmp_path, KINDS["cascade"] | {"kind": "cascade"}, EffectSpec(effect=LATE, target="*", time=0.02))
+    still = [replace(c, measured=replace(c.measured, effort=np.zeros_like(c.value("effort")))) for c in planted.cases]
+    constant = replace(planted, cases=tuple(still))
+    assert not told_by_recordings(constant, suspects(constant))
+
+
 def test_a_lag_that_the_scenario_has_is_none(tmp_path: Path) -> None:
     late = EffectSpec(effect=LATE, target="*", time=0.01)
     planted = recorded(tmp_path, KINDS["cascade"] | {"kind": "cascade"}, late)

@@ -56,7 +56,10 @@ def drives_nothing(file: ScenarioFile, plants: Sequence[Plant], observed: Sequen
     out = []
     for o in observed:
         if not np.isfinite(o.recording.command).any():
-            sentence = f"{o.name} holds no command of any joint, so that nothing drives the robot; expected some"
+            sentence = (
+                f"{o.name} holds no command of a joint whose servo is on, so that nothing drives the robot; expected "
+                "some, or `accept: [drives_nothing]` where the robot swings freely"
+            )
             out.append(Mistake("drives_nothing", "certain", o.joints, sentence, "motion.recorded", (o.name,)))
     return out
 

@@ -78,7 +78,7 @@ def _seen(case: Case, joint: int) -> Seen | None:
     memory = max(int(5.0 * LONGEST / period), 1)  # until a lag has forgotten what was before
     known = ~(binary_dilation(lost, iterations=memory) | binary_dilation(limited, iterations=len(SMOOTH)))
     known[:memory] = False
-    if known.sum() < 10 * len(SMOOTH):
+    if known.sum() < 10 * len(SMOOTH) or not np.ptp(effort[known]):  # an effort that never changes tells of no lag
         return None
     command, position, effort = (np.nan_to_num(value) for value in (command, position, effort))
 
