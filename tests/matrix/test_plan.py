@@ -109,6 +109,11 @@ def test_cells_are_listed_as_the_file_says_their_values(tmp_path: Path) -> None:
     assert listed == [(rate, gain) for rate in ("500", "2000", "1000") for gain in ("5", "4", "10")]
 
 
+def test_cells_come_in_the_order_in_which_they_are_listed(write: Callable[..., list[Task]]) -> None:
+    cells = write("engines: mujoco\naxes: {step_rate: [500, 2000, 1000, 250, 750]}\n")
+    assert [cell.axes["step_rate"] for cell in cells] == [500, 2000, 1000, 250, 750]
+
+
 def test_repetitions_stay_one_motion_under_every_axis_value(tmp_path: Path) -> None:
     path = tmp_path / "matrix.yaml"
     path.write_text(

@@ -145,7 +145,7 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
     there = finished(tasks, open_store(settings.place(out)), retry_crashed=settings.retry_crashed)
     estimate = StepCost(there.values())
     lines = []
-    for task in sorted(tasks, key=lambda task: _place(task, matrix)):
+    for task in tasks:
         state = "there" if task.key in there else f"{estimate.seconds(task):.1f} s"
         lines.append(f"{task.file.scenario.name:18} {task.title:60} {state}")
     todo, jobs = [t for t in tasks if t.key not in there], settings.jobs
@@ -155,13 +155,6 @@ def dry_run(matrix: MatrixFile, out: Path, settings: Settings) -> list[str]:
         f"s with {jobs} process{'es' if jobs != 1 else ''} where the machine has nothing else to do"
     )
     return lines
-
-
-def _place(task: Task, matrix: MatrixFile) -> tuple[int, str, str, list[int]]:
-    """Where a person looks for a cell: the values of every axis in the order of the file, the last axis's fastest."""
-    values = [matrix.matrix.axes[axis].index(value) for axis, value in task.axes.items()]
-    scenario = [file.path for file in matrix.scenarios].index(task.file.path)
-    return scenario, task.engine, task.motion.name, values
 
 
 def _say_notes(tasks: Sequence[Task], progress: Progress) -> None:

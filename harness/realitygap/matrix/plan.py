@@ -50,7 +50,7 @@ class Reader:
 
 
 def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
-    """The cells of a matrix, in the order of their tables. `read` reads the recordings.
+    """The cells of a matrix, in the order in which a person looks for them. `read` reads the recordings.
 
     Raises:
         InputError: for whatever is wrong with the matrix, its scenarios or their files.
@@ -84,7 +84,14 @@ def plan(matrix: MatrixFile, read: Reader | None = None) -> list[Task]:
             f"{matrix.path}: holds no cell; recordings is {', '.join(matrix.matrix.recordings)}; expected patterns "
             f"that match {there or 'a recording'}, and not everything left out"
         )
-    return [tasks[name] for name in sorted(tasks)]
+    return sorted(tasks.values(), key=lambda task: _place(task, matrix))
+
+
+def _place(task: Task, matrix: MatrixFile) -> tuple[int, str, str, list[int]]:
+    """Where a person looks for a cell: the values of every axis in the order of the file, the last axis's fastest."""
+    values = [matrix.matrix.axes[axis].index(value) for axis, value in task.axes.items()]
+    scenario = [file.path for file in matrix.scenarios].index(task.file.path)
+    return scenario, task.engine, task.motion.name, values
 
 
 def _variants(
