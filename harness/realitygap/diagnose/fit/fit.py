@@ -16,7 +16,7 @@ from typing import Literal
 
 import numpy as np
 
-from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.suspects import bounds, neutral
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.axes import along_axes
@@ -171,6 +171,22 @@ def stretched(
     if there is None:
         return None
     return replace(found, changes=space.at(x), residual=there, prior=space.prior(x), here=False)
+
+
+def resized(
+    simulations: Simulations, found: Fit, times: float, train: Sequence[int], coarse: Sequence[float]
+) -> Fit | None:
+    """A fit with that many times as much of its last change; None where that has no size, or cannot be simulated."""
+    if not found.changes:
+        return None
+    *rest, last = found.changes
+    plant, kind = simulations.problem.plant, last.suspect.kind
+    zero, within = neutral(plant, last.suspect), bounds(plant, last.suspect)
+    sized = [n for n in last.free if np.isfinite(zero[n]) and not kind.parameter(n).shape]
+    sizes = {n: zero[n] + times * (last.parameters[n] - zero[n]) for n in sized}
+    other = last.at({n: float(np.clip(v, *within[n])) for n, v in sizes.items()})
+    there = residual_near(simulations, found, [*rest, other], train, coarse) if sized else None
+    return None if there is None else replace(found, changes=(*rest, other), residual=there, here=False)
 
 
 def as_seen(simulations: Simulations, found: Fit, metric: Metric, train: Sequence[int], coarse: Sequence[float]) -> Fit:
