@@ -59,7 +59,7 @@ def may_be_suspected(scenario: Scenario, model: Model, effect: str, target: str 
     if scenario.follows and EFFECTS[effect].unseen_when_followed:
         return False
     names = _meant(model, effect, [target] if isinstance(target, str) else target)
-    only = [_split(entry) for entry in scenario.suspects]
+    only = [_split(entry) for entry in scenario.suspects or ()]
     if only and not all(any(e == effect and fnmatchcase(name, where) for e, where in only) for name in names):
         return False
     return not any(effect in effects and names & where for effects, where in _certain(scenario, model))
@@ -72,7 +72,7 @@ def check_suspicion(file: ScenarioFile, model: Model) -> None:
         InputError: for an effect, quantity, servo, joint or link that does not exist.
     """
     scenario, everywhere = file.scenario, _everything(model)
-    for i, entry in enumerate(scenario.suspects):
+    for i, entry in enumerate(scenario.suspects or ()):
         effect, where = _split(entry)
         _known(file, f"suspects[{i}]", effect, EFFECTS, "an effect")
         _somewhere(file, f"suspects[{i}]", entry, where, everywhere)

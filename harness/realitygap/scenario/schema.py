@@ -274,8 +274,8 @@ class Scenario(Section):
         description="quantities that a diagnosis must not suspect, as `servos.*.gain`, `servos.legs.friction`, "
         "`robot.mass`, `robot.mass@forearm` or `ground`, and effects, as `command_delay` or `joint_offset@elbow`",
     )
-    suspects: list[str] = Field(
-        default=[],
+    suspects: list[str] | None = Field(
+        default=None,
         min_length=1,
         description="the only effects that a diagnosis may suspect (default: all): `EFFECT` or `EFFECT@TARGET`, with "
         "patterns over joint and link names",
