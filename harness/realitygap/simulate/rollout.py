@@ -90,9 +90,7 @@ def rolled(
     h = simulation.physics.timestep
     n = len(plant.model.joints)
     most = max(most, 2)  # of every stretch the last state is told with the next one
-    told = Told(
-        commands, plant.drive, steps + 1, h, plant.delay
-    )  # of each step a controller looks at the next one, too
+    told = Told(commands, plant.drive, steps + 1, h, plant.delay)  # a controller looks at the next step, too
     drive, state = plant.drive, np.zeros(n, STATE)
 
     held = Held(0, n, min(most, steps) + 2)
