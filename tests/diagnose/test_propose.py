@@ -14,7 +14,7 @@ from realitygap.diagnose.propose.design import Answer, answer, chosen, separable
 from realitygap.diagnose.propose.excitation import Excitation
 from realitygap.diagnose.propose.explanations import Question
 from realitygap.diagnose.propose.keyframes import EXACT, animation, waypoints
-from realitygap.diagnose.propose.limits import MARGIN, Limits, limits_of
+from realitygap.diagnose.propose.limits import MARGIN, Limits, as_recorded, limits_of
 from realitygap.diagnose.propose.odds import Belief, expected
 from realitygap.diagnose.propose.segments import Builder
 from realitygap.diagnose.propose.told import origin_of
@@ -169,6 +169,8 @@ def test_limits_are_the_narrowest_of_file_recordings_and_owner() -> None:
     with pytest.raises(InputError, match=r"propose.limits: nothing says how far and how fast joint0 may go"):
         limits_of(wheel().model, ProposeSpec(), None, None)
     assert 0 < MARGIN < 0.5
+    partly = ProposeSpec.model_validate({"limits": {"joint0": {"effort": 3.0}, "*": {"position": [0, 1], "speed": 1}}})
+    assert [as_recorded(model, s) for s in (ProposeSpec(), spec, partly)] == [["joint0"], [], ["joint0"]]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -10,7 +10,7 @@ from realitygap_engines.model.robot import Model
 
 from realitygap.files.errors import InputError
 from realitygap.robot.drive import Array
-from realitygap.scenario.propose import ProposeSpec
+from realitygap.scenario.propose import JointLimits, ProposeSpec
 from realitygap.trace.trace import Trace
 
 MARGIN = 0.05
@@ -73,11 +73,22 @@ def limits_of(model: Model, spec: ProposeSpec, position: Array | None, reached: 
     return Limits(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
+def as_recorded(model: Model, spec: ProposeSpec) -> list[str]:
+    """The joints that nobody has told how far and how fast they may go, so that recordings narrow what files allow."""
+    told = {n: _told(spec, n) for n in model.joint_names}
+    return [n for n, own in told.items() if own is None or own.position is None or own.speed is None]
+
+
+def _told(spec: ProposeSpec, joint: str) -> JointLimits | None:
+    """What the owner says of a joint."""
+    return next((limits for pattern, limits in spec.limits.items() if fnmatchcase(joint, pattern)), None)
+
+
 def _limits(
     i: int, model: Model, spec: ProposeSpec, position: Array | None, reached: Array | None
 ) -> tuple[float, float, float, float]:
     joint = model.joints[i]
-    own = next((v for p, v in spec.limits.items() if fnmatchcase(joint.name, p)), None)
+    own = _told(spec, joint.name)
     margin = MARGIN * (joint.upper - joint.lower) if np.isfinite(joint.upper - joint.lower) else 0.0
     lower, upper = joint.lower + margin, joint.upper - margin
     speed, effort = (1.0 - MARGIN) * joint.velocity, (1.0 - MARGIN) * joint.effort

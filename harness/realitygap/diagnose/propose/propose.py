@@ -19,7 +19,7 @@ from realitygap.diagnose.propose.evolve import Part, evolved
 from realitygap.diagnose.propose.excitation import Excitation, expected_floors, pose_of, with_motions
 from realitygap.diagnose.propose.explanations import Open, shown
 from realitygap.diagnose.propose.foreseen import Foreseen
-from realitygap.diagnose.propose.limits import limits_of
+from realitygap.diagnose.propose.limits import as_recorded, limits_of
 from realitygap.diagnose.propose.odds import Belief
 from realitygap.diagnose.propose.pool import TRIED, by_condition, motions_of, pool_of, stands, within
 from realitygap.diagnose.propose.predict import Predictions, predict
@@ -142,6 +142,11 @@ def propose(
         result.notes.append("no motion within these limits tells more than is known")
         if not open_.questions:
             result.notes[-1] += "; what is left of the intervals is what laws themselves may be off by"
+    if result.hopeless and as_recorded(problem.plant.model, spec):
+        result.notes.append(
+            "what is out of reach may come within it where `propose.limits` lets joints go further or faster than "
+            "they went in the recordings"
+        )
     return result
 
 

@@ -19,6 +19,16 @@ ENOUGH = 64
 """Bytes that tell text from other things."""
 
 
+def check_fetched(path: Path, start: bytes) -> None:
+    """Make sure that a file, which begins so, is here.
+
+    Raises:
+        InputError: for one that git-lfs has not fetched.
+    """
+    if start.startswith(POINTER):
+        raise InputError(f"{path}: is a pointer of git-lfs, not the data; expected these: run `git lfs pull`")
+
+
 def check_kind(path: Path, plain: Path) -> None:
     """Make sure that a file is no other kind of recording than its name says. One that cannot be told by its first
     bytes, as where they are damaged, is left to its reader.
@@ -33,8 +43,7 @@ def check_kind(path: Path, plain: Path) -> None:
     """
     with plain.open("rb") as file:
         start = file.read(ENOUGH)
-    if start.startswith(POINTER):
-        raise InputError(f"{path}: is a pointer of git-lfs, not the recording; expected that: run `git lfs pull`")
+    check_fetched(path, start)
     own = plain.suffix.lower()
     for suffix, (first, called) in FIRST.items():
         if start.startswith(first):

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 from realitygap.files.errors import InputError, did_you_mean
 from realitygap.files.found import counted, kind_of
 from realitygap.files.plain_file import check_plain, read_written
-from realitygap.recording.readers.kind import POINTER
+from realitygap.recording.readers.kind import ENOUGH, check_fetched
 
 Found = TypeVar("Found")
 SHOWN = 12
@@ -129,8 +129,7 @@ def pq_read(file: Path, action: Callable[[], Found]) -> Found:
     check_plain(file)
     try:
         with file.open("rb") as opened:
-            if opened.read(len(POINTER)) == POINTER:
-                raise InputError(f"{file}: is a pointer of git-lfs, not the data; expected Parquet: run `git lfs pull`")
+            check_fetched(file, opened.read(ENOUGH))
         return action()
     except InputError:
         raise
