@@ -13,7 +13,7 @@ from realitygap.diagnose.data.changes import Change, changed
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.propose.excitation import BEFORE, pose_of
 from realitygap.diagnose.propose.explanations import Open, Question

@@ -9,7 +9,7 @@ from realitygap.diagnose.data.changes import Change, ModelKey, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.likelihood.floors import measure
 from realitygap.diagnose.rehearse.planting import plant_recordings
 from realitygap.diagnose.search.round import Round

@@ -8,7 +8,7 @@ from demo_problem import demo_problem
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge.closest import Closest
 from realitygap.diagnose.judge.gaps import Shown
 from realitygap.diagnose.judge.held_out import Verdict

@@ -11,7 +11,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Care, Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge.adjust import _seen, adjusted
 from realitygap.diagnose.judge.gaps import held_out_gap, shown
 from realitygap.diagnose.judge.steps import steps

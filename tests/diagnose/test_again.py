@@ -9,7 +9,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge import again
 from realitygap.diagnose.judge.again import told_after_all
 from realitygap.diagnose.judge.ordinary import all_done
@@ -63,7 +63,7 @@ def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_
         base, best = criterion.score(Fit((), still)), criterion.score(best.fit)
         cautious = criterion.cautious(best.fit)
         found = Found(base, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
-        does = all_done(simulations, found)[dry.suspect]
+        does = all_done(found)[dry.suspect]
         monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / whole)
         told = told_after_all(simulations, found, {})
     assert does.whole > 10.0, "it is plain to see"
@@ -86,7 +86,7 @@ def test_what_other_values_may_take_over_is_no_more_than_laws_are_off_by(monkeyp
         best, without = criterion.score(best.fit), criterion.score(without.fit)
         cautious = criterion.cautious(best.fit)
         found = Found(without, best, cautious, 6.0, {}, criterion.floors, criterion, adjusted=(dry.suspect,))
-        does = all_done(simulations, found)[dry.suspect]
+        does = all_done(found)[dry.suspect]
         apart = float(np.linalg.norm(criterion.discrepancy_metric(without.fit.residual - best.fit.residual)))
         monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / 2.2)
         told = told_after_all(simulations, found, {})
@@ -152,7 +152,7 @@ def test_what_laws_may_be_off_by_has_no_name_but_where_held_out_runs_clearly_mis
         criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [change.suspect]))
         best = criterion.score(best.fit)
         found = Found(best, best, criterion.cautious(best.fit), 6.0, {}, criterion.floors, criterion)
-        does = all_done(simulations, found)[change.suspect]
+        does = all_done(found)[change.suspect]
         monkeypatch.setattr(Criterion, "typical", lambda *_: does.whole / whole)
         told, small = again.usual_after_all(simulations, found, [])
         kept, none = again.usual_after_all(simulations, found, [change.suspect])

@@ -10,7 +10,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, resized
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.scenario.file import load_scenario
 
@@ -77,13 +77,12 @@ def test_of_the_last_change_more_is_tried_and_no_more_than_there_can_be(
     oil, dry = (guess(problem, suspect_of(problem, e, "hinge")) for e in ("viscous_friction", "coulomb_friction"))
     left = residual(simulations, [oil, dry], criterion.train)
     assert left is not None
-    where = criterion.train, criterion.floors.coarse
     for times, of in ((2.0, 2.0), (0.5, 0.5), (-1.0, 0.0)):
-        other = resized(simulations, Fit((oil, dry), left), times, *where)
+        other = resized(criterion.motions, Fit((oil, dry), left), times)
         assert other is not None
         assert other.changes[0] == oil
         assert other.changes[1].parameters["torque"] == pytest.approx(of * dry.parameters["torque"])
         anew = residual(simulations, other.changes, criterion.train)
         assert anew is not None
         np.testing.assert_allclose(other.residual, anew, atol=1e-9)
-    assert resized(simulations, Fit((), left), 2.0, *where) is None
+    assert resized(criterion.motions, Fit((), left), 2.0) is None

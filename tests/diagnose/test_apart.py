@@ -7,7 +7,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.likelihood.whitening import spans
 from realitygap.diagnose.search.apart import ERRORS, reached, scatter
 from realitygap.diagnose.search.criterion import Criterion

@@ -15,7 +15,8 @@ from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit import fit as fit_module
 from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.fit import Fit, slope, stretched
-from realitygap.diagnose.fit.responses import residual, single
+from realitygap.diagnose.fit.motions import Motions, residual
+from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.robot.drive import Array
@@ -45,10 +46,9 @@ def test_where_motions_are_smooth_they_are_those_of_each_value_alone(
     criterion = Criterion(simulations, [])
     found, metric = _fitted(criterion, changes)
     space = Space(problem, changes)
-    where = criterion.train, criterion.floors.coarse
-    alone = slope(simulations, space, space.first, *where)
+    alone = slope(criterion.motions, space, space.first)
     known = alone * np.array([1.3, 0.8, 1.1])  # what was known from near by is replaced
-    told = along_axes(simulations, space, space.first, found.residual, known, metric, *where)
+    told = along_axes(criterion.motions, space, space.first, found.residual, known, metric)
     white, own = metric(told), metric(alone)
     cosine = np.sum(white * own, 0) / np.linalg.norm(white, axis=0) / np.linalg.norm(own, axis=0)
     assert np.all(cosine > 0.95)
@@ -68,13 +68,13 @@ def test_where_motions_are_rough_they_lead_the_same_way_from_the_same_place() ->
         starts = [guess(problem, s) for s in [*servos, *shoulders]]
         fitted = [start.at({n: likely[n] for n in start.free}) for start in starts]
         found, metric = _fitted(criterion, fitted)
-        space, where = Space(problem, fitted), (criterion.train, criterion.floors.coarse)
-        known = slope(simulations, space, space.first, *where)
+        space, motions = Space(problem, fitted), criterion.motions
+        known = slope(motions, space, space.first)
         softest = np.linalg.svd(metric(known * space.unit(space.first)), full_matrices=False)[2][-1]
 
         def softness(x: Array) -> tuple[Array, Array]:
-            alone = slope(simulations, space, x, *where)
-            axes = along_axes(simulations, space, x, found.residual, known, metric, *where)
+            alone = slope(motions, space, x)
+            axes = along_axes(motions, space, x, found.residual, known, metric)
             return metric(alone * space.unit(x)) @ softest, metric(axes * space.unit(x)) @ softest
 
         here = softness(space.first)
@@ -95,7 +95,7 @@ def test_a_fit_is_stretched_from_where_it_began_within_its_bounds(
     found = Fit((friction,), left, ((0, friction.free[0]),), np.zeros((len(left), 1)), np.ones(1), np.zeros(1))
     before = [friction.at({friction.free[0]: 0.9 * torque})]
     for times, expected in ((1.0, torque), (2.0, 1.1 * torque), (-20.0, 0.0)):
-        far = stretched(simulations, before, found, times, criterion.train, criterion.floors.coarse)
+        far = stretched(criterion.motions, before, found, times)
         assert far is not None
         assert far.value[0] == pytest.approx(expected)
         anew = residual(simulations, far.changes, criterion.train)
@@ -109,15 +109,15 @@ def test_a_step_that_failed_is_not_simulated_again(monkeypatch: pytest.MonkeyPat
     tried: list[tuple[Change, ...]] = []
     simulated = fit_module.residual_near
 
-    def noted(simulations: Simulations, near: Fit, changes: Sequence[Change], *where: Any) -> Array | None:
+    def noted(motions: Motions, near: Fit, changes: Sequence[Change]) -> Array | None:
         tried.append(tuple(changes))
-        return simulated(simulations, near, changes, *where)
+        return simulated(motions, near, changes)
 
     with Simulations(problem, 1) as simulations:
         criterion = Criterion(simulations, [])
         gains = [guess(problem, s) for s in suspects(problem) if s.effect == "controller_gain" and single(s)]
         found, metric = _fitted(criterion, gains)
         monkeypatch.setattr(fit_module, "residual_near", noted)
-        fit_module.fit(simulations, gains, criterion.train, metric, criterion.floors.coarse, found, "compared")
+        fit_module.fit(criterion.motions, gains, metric, found, "compared")
     assert len(tried) > 2
     assert len(set(tried)) == len(tried)

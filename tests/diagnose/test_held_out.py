@@ -9,7 +9,7 @@ from realitygap.diagnose.data.changes import Change, Suspect, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge.held_out import CHOSE, Against, Verdict, _asked, _wider, certain_of, predicted, supported
 from realitygap.diagnose.judge.worsened import InUnits
 from realitygap.diagnose.likelihood.floors import measure

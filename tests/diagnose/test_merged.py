@@ -12,7 +12,7 @@ from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.search.merged import merged
 from realitygap.diagnose.search.round import Round
 from realitygap.diagnose.search.search import needed

@@ -11,7 +11,7 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge import ordinary
 from realitygap.diagnose.judge.gaps import WORST, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import Verdict
@@ -39,7 +39,7 @@ def found(request: pytest.FixtureRequest) -> tuple[float, Found]:
         assert best is not None
         criterion.set_discrepancy(best.fit, criterion.responses(best.fit, suspects(problem)))
         found = Found(criterion.score(Fit((), still)), best, best, 6.0, {}, criterion.floors, criterion)
-        done = list(all_done(simulations, found))
+        done = list(all_done(found))
         assert [s.effect for s in done] == ["coulomb_friction", "controller_gain"]
         stay = tolerated(simulations, found, done)
         assert stay.adjusted == (), "what the recordings told"
@@ -130,7 +130,7 @@ def test_play_and_springs_are_named_beyond_what_every_joint_gives_way(
         assert still is not None
         best = criterion.score(Fit((gives,), still))
         criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [gives.suspect]))
-        done = all_done(simulations, Found(best, best, best, 6.0, {}, criterion.floors, criterion))[gives.suspect]
+        done = all_done(Found(best, best, best, 6.0, {}, criterion.floors, criterion))[gives.suspect]
     assert done.ordinary > 0.0
     assert done.large == large
     assert done.usual, "however little laws could do of it"

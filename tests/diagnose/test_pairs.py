@@ -8,7 +8,7 @@ from realitygap.diagnose.data.changes import Change, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge.advice import experiment
 from realitygap.diagnose.result.diagnosis import _listed, why
 from realitygap.diagnose.result.story_text import rival_label

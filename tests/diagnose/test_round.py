@@ -11,7 +11,7 @@ from realitygap.diagnose.data.changes import ModelKey, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.search import prune
 from realitygap.diagnose.search import round as round_module
 from realitygap.diagnose.search.apart import compare

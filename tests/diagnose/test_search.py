@@ -13,7 +13,8 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, answer
 from realitygap.diagnose.fit.fit import Care, Fit
-from realitygap.diagnose.fit.responses import Block, residual, respond
+from realitygap.diagnose.fit.motions import residual
+from realitygap.diagnose.fit.responses import Block, respond
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.discrepancy import OTHER, SHARE, UNSEEN, Discrepancy, law_discrepancy, nearer
 from realitygap.diagnose.search.evidence import Scored, score, stretches
@@ -111,7 +112,7 @@ def test_the_straight_line_promises_most_of_what_is_missing(
     base = criterion.score(Fit((), left))
     names = ("coulomb_friction", "viscous_friction", "joint_offset", "controller_gain")
     tried = [s for n in names for s in starts(problem, suspect_of(problem, n, "elbow"))]
-    blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
+    blocks = respond(criterion.motions, [], tried, criterion.channels)
     linear = Linear(base.metric, left, np.zeros((len(left), 0)), blocks)
     gains = linear.gains()
     assert gains[0].block.suspect.effect == "coulomb_friction"
@@ -129,7 +130,7 @@ def test_what_the_accepted_values_could_do_is_no_gain_of_another(
     assert left is not None
     base = criterion.score(Fit((), left))
     tried = starts(problem, suspect_of(problem, "coulomb_friction", "elbow"))
-    blocks = respond(simulations, [], tried, criterion.train, criterion.floors.coarse, criterion.channels)
+    blocks = respond(criterion.motions, [], tried, criterion.channels)
     beside = Linear(base.metric, left, blocks[0].columns, blocks).gains()[0]
     alone = Linear(base.metric, left, np.zeros((len(left), 0)), blocks).gains()[0]
     assert beside.gain < 0.05 * alone.gain

@@ -11,7 +11,8 @@ from realitygap.diagnose.candidates.suspects import neutral, suspects
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
-from realitygap.diagnose.fit.responses import residual, single
+from realitygap.diagnose.fit.motions import residual
+from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.scenario.file import load_scenario
@@ -27,7 +28,7 @@ def test_slopes_of_all_joints_at_once_are_those_of_each_alone() -> None:
         for effect in ("coulomb_friction", "controller_gain"):
             space = Space(problem, [guess(problem, s) for s in suspects(problem) if s.effect == effect and single(s)])
             assert len(space.names) == 6
-            where = simulations, space, space.first, criterion.train, criterion.floors.coarse
+            where = criterion.motions, space, space.first
             before = simulations.count
             together = slope(*where, criterion.channels)
             few = simulations.count - before

@@ -8,7 +8,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge.gaps import shown
 from realitygap.diagnose.judge.steps import in_steps, steps
 from realitygap.diagnose.search.criterion import Criterion

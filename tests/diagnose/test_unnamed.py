@@ -14,7 +14,7 @@ from realitygap.diagnose.data.changes import Change, Suspect, changed, clash
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.library import Diagnosed, diagnose
 from realitygap.diagnose.propose.told import mended, origin_of
 from realitygap.diagnose.result.revise import write_revised

@@ -11,7 +11,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem, build_problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.propose.explanations import Open, Question
 from realitygap.diagnose.search.apart import ERRORS, compare
 from realitygap.diagnose.search.criterion import Criterion

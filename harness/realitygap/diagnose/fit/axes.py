@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import own_joint, residuals, single
+from realitygap.diagnose.data.problem import Problem
+from realitygap.diagnose.fit.motions import Motions
+from realitygap.diagnose.fit.responses import own_joint, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import Channel
@@ -49,27 +50,23 @@ class _Block:
 
 
 def along_axes(
-    simulations: Simulations,
+    motions: Motions,
     space: Space,
     x: Array,
     residual: Array,
     slopes: Array,
     metric: Metric,
-    train: Sequence[int],
-    coarse: Sequence[float],
     own: Sequence[Channel] | None = None,
 ) -> Array:
     """The Jacobian of the stacked residual per scaled value, by differences along the principal axes of a known one.
 
     Args:
-        simulations: of the problem.
+        motions: that are simulated.
         space: of the values.
         x: where. Shape (p,).
         residual: there. Shape (m,).
         slopes: known from near by. Shape (m, p).
         metric: of the residual.
-        train: the cases.
-        coarse: how coarsely each is simulated.
         own: the channels of the residual, where what single joints do is told by their own samples, all joints at once
             (`fit.slope`).
 
@@ -80,14 +77,14 @@ def along_axes(
     white = space.with_prior(x, metric(np.column_stack([slopes * unit, residual])), unit)
     blocks = [
         _Block(values, inside, _moves(space, x, white[:, [*values, -1]], values))
-        for values, inside in _blocks(simulations, space, own)
+        for values, inside in _blocks(motions.problem, space, own)
     ]
     together = [b for b in blocks if b.inside is not None]
     runs = [[(b, k)] for b in blocks if b.inside is None for k in range(len(b.moves))]
     most = max((len(b.moves) for b in together), default=0)
     runs += [[(b, k) for b in together if k < len(b.moves)] for k in range(most)]
     moved = [x + np.sum([b.moves[k] for b, k in run], axis=0) for run in runs]
-    still, *answers = residuals(simulations, [space.at(y) for y in [x, *moved]], train, coarse)
+    still, *answers = motions.residuals([space.at(y) for y in [x, *moved]])
     if still is None:
         return slopes
     out = slopes.copy()
@@ -108,7 +105,7 @@ def along_axes(
 
 
 def _blocks(
-    simulations: Simulations, space: Space, own: Sequence[Channel] | None
+    problem: Problem, space: Space, own: Sequence[Channel] | None
 ) -> list[tuple[list[int], NDArray[np.bool_] | None]]:
     """The numbers of the values whose axes are common, and the samples that tell of them."""
     if own is None:
@@ -121,7 +118,7 @@ def _blocks(
             joints.setdefault(suspect.indices[0], []).append(k)
         else:
             others.append([k])
-    at_joints = [(values, own_joint(simulations.problem, own, joint)) for joint, values in joints.items()]
+    at_joints = [(values, own_joint(problem, own, joint)) for joint, values in joints.items()]
     return [*((values, None) for values in others), *at_joints]
 
 

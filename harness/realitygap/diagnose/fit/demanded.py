@@ -11,7 +11,7 @@ from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.data.worker import Query, simulated
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.files.errors import InputError
 from realitygap.page.style import engine_label
 from realitygap.robot.drive import Array

@@ -18,10 +18,10 @@ import numpy as np
 
 from realitygap.diagnose.candidates.suspects import bounds, neutral
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.axes import along_axes
 from realitygap.diagnose.fit.bounded import bounded
-from realitygap.diagnose.fit.responses import at_once, own_joint, residual, residuals, single
+from realitygap.diagnose.fit.motions import Motions
+from realitygap.diagnose.fit.responses import at_once, own_joint, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import Channel
@@ -82,47 +82,43 @@ class Fit:
 
 
 def fit(
-    simulations: Simulations,
+    motions: Motions,
     changes: Sequence[Change],
-    train: Sequence[int],
     metric: Metric,
-    coarse: Sequence[float],
     known: Fit | None = None,
     care: Care = "whole",
     anew: bool = False,
 ) -> Fit | None:
-    """Fit changes jointly to the training motions; None where they cannot be simulated.
+    """Fit changes jointly to motions; None where they cannot be simulated.
 
     Args:
-        simulations: of the problem.
+        motions: to fit to.
         changes: with first guesses.
-        train: cases to fit to.
         metric: of the stacked residual.
-        coarse: the least faithful share of the step rate, by case, for derivatives.
         known: a fitted model that shares values with the changes: what these do is taken from it at first.
         care: `quick` takes `FEW` steps and no derivative anew of what is known, `compared` takes them where a step
             fails and there are few values, `whole` ends with those of where it is.
         anew: whether to begin with derivatives of where it is.
     """
-    space = Space(simulations.problem, changes)
+    space = Space(motions.problem, changes)
     quick, whole = care == "quick", care == "whole"
-    full = residual(simulations, changes, train) if whole or known is None else None
+    full = motions.residual(changes) if whole or known is None else None
     near = known if full is None else Fit(tuple(changes), full)
-    now = None if near is None else residual_near(simulations, near, changes, train, coarse)
+    now = None if near is None else residual_near(motions, near, changes)
     if near is None or now is None:
         return None
-    bolted = at_once(simulations.problem) and not simulations.problem.plant.model.floating
+    bolted = at_once(motions.problem) and not motions.problem.plant.model.floating
     own = metric.whitening.channels if bolted and not whole else None
     x, many, failed = space.first, len(space.first) >= CHEAP, 0
-    slopes, here = _slopes(simulations, None if anew and not many else known, space, train, coarse, own)
+    slopes, here = _slopes(motions, None if anew and not many else known, space, own)
     if anew and many:
-        slopes, here = along_axes(simulations, space, x, now, slopes, metric, train, coarse, own), True
+        slopes, here = along_axes(motions, space, x, now, slopes, metric, own), True
     cost, box = _cost(metric, space, x, now), FIRST
-    patience, wide = PATIENCE if many else 0, many or quick or simulations.problem.plant.model.floating
+    patience, wide = PATIENCE if many else 0, many or quick or motions.problem.plant.model.floating
     for _ in range(FEW if quick else STEPS if len(x) else 0):
         step, predicted = _step(metric, space, x, now, slopes, box)
         if predicted >= 2.0 * LITTLE:
-            there = residual_near(simulations, near, space.at(x + step), train, coarse)
+            there = residual_near(motions, near, space.at(x + step))
             gain = cost - _cost(metric, space, x + step, there) if there is not None else -np.inf
             good, went = gain > FALSE * predicted, float(np.max(np.abs(step) / np.maximum(np.abs(x), AWAY)))
             box = 2.0 * box if gain > TRUE * predicted else box if good else SHORTER * min(box, went)
@@ -138,80 +134,66 @@ def fit(
         if many and not whole:
             break
         if not here:
-            if many:
-                slopes = along_axes(simulations, space, x, now, slopes, metric, train, coarse, own)
-            else:
-                slopes = slope(simulations, space, x, train, coarse, own)
+            slopes = along_axes(motions, space, x, now, slopes, metric, own) if many else slope(motions, space, x, own)
             here = True
             box, failed = box / SHORTER ** max(failed - 1, 0), 0
         elif not wide:  # a step that derivatives of here do not tell: it is rough
-            slopes, wide = slope(simulations, space.wide(), x, train, coarse, own), True
+            slopes, wide = slope(motions, space.wide(), x, own), True
             box, failed = FIRST, 0
     if whole:
-        slopes, here = slopes if here else slope(simulations, space, x, train, coarse), True
-        now = residual(simulations, space.at(x), train)
+        slopes, here = slopes if here else slope(motions, space, x), True
+        now = motions.residual(space.at(x))
     alone = here and own is None
     return None if now is None else Fit(space.at(x), now, space.names, slopes, space.scale, space.prior(x), alone)
 
 
-def stretched(
-    simulations: Simulations,
-    before: Sequence[Change],
-    found: Fit,
-    times: float,
-    train: Sequence[int],
-    coarse: Sequence[float],
-) -> Fit | None:
+def stretched(motions: Motions, before: Sequence[Change], found: Fit, times: float) -> Fit | None:
     """A fit extrapolated that many times as far from where it began; None where that cannot be simulated."""
-    space = Space(simulations.problem, found.changes)
+    space = Space(motions.problem, found.changes)
     began = np.array([before[i].parameters[name] for i, name in space.names]) / space.scale
     low, high = space.bounds()
     x = np.clip(began + times * (space.first - began), low, high)
-    there = residual_near(simulations, found, space.at(x), train, coarse)
+    there = residual_near(motions, found, space.at(x))
     if there is None:
         return None
     return replace(found, changes=space.at(x), residual=there, prior=space.prior(x), here=False)
 
 
-def resized(
-    simulations: Simulations, found: Fit, times: float, train: Sequence[int], coarse: Sequence[float]
-) -> Fit | None:
+def resized(motions: Motions, found: Fit, times: float) -> Fit | None:
     """A fit with that many times as much of its last change; None where that has no size, or cannot be simulated."""
     if not found.changes:
         return None
     *rest, last = found.changes
-    plant, kind = simulations.problem.plant, last.suspect.kind
+    plant, kind = motions.problem.plant, last.suspect.kind
     zero, within = neutral(plant, last.suspect), bounds(plant, last.suspect)
     sized = [n for n in last.free if np.isfinite(zero[n]) and not kind.parameter(n).shape]
     sizes = {n: zero[n] + times * (last.parameters[n] - zero[n]) for n in sized}
     other = last.at({n: float(np.clip(v, *within[n])) for n, v in sizes.items()})
-    there = residual_near(simulations, found, [*rest, other], train, coarse) if sized else None
+    there = residual_near(motions, found, [*rest, other]) if sized else None
     return None if there is None else replace(found, changes=(*rest, other), residual=there, here=False)
 
 
-def as_seen(simulations: Simulations, found: Fit, metric: Metric, train: Sequence[int], coarse: Sequence[float]) -> Fit:
+def as_seen(motions: Motions, found: Fit, metric: Metric) -> Fit:
     """A fit of which every value that could as well be that of the scenario's model is it: a centre of mass along the
     axis of the only hinge stays where it was, and a load there lies at its link's frame, whatever numerics made of it.
     Its slope is none. What does nothing by any of its values stays as it is.
 
     Args:
-        simulations: of the problem.
+        motions: that it was fitted to.
         found: the fit.
         metric: whose whitening says what is seen.
-        train: the cases that it was fitted to.
-        coarse: how coarsely each is simulated.
     """
     own, tried = [i for i, _ in found.names], list[tuple[int, dict[str, float]]]()
     for k, (i, name) in enumerate(found.names):
         suspect = found.changes[i].suspect
-        zero, parameter = neutral(simulations.problem.plant, suspect)[name], suspect.kind.parameter(name)
+        zero, parameter = neutral(motions.problem.plant, suspect)[name], suspect.kind.parameter(name)
         away = np.isfinite(zero) and found.changes[i].parameters[name] != zero
         if own.count(i) > 1 and away and (parameter.typical or not parameter.shape):
             tried.append((k, {name: zero}))
     if not tried:
         return found
     models = [[c.at(values) if j == own[k] else c for j, c in enumerate(found.changes)] for k, values in tried]
-    still, *answers = residuals(simulations, [found.changes, *models], train, coarse)
+    still, *answers = motions.residuals([found.changes, *models])
     silent = {
         k: values
         for (k, values), answer in zip(tried, answers, strict=True)
@@ -225,11 +207,9 @@ def as_seen(simulations: Simulations, found: Fit, metric: Metric, train: Sequenc
     return replace(found, changes=tuple(changes), slope=slope)
 
 
-def residual_near(
-    simulations: Simulations, near: Fit, changes: Sequence[Change], train: Sequence[int], coarse: Sequence[float]
-) -> Array | None:
+def residual_near(motions: Motions, near: Fit, changes: Sequence[Change]) -> Array | None:
     """The stacked residual of changes: that of a fit near by, and the difference that coarse steps tell. Shape (m,)."""
-    there, here = residuals(simulations, [changes, near.changes], train, coarse)
+    there, here = motions.residuals([changes, near.changes])
     return None if there is None or here is None else near.residual + there - here
 
 
@@ -264,14 +244,7 @@ def _cost(metric: Metric, space: Space, x: Array, residual: Array) -> float:
     return float(np.sum(metric(residual) ** 2) + np.sum(space.prior(x) ** 2))
 
 
-def _slopes(
-    simulations: Simulations,
-    known: Fit | None,
-    space: Space,
-    train: Sequence[int],
-    coarse: Sequence[float],
-    own: Sequence[Channel] | None,
-) -> tuple[Array, bool]:
+def _slopes(motions: Motions, known: Fit | None, space: Space, own: Sequence[Channel] | None) -> tuple[Array, bool]:
     """The Jacobian per scaled value at the first guess, (m, p), and whether all of it is of there.
 
     What is known is taken as it is, what is new is simulated.
@@ -279,7 +252,7 @@ def _slopes(
     have = {} if known is None else {(known.changes[i].suspect, name): k for k, (i, name) in enumerate(known.names)}
     places = [have.get((space.changes[i].suspect, name)) for i, name in space.names]
     new = [k for k, place in enumerate(places) if place is None]
-    fresh = slope(simulations, space, space.first, train, coarse, own, new)
+    fresh = slope(motions, space, space.first, own, new)
     slopes = np.zeros((len(fresh), len(places)))
     slopes[:, new] = fresh
     if known is None or len(new) == len(places):
@@ -291,22 +264,18 @@ def _slopes(
 
 
 def slope(
-    simulations: Simulations,
+    motions: Motions,
     space: Space,
     x: Array,
-    train: Sequence[int],
-    coarse: Sequence[float],
     own: Sequence[Channel] | None = None,
     values: Sequence[int] | None = None,
 ) -> Array:
     """The Jacobian of the stacked residual per scaled value, by finite differences, simulated side by side. (m, p).
 
     Args:
-        simulations: of the problem.
+        motions: that are simulated.
         space: of the values.
         x: where.
-        train: the cases.
-        coarse: how coarsely each is simulated.
         own: the channels of the residual, where the same value of one effect is moved at all joints at once and each
             joint's answer is its own, as responses are. For fits of a robot that is bolted down which are only
             compared: on the SO-101 the cosine with the slope of the value alone is 0.97 to 1; on a humanoid it is 0.02
@@ -321,9 +290,9 @@ def slope(
         suspect = space.changes[i].suspect
         alike.setdefault((suspect.effect, name) if own is not None and single(suspect) else k, []).append(k)
     moved = [x + np.sum([steps[k][0] - x for k in group], axis=0) for group in alike.values()]
-    still, *answers = residuals(simulations, [space.at(y) for y in [x, *moved]], train, coarse)
+    still, *answers = motions.residuals([space.at(y) for y in [x, *moved]])
     if still is None:
-        still = residual(simulations, space.at(x), train)
+        still = motions.residual(space.at(x))
         assert still is not None
     slopes = np.zeros((len(still), len(steps)))
     for group, answer in zip(alike.values(), answers, strict=True):
@@ -332,5 +301,5 @@ def slope(
             slopes[:, k] = change / steps[k][1]
             if own is not None and len(group) > 1:
                 (joint,) = space.changes[space.names[k][0]].suspect.indices
-                slopes[~own_joint(simulations.problem, own, joint), k] = 0.0
+                slopes[~own_joint(motions.problem, own, joint), k] = 0.0
     return slopes[:, list(counted)]

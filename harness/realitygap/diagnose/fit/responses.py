@@ -12,8 +12,8 @@ from realitygap.diagnose.candidates.starts import Start
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect, as_read
 from realitygap.diagnose.data.problem import Problem
-from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.likelihood.whitening import Channel, stacked
+from realitygap.diagnose.fit.motions import Motions
+from realitygap.diagnose.likelihood.whitening import Channel
 from realitygap.robot.drive import Array
 
 MANY_JOINTS = 2
@@ -34,41 +34,13 @@ class Block:
         return self.start.suspect
 
 
-def residual(
-    simulations: Simulations, changes: Sequence[Change], cases: Sequence[int], coarse: Sequence[float] | None = None
-) -> Array | None:
-    """The stacked residual of some cases with changes; None where one cannot be simulated."""
-    answers = simulations.of(changes, cases, coarse=coarse)
-    signals = [a for a in answers if a is not None]
-    return stacked(simulations.problem, cases, signals) if len(signals) == len(cases) else None
-
-
-def residuals(
-    simulations: Simulations, variants: Sequence[Sequence[Change]], cases: Sequence[int], coarse: Sequence[float]
-) -> list[Array | None]:
-    """The same of many variants, as coarsely as is faithful, simulated side by side."""
-    asked = [simulations.query(changes, c, coarse=coarse) for changes in variants for c in cases]
-    answers, size = simulations.ask(asked), len(cases)
-    out: list[Array | None] = []
-    for k in range(len(variants)):
-        signals = [a for a in answers[k * size : (k + 1) * size] if a is not None]
-        out.append(stacked(simulations.problem, cases, signals) if len(signals) == size else None)
-    return out
-
-
 def respond(
-    simulations: Simulations,
-    accepted: Sequence[Change],
-    tried: Sequence[Start],
-    cases: Sequence[int],
-    coarse: Sequence[float],
-    channels: Sequence[Channel],
+    motions: Motions, accepted: Sequence[Change], tried: Sequence[Start], channels: Sequence[Channel]
 ) -> list[Block]:
     """The responses of starts to a model with accepted changes; starts that cannot be simulated are left out."""
-    variants = _together(simulations, tried)
-    plant = simulations.problem.plant
-    models = [as_read([*accepted, *v.values()], accepted, plant) for v in variants]
-    still, *answers = residuals(simulations, [accepted, *models], cases, coarse)
+    variants = _together(motions.problem, tried)
+    models = [as_read([*accepted, *v.values()], accepted, motions.problem.plant) for v in variants]
+    still, *answers = motions.residuals([accepted, *models])
     if still is None:
         return []
     masks: dict[int, NDArray[np.bool_]] = {}
@@ -82,7 +54,7 @@ def respond(
             if len(variant) > 1:
                 (joint,) = try_.suspect.indices
                 if joint not in masks:
-                    masks[joint] = own_joint(simulations.problem, channels, joint)
+                    masks[joint] = own_joint(motions.problem, channels, joint)
                 column = np.where(masks[joint], change, 0.0)
             found[turn, number] = column / tried[turn].share
     out = []
@@ -94,9 +66,9 @@ def respond(
     return out
 
 
-def _together(simulations: Simulations, tried: Sequence[Start]) -> list[dict[tuple[int, int], Change]]:
+def _together(problem: Problem, tried: Sequence[Start]) -> list[dict[tuple[int, int], Change]]:
     """What is simulated at once: with many joints the same try of one effect at all of them, otherwise each alone."""
-    many = at_once(simulations.problem)
+    many = at_once(problem)
     out: list[dict[tuple[int, int], Change]] = []
     shared: dict[tuple[str, int, int], dict[tuple[int, int], Change]] = {}
     counts: dict[Suspect, int] = {}

@@ -39,7 +39,7 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
     """
     untold_there = untold(simulations.problem, found.cautious)
     asked = [s for s in found.adjusted if s not in untold_there]
-    done = all_done(simulations, found) if asked else {}
+    done = all_done(found) if asked else {}
     for suspect in (s for s in asked if s in done and done[s].unusual and done[s].named(found.limit)):
         rest = [c for c in found.best.fit.changes if c.suspect != suspect]
         without = found.criterion.fit(rest, found.best.fit, "compared")
@@ -90,7 +90,7 @@ def usual_after_all(simulations: Simulations, found: Found, keep: Collection[Sus
     """
     stay = {*keep, *found.adjusted}
     asked = [c.suspect for c in found.best.fit.changes if c.suspect not in stay and _has(simulations, c.suspect)]
-    done = all_done(simulations, found) if asked else {}
+    done = all_done(found) if asked else {}
     small = [s for s in asked if s in done and not done[s].unusual and not _clearly_missed(simulations, found, s)]
     return replace(found, adjusted=(*found.adjusted, *small)), small
 

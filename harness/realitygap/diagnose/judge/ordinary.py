@@ -16,7 +16,6 @@ from realitygap.diagnose.candidates.starts import starts
 from realitygap.diagnose.candidates.suspects import neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.responses import residuals
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
 from realitygap.diagnose.judge.held_out import predicted
 from realitygap.diagnose.search.criterion import AS_LARGE, Criterion
@@ -98,7 +97,7 @@ def tolerated(simulations: Simulations, found: Found, told: Collection[Suspect])
     that was made of a droop 1.2. What all runs together say little for has to show in the gap of those kept back.
     What an unnamed effort explains better is no name either (`Round.beaten`).
     """
-    done = {s: d for s, d in all_done(simulations, found).items() if s not in told}
+    done = {s: d for s, d in all_done(found).items() if s not in told}
     return replace(found, adjusted=tuple(s for s, d in done.items() if not more_than_usual(simulations, found, s, d)))
 
 
@@ -138,14 +137,14 @@ def _missed(simulations: Simulations, found: Found, suspect: Suspect) -> bool:
     return without is None or held_out_gap(simulations, found.floors, without.fit.changes) > CLEAR
 
 
-def all_done(simulations: Simulations, found: Found) -> dict[Suspect, Done]:
+def all_done(found: Found) -> dict[Suspect, Done]:
     """What each finding does; an effort without a law may stand for any kind."""
     criterion, fit = found.criterion, found.best.fit
     asked, plant = fit.changes, criterion.problem.plant
     rest = [[c for c in fit.changes if c is not change] for change in asked]
     plays = {c.suspect: _play(plant, c.suspect) for c in asked if _gives_way(c.suspect)}
     ways = [[*beside, plays[c.suspect]] for c, beside in zip(asked, rest, strict=True) if c.suspect in plays]
-    still, *answers = residuals(simulations, [fit.changes, *rest, *ways], criterion.train, criterion.floors.coarse)
+    still, *answers = criterion.motions.residuals([fit.changes, *rest, *ways])
     with_play = dict(zip(plays, answers[len(rest) :], strict=True))
     exact, laws = criterion.discrepancy_metric, criterion.tolerant(fit)
     out = {}

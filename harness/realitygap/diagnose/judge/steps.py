@@ -50,13 +50,12 @@ def steps(found: Found, ordered: Sequence[Suspect]) -> list[tuple[Change, ...]]:
 
 def _moved(criterion: Criterion, changes: Sequence[Change], near: Fit) -> Fit | None:
     """Fewer changes than those of a fit, in a few steps from there; None where they cannot be simulated."""
-    train, coarse = criterion.train, criterion.floors.coarse
     changes = as_read(changes, near.changes, criterion.problem.plant)
-    left = residual_near(criterion.simulations, near, changes, train, coarse)
+    left = residual_near(criterion.motions, near, changes)
     if left is None:
         return None
     metric = criterion.plain(Fit(tuple(changes), left)).metric
-    return fit(criterion.simulations, changes, train, metric, coarse, near, "quick")
+    return fit(criterion.motions, changes, metric, near, "quick")
 
 
 def _in_order(changes: Sequence[Change], ordered: Sequence[Suspect]) -> tuple[Change, ...]:

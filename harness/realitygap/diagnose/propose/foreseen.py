@@ -20,7 +20,7 @@ from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Channel, channels, spans
 from realitygap.diagnose.propose.design import Answer

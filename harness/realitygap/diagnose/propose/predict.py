@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
-from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.fit.motions import Motions
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening, channels
@@ -114,8 +114,8 @@ def _simulated(
     the named model has a value too, as that one changes with it. Rivals differ from it in a finding or two and fit the
     same recordings: for a first look at many pieces that is close, in half the time or less.
     """
-    variants = [e.fit.changes for e in explanations]
-    answers = residuals(simulations, variants, cases, floors.coarse)
+    motions = Motions(simulations, cases, floors.coarse)
+    answers = motions.residuals([e.fit.changes for e in explanations])
     means = [a for a in answers if a is not None]
     if len(means) < len(answers):
         return None
@@ -127,7 +127,7 @@ def _simulated(
         own = [k for k, value in enumerate(values) if alone or value not in known]
         told = np.zeros((len(means[0]), len(values)))
         if own:
-            told[:, own] = slope(simulations, space, space.first, cases, floors.coarse, values=own) / space.scale[own]
+            told[:, own] = slope(motions, space, space.first, values=own) / space.scale[own]
         for k in set(range(len(values))) - set(own):
             told[:, k] = known[values[k]]
         if not known:

@@ -14,7 +14,8 @@ from realitygap.diagnose.data.changes import Suspect, stands_beside
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit, slope
-from realitygap.diagnose.fit.responses import Block, residuals, respond, single
+from realitygap.diagnose.fit.motions import Motions
+from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.fit.space import Space
 from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.floors import Floors
@@ -98,7 +99,8 @@ def predicted_discrepancy(
     both = [*problem.of("train"), *cases]
     found = tuple(channels(problem, floors, both))
     named = explanations[0]
-    fits = [_everywhere(simulations, e.fit, both, floors) for e in explanations]
+    motions = Motions(simulations, both, floors.coarse)
+    fits = [_everywhere(motions, e.fit) for e in explanations]
     good = tuple(f for f in fits if f is not None)
     if len(good) < len(fits):
         return None
@@ -106,15 +108,15 @@ def predicted_discrepancy(
     alone = [s for s in everyone if s.kind.sits_at != "joint" or single(s)]
     possible = [s for s in alone if stands_beside(s, accepted)]
     tried = [start for s in possible for start in starts(problem, s) if start.kind == "linear"]
-    blocks = respond(simulations, named.fit.changes, tried, both, floors.coarse, found)
+    blocks = respond(motions, named.fit.changes, tried, found)
     return PredictedDiscrepancy(problem, found, good, tuple(blocks), named.metric.whitening)
 
 
-def _everywhere(simulations: Simulations, fit: Fit, cases: Sequence[int], floors: Floors) -> Fit | None:
-    """A fit with residual and slopes of these cases."""
-    (now,) = residuals(simulations, [fit.changes], cases, floors.coarse)
+def _everywhere(motions: Motions, fit: Fit) -> Fit | None:
+    """A fit with residual and slopes of these motions."""
+    (now,) = motions.residuals([fit.changes])
     if now is None:
         return None
-    space = Space(simulations.problem, fit.changes)
-    there = slope(simulations, space, space.first, cases, floors.coarse)
+    space = Space(motions.problem, fit.changes)
+    there = slope(motions, space, space.first)
     return replace(fit, residual=now, slope=there * (fit.size / space.scale if len(space.scale) else 1.0))

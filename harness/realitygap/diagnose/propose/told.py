@@ -16,7 +16,7 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import residual
+from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.propose.explanations import MOST, Open, left_open
 from realitygap.diagnose.result.diagnosis import SCHEMA

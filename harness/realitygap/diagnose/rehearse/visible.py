@@ -19,7 +19,7 @@ from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.bounded import bounded
 from realitygap.diagnose.fit.demanded import demanded
-from realitygap.diagnose.fit.responses import residuals
+from realitygap.diagnose.fit.motions import Motions
 from realitygap.diagnose.likelihood.floors import Floors
 from realitygap.diagnose.likelihood.whitening import Whitening, channels, effective_fraction
 from realitygap.diagnose.rehearse.planting import planted
@@ -134,16 +134,16 @@ class Look:
     """Signatures: how changes move the training residual, whitened by the floors alone."""
 
     def __init__(self, simulations: Simulations, floors: Floors) -> None:
-        self.simulations, self.coarse = simulations, floors.coarse
-        self.train = simulations.problem.of("train")
-        demanded(simulations, [], self.train)
-        self.channels = tuple(channels(simulations.problem, floors, self.train))
+        train = simulations.problem.of("train")
+        self.motions = Motions(simulations, train, floors.coarse)
+        demanded(simulations, [], train)
+        self.channels = tuple(channels(simulations.problem, floors, train))
         random = np.random.default_rng(0)
         self.noise = np.concatenate([c.noise * random.standard_normal(len(c.time)) for c in self.channels])
 
     def signatures(self, changes: Sequence[Change]) -> list[Array]:
         """Of each change alone, shape (m,); zero where it cannot be simulated, which says nothing of the real robot."""
-        still, *answers = residuals(self.simulations, [[], *([c] for c in changes)], self.train, self.coarse)
+        still, *answers = self.motions.residuals([[], *([c] for c in changes)])
         assert still is not None
         columns = [np.zeros(len(still)) if a is None else np.nan_to_num(a - still) for a in answers]
         return [self._white(column, np.isfinite(still).astype(float)) for column in columns]

@@ -15,14 +15,16 @@ from realitygap.diagnose.candidates.starts import Start, softer, starts, swings
 from realitygap.diagnose.data.case import JOINT_SIGNALS
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, changed, stands_beside
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.fit.fit import CHEAP, Care, Fit, as_seen, fit, residual_near, resized, stretched
-from realitygap.diagnose.fit.responses import Block, residual, respond, single
+from realitygap.diagnose.fit.fit import Care, Fit, as_seen, fit, residual_near
+from realitygap.diagnose.fit.motions import Motions
+from realitygap.diagnose.fit.responses import Block, respond, single
 from realitygap.diagnose.likelihood.floors import Floors, measure
 from realitygap.diagnose.likelihood.metric import Metric
 from realitygap.diagnose.likelihood.whitening import channels, effective_fraction, spans
 from realitygap.diagnose.search.discrepancy import SHARE, Discrepancy, law_discrepancy, nearer
 from realitygap.diagnose.search.evidence import TYPICAL, Scored, cautious, ordinary, score, scored_and_sharp, sharp
 from realitygap.diagnose.search.linear import linear_at
+from realitygap.diagnose.search.reweighted import SETTLE, SETTLED, reweighted
 from realitygap.robot.drive import EFFORT, Array
 
 PROMISING = 3.0
@@ -30,27 +32,11 @@ PROMISING = 3.0
 ELSEWHERE = (0.8, 1.25)
 """The fit of a body without joints is tried again from these multiples of its values: contacts, of which all is made
 that it does, make it rough."""
-SETTLE, SETTLE_MANY = 4, 12
-"""How often a model is fitted at most, each time in the metric of what the one before leaves; the same with many values
-(`fit.CHEAP`), which a pass takes fewer steps with."""
-FURTHER = (2.0, 4.0, 8.0, 16.0)
-"""How many times as far as a pass went is tried, as long as evidence grows. The metric learns from what a pass leaves,
-so that each goes only part of the way, as steps of expectation and maximisation do (Varadhan & Roland 2008): along a
-line from a fitted humanoid the best for its metric gained 36 to 66, and the best place 82."""
-SIZES = (0.5, 0.7, 1.4, 2.0)
-"""What stands last in a model that settled is tried at these multiples of what it is there: late in a swing, where its
-effect bends, more of it may do far better, with something worse between. Of three pendulums that swing freely, with dry
-friction of 0.15 N·m, 7 of 44 fits from 0.012 to 0.4 N·m ended elsewhere, 40 to 90 behind; with these, 2 of 44."""
-SETTLED, SETTLED_MANY = 1.0, 3.0
-"""The gain in evidence below which a model has settled; with many values, where derivatives are those of where it is:
-what is rough moves them by more than that (`fit.axes`), and no judgement hangs on less (`rivals.ODDS`)."""
 AS_LARGE = 0.75
 """What a finding does, in multiples of what laws of its kind are off by, to be named. Beside nearly right laws, planted
 at five seeds, 50 true findings did 0.98 times that or more, but for a limit and a ripple; three false ones did 0.23 to
 0.55, and three at seeds before 0.4 to 0.7. Of an arm of six joints that lacks twenty effects, two true gains did 0.56
 and 0.82."""
-BENT = 3
-"""Up to so many new values are followed by their own slopes in a quick fit, anew in each pass: they bend most."""
 
 
 class Criterion:
@@ -60,6 +46,7 @@ class Criterion:
         simulations: of the problem.
         floors: of the model that the round started from; measured where they are not known.
         train: the cases that are fitted.
+        motions: they, as they are simulated.
         channels: of their stacked residual.
         discrepancy: what laws may be off by.
     """
@@ -68,6 +55,7 @@ class Criterion:
         self.simulations, self.problem = simulations, simulations.problem
         self.train = self.problem.of("train")
         self.floors: Floors = measure(simulations, changes, self.train) if floors is None else floors
+        self.motions = Motions(simulations, self.train, self.floors.coarse)
         self.channels = channels(self.problem, self.floors, self.train)
         none = np.zeros((sum(len(c.time) for c in self.channels), 0))
         self.discrepancy = Discrepancy(np.ones(len(self.channels)), none)
@@ -82,7 +70,7 @@ class Criterion:
         return self._softer(at, self._respond(at, tried))
 
     def _respond(self, at: Fit, tried: Sequence[Start]) -> list[Block]:
-        return respond(self.simulations, at.changes, tried, self.train, self.floors.coarse, self.channels)
+        return respond(self.motions, at.changes, tried, self.channels)
 
     def _softer(self, at: Fit, blocks: list[Block]) -> list[Block]:
         """Responses with those of softer springs of a joint, as long as its softest promises most of them.
@@ -176,7 +164,7 @@ class Criterion:
     def cautious(self, found: Fit) -> Scored:
         """The same with how far the likeliest values are in simulation, since a limit does not respond linearly."""
         at = self.as_told(found)
-        likeliest = fit(self.simulations, found.changes, self.train, at.metric, self.floors.coarse, found, "compared")
+        likeliest = fit(self.motions, found.changes, at.metric, found, "compared")
         return at if likeliest is None else replace(at, away=(likeliest.value - found.value) / found.size)
 
     @property
@@ -202,75 +190,33 @@ class Criterion:
 
         Values are fitted as if laws were exact, which tells them best: what laws may be wrong by could do much the same
         as they. Models that are only compared are moved on from there to where their evidence is best (`settled`).
-        Each pass fits in the metric of what the one before left (iteratively reweighted least squares): what is an
-        outlier, and what no law explains, is told by the model itself.
 
         Args:
             changes: with first guesses; what stands in the known fit too may turn with a joint's zero (`as_read`).
             known: a fit near by, whose derivatives may be taken at first.
             care: how carefully.
         """
-        train, coarse, near, best = self.train, self.floors.coarse, known, None
         if known is not None:
             changes = as_read(changes, known.changes, self.problem.plant)
         if known is None or care == "whole":
-            first = residual(self.simulations, changes, train)
+            first = self.motions.residual(changes)
         else:
-            first = residual_near(self.simulations, known, changes, train, coarse)
+            first = residual_near(self.motions, known, changes)
         if first is None:
             return None
         start = self.plain(Fit(tuple(changes), first))
-        passes: Care = "quick" if care == "quick" else "compared"
-        many, anew = care != "quick" and sum(len(c.free) for c in changes) >= CHEAP, False
-        asked = many or care == "quick"
-        for _ in range(SETTLE_MANY if many else SETTLE):
-            done = fit(self.simulations, start.fit.changes, train, start.metric, coarse, near, passes, anew)
-            if done is None:
-                break
-            if near is None or care != "quick" or len(done.names) - len(near.names) > BENT:
-                near = done
-            began, start = start.fit.changes, self.plain(done)
-            if care != "quick":
-                start = self._further(began, start)
-            gain = start.evidence - best.evidence if best is not None else np.inf
-            best = start if gain > 0.0 or best is None else best
-            little = gain < (SETTLED_MANY if many else SETTLED)
-            if little and (anew or not many):
-                if asked or (other := self._resized(best)) is None:
-                    break
-                start, near, asked = other, best.fit, True
-                continue
-            anew = little
-            if anew:
-                start, near = best, best.fit
+        best = reweighted(self.motions, self.plain, start, known, "quick" if care == "quick" else "compared")
         if best is None or (care != "quick" and self.absurd(best)):
             return None
         if care != "whole":
-            there = self.settled(best.fit, passes)
+            there = self.settled(best.fit, care)
             return None if care != "quick" and self.absurd(there) else there
-        found = fit(self.simulations, best.fit.changes, train, best.metric, coarse, best.fit)
+        found = fit(self.motions, best.fit.changes, best.metric, best.fit)
         return None if found is None else self.score(found)
-
-    def _further(self, began: Sequence[Change], found: Scored) -> Scored:
-        """A pass from some values, extrapolated beyond what it found as far as evidence grows."""
-        best = found
-        for times in FURTHER if found.fit.names else ():
-            there = stretched(self.simulations, began, found.fit, times, self.train, self.floors.coarse)
-            further = None if there is None else self.plain(there)
-            if further is None or further.evidence <= best.evidence:
-                break
-            best = further
-        return best
-
-    def _resized(self, found: Scored) -> Scored | None:
-        """A model with another size of its last change, where that has more evidence; None where none has."""
-        tried = (resized(self.simulations, found.fit, s, self.train, self.floors.coarse) for s in SIZES)
-        best = max((self.plain(f) for f in tried if f is not None), key=lambda f: f.evidence, default=found)
-        return best if best.evidence > found.evidence else None
 
     def seen(self, found: Scored) -> Scored:
         """A fitted model of which values that show nowhere are the scenario's own (`fit.as_seen`)."""
-        seen = as_seen(self.simulations, found.fit, found.metric, self.train, self.floors.coarse)
+        seen = as_seen(self.motions, found.fit, found.metric)
         return replace(found, fit=seen)
 
     def refined(self, quick: Scored) -> Scored | None:
@@ -291,7 +237,7 @@ class Criterion:
         best, moves = scored_and_sharp(self.channels, at, self.discrepancy)
         last = 1 if care == "quick" else SETTLE
         for number in range(last if self.discrepancy.laws and at.names else 0):
-            done = fit(self.simulations, best.fit.changes, self.train, moves.metric, self.floors.coarse, best.fit, care)
+            done = fit(self.motions, best.fit.changes, moves.metric, best.fit, care)
             if done is None:
                 break
             if number + 1 < last:

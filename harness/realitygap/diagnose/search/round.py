@@ -13,7 +13,7 @@ from realitygap.diagnose.data.changes import Change, Suspect, as_read, stands_be
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.demanded import demanded
 from realitygap.diagnose.fit.fit import Fit
-from realitygap.diagnose.fit.responses import Block, at_once, residuals, single
+from realitygap.diagnose.fit.responses import Block, at_once, single
 from realitygap.diagnose.search.apart import ERRORS, compare, reached
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.discrepancy import SHARE, WORST, known_to
@@ -309,12 +309,8 @@ class Round:
         variants = [(p, f) for p in chosen for f in (FOLLOWED if p.block.start.kind != "whole" else (1.0,))]
         changes = [p.block.start.at([a * f for a in p.amounts]) for p, f in variants]
         accepted, plant = self.now.fit.changes, self.simulations.problem.plant
-        still, *answers = residuals(
-            self.simulations,
-            [accepted, *(as_read([*accepted, c], accepted, plant) for c in changes)],
-            self.criterion.train,
-            self.criterion.floors.coarse,
-        )
+        models = [as_read([*accepted, c], accepted, plant) for c in changes]
+        still, *answers = self.criterion.motions.residuals([accepted, *models])
         if still is None:
             return chosen
         there = [

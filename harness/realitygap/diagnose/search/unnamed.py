@@ -9,7 +9,6 @@ import numpy as np
 
 from realitygap.diagnose.candidates.unnamed import unnamed
 from realitygap.diagnose.data.changes import Change, Suspect
-from realitygap.diagnose.fit.responses import residual, residuals
 from realitygap.diagnose.search.discrepancy import known_to
 from realitygap.diagnose.search.evidence import DISCREPANCY_SCALES, Scored
 from realitygap.diagnose.search.round import Round
@@ -72,9 +71,9 @@ def _alike(round_: Round, keep: Sequence[Suspect], joint: int, other: Scored) ->
     the place of dry and viscous friction, and changed the efforts by 10 % of what these do. Tables in the place of laws
     that were none, as over the angle for a ripple and a centre of mass, changed them by 32 to 48 %.
     """
-    now, train = round_.now.fit, round_.criterion.train
+    now, motions = round_.now.fit, round_.criterion.motions
     there = [c for c in now.changes if c.suspect not in keep and c.suspect.joints == (joint,)]
-    without = residual(round_.simulations, [c for c in now.changes if c not in there], train) if there else None
+    without = motions.residual([c for c in now.changes if c not in there]) if there else None
     if without is None:
         return False
     metric = round_.criterion.plain(now).metric  # others take away what laws may be off by, which is asked for here
@@ -93,7 +92,7 @@ def _best_ways(round_: Round, keep: Sequence[Suspect]) -> list[_Way]:
         if len(beside) < len(now.changes):
             ways += [_Way(beside, tables) for tables in unnamed(problem, beside, [j])]
     variants = [now.changes, *(way.changes for way in ways)]
-    still, *answers = residuals(round_.simulations, variants, criterion.train, criterion.floors.coarse)
+    still, *answers = criterion.motions.residuals(variants)
     gaining = []
     for way, answer in zip(ways, answers, strict=True):
         if still is not None and answer is not None:
