@@ -79,6 +79,24 @@ def test_friction_that_grows_from_rest_is_a_hyperbolic_tangent_of_the_speed(onse
     np.testing.assert_allclose((effort - without)[inner, 0], 0.05 * np.tanh(v[inner] / onset), rtol=0, atol=5e-4)
 
 
+@pytest.mark.parametrize("over", [1e-3, 0.05])
+def test_friction_that_builds_up_follows_from_the_positions(over: float) -> None:
+    """After each reversal, at q₀, s = ±(1 − 2·exp(−|q − q₀|/over)) as long as the swing is far wider than that."""
+    plant, time = arm(), np.arange(0.0, 3.0, 0.002)
+    building = place(plant, [EffectSpec(effect="coulomb_friction", target="hinge", torque=0.05, presliding=over)])
+    q, v, _ = swing(time)
+    plant.drive["coulomb"] = plant.drive["static"] = 0.0
+    effort, without = (followed(p, time, q[:, None]).effort for p in (building, plant))
+    assert effort is not None
+    assert without is not None
+    turned = np.flatnonzero(np.sign(v[1:]) != np.sign(v[:-1])) + 1
+    told = (effort - without)[:, 0] / 0.05
+    for first, last in zip(turned, [*turned[1:], len(q) - 50], strict=True):
+        here = slice(first + 2, last - 2)
+        expected = np.sign(v[here]) * (1.0 - 2.0 * np.exp(-np.abs(q[here] - q[first]) / over))
+        np.testing.assert_allclose(told[here], expected, rtol=0, atol=0.02)
+
+
 def off(plant: Plant) -> list[Array]:
     """What a driven motion's effort is off while it moves, followed with its own plant and with the plain one."""
     trace = driven(plant)

@@ -84,6 +84,38 @@ def test_friction_that_grows_from_rest_creeps_at_the_speed_that_balances_it(
     assert_allclose(out.velocity[-1, 0], onset * np.arctanh(0.5), rtol=1e-3, atol=1e-5)
 
 
+@everywhere
+@pytest.mark.parametrize("over", [1e-3, 0.02])
+def test_friction_that_builds_up_takes_the_work_that_it_does(over: float, engine: str) -> None:
+    """To one side ½·m·(ω₀² − ω²) = torque·(q − over·(1 − exp(−q/over))), whichever the time (Dahl)."""
+    plant = added(effort_servo(wheel()), "coulomb_friction", torque=0.2, presliding=over)
+    out = run(plant, 0.0, 0.6, engine=engine, velocity=1.0)
+    q, w = out.position[:, 0], out.velocity[:, 0]
+    forward = np.arange(len(q)) < np.argmax(q) - 1
+    middle = 0.5 * (q[1:] + q[:-1])[forward[1:]]  # velocities sit half a step before positions
+    work = 0.2 * (middle - over * (1.0 - np.exp(-middle / over)))
+    left = 0.5 * (LINK + ARMATURE) * (w[0] ** 2 - w[1:][forward[1:]] ** 2)
+    assert_allclose(left, work, atol=0.01 * work[-1])
+
+
+@everywhere
+@pytest.mark.parametrize(("over", "grease"), [(1e-6, 5.0), (1e-3, 5.0), (0.02, 1.0)])
+@pytest.mark.parametrize("softened", [False, True])
+def test_friction_that_builds_up_holds_where_it_balances(
+    softened: bool, over: float, grease: float, engine: str
+) -> None:
+    """Pulled slowly to 0.1 N·m of 0.2, so that nothing rings: q = −over·log(1 − 0.5), also where it builds up within
+    far less than a step.
+    """
+    plant = added(effort_servo(wheel()), "coulomb_friction", torque=0.2, presliding=over)
+    plant = added(plant, "viscous_friction", coefficient=grease)
+    if softened:
+        plant = added(plant, "joint_compliance", stiffness=50.0, damping=0.05)
+    out = run(plant, np.minimum(np.arange(2500) * 1e-4, 0.1), 2.5, engine=engine)
+    assert_allclose(out.position[-1, 0], -over * np.log(0.5), rtol=2e-3, atol=1e-9)
+    assert abs(out.velocity[-1, 0]) < 1e-4
+
+
 @pytest.mark.parametrize("mass", [0.1, 95.0])
 def test_a_linear_axis_moves_at_its_terminal_speed(mass: float) -> None:
     plant = added(effort_servo(slider(mass)), "viscous_friction", coefficient=203.5)

@@ -97,6 +97,7 @@ SERVO = {"meaning": 0, "kp": 30.0, "kd": 0.8}
         {"coulomb": 0.2, "static": 0.2, "lean": 0.1, "viscous": 0.1, "viscous_asymmetry": 0.5},
         {"coulomb": 0.2, "static": 0.2, "lean": 0.1, "friction_ripple": 0.5, "friction_phase": 0.4},
         {"coulomb": 0.2, "static": 0.2, "onset": 0.5, "viscous": 0.1},
+        {"coulomb": 0.2, "static": 0.2, "presliding": 0.01, "lean": 0.05, "viscous": 0.1},
         {"coulomb": 0.2, "static": 0.2, "lean": 0.1, "onset": 0.5, "friction_ripple": 0.5},
     ],
 )

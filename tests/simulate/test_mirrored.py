@@ -28,6 +28,7 @@ DRIVES: dict[str, dict[str, float]] = {
     "power": {"saturation": 0.1, "real_limit": 3.0, "lag": 0.01, "heating": 0.1},
     "line": {"stall_torque": 3.0, "no_load_speed": 4.0, "sag_resistance": 0.5},
     "friction": {"coulomb": 0.1, "static": 0.2, "load": 0.2, "load_static": 0.2, "viscous": 0.1},
+    "friction that builds up": {"coulomb": 0.1, "static": 0.1, "presliding": 0.01, "lean": 0.05},
     "creeping friction": {"coulomb": 0.1, "static": 0.1, "onset": 0.5, "lean": 0.05},
     "friction by side": {"coulomb": 0.2, "static": 0.2, "lean": 0.1, "viscous": 0.1, "viscous_asymmetry": 0.5},
     "uneven friction": {"coulomb": 0.2, "static": 0.2, "friction_ripple": 0.6, "friction_phase": 0.4},

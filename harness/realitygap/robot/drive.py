@@ -52,6 +52,7 @@ DRIVE = np.dtype(
         ("coulomb", np.float64),
         ("static", np.float64),
         ("onset", np.float64),  # speed over which dry friction grows from rest; 0: it is all there at once
+        ("presliding", np.float64),  # angle over which dry friction builds up; 0: it is all there at once
         ("stribeck_velocity", np.float64),
         ("stribeck_exponent", np.float64),
         ("load", np.float64),
@@ -104,6 +105,7 @@ STATE = np.dtype(
         ("bus", np.float64),  # supply voltage after sag
         ("heading", np.float64),  # sign of the last speed that was one, and when that changed: for effort maps
         ("reversed", np.float64),
+        ("bent", np.float64),  # share of dry friction that has built up, with its sign
         ("mapped", np.float64),  # effort of all maps over the previous step
         ("velocity", np.float64),  # of the link, at the previous step
         ("effort", np.float64),  # of the joint law over the previous step, without the constant effort

@@ -3,7 +3,8 @@
 The numbers are those of `robot.drive` and the dry friction is that of `robot.drive_law`; what a servo does with a
 command plays no part. Dry friction opposes the motion, and at rest it is not determined by the motion: in place of the
 sign of the velocity stands its expected value for a velocity that is known with a standard error, erf(v/(√2·error)).
-Where it grows from rest, over an onset, the hyperbolic tangent has the slope at rest that both leave together.
+Where it grows from rest, over an onset, the hyperbolic tangent has the slope at rest that both leave together; where it
+builds up over an angle, it follows from the positions.
 """
 # mypy: allow-untyped-defs
 # (the compiled function takes arrays and numbers only; its callers are typed)
@@ -13,7 +14,7 @@ import math
 import numpy as np
 from realitygap_engines.law.compiled import compiled
 
-from realitygap.robot.law.friction import dry_bound, unevenness, viscous
+from realitygap.robot.law.friction import bent, dry_bound, unevenness, viscous
 from realitygap.robot.law.springs import springs
 
 PASSES = 100
@@ -38,6 +39,7 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
         joint: written: on the joint, after friction.
         left: written: by how much dry friction could be more or less than that, as the joint is nearly at rest.
     """
+    built = np.zeros(len(drive))
     for k in range(len(position)):
         for j in range(len(drive)):
             d, q, v = drive[j], position[k, j], velocity[k, j]
@@ -49,7 +51,11 @@ def motor_efforts(drive, position, velocity, acceleration, error, load, motor, j
                 smooth += d.ripple * np.sin(d.ripple_periods * q + d.ripple_phase)
             side = math.erf(v / (math.sqrt(2.0) * error[k, j])) if error[k, j] > 0.0 else np.sign(v)
             unknown, lean = 1.0 - abs(side), uneven * d.lean
-            if d.onset > 0.0:
+            if d.presliding > 0.0:
+                if k > 0:
+                    built[j] = bent(built[j], q - position[k - 1, j], d.presliding)
+                side = built[j]
+            elif d.onset > 0.0:
                 blurred = math.hypot(d.onset, math.sqrt(0.5 * math.pi) * error[k, j])
                 side = np.tanh(v / blurred)
                 unknown *= error[k, j] / blurred

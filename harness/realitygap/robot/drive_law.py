@@ -12,6 +12,8 @@ rotor is moved once the engine has told that velocity (`arrive`).
 
 - spring: stiffness·(twist, averaged over the three times around the step), the trapezoidal rule: of second order,
   stable for any stiffness and any link, without numerical damping until the step no longer resolves the rotor;
+- dry friction that builds up over an angle: a spring, whose torque is that of the positions before the step, as in any
+  semi-implicit step; beyond what such a step resolves it is that of those after it, as far as damping makes it so.
 - backlash: rigid ends. A rotor at an end is an armature of the joint; one on its way to an end lands on it at the end
   of a step, without rebound; one that would have to pull lets go.
 """
@@ -20,7 +22,7 @@ import numpy as np
 from realitygap_engines.law.compiled import compiled
 
 from realitygap.robot.law.controller import look
-from realitygap.robot.law.friction import creeping, dry_bound, grown, unevenness, viscous
+from realitygap.robot.law.friction import bent, building, creeping, dry_bound, grown, unevenness, viscous
 from realitygap.robot.law.motor import motor_torque
 from realitygap.robot.law.springs import springs
 from realitygap.robot.law.supply import sag
@@ -58,7 +60,14 @@ def drive_effort(  # type: ignore[no-untyped-def]
         bound = uneven * dry_bound(d, abs(speed), torque - back * speed, s.transmitted)
         lean, drag = uneven * d.lean, viscous(d, speed)
         total = back + drag
-        if d.onset > 0.0:
+        if d.presliding > 0.0:
+            lean -= bound * s.bent
+            stiffness = bound * building(d, s.bent, h * speed)
+            ratio = h * h * stiffness / (d.armature if separate(d) else inertia[j])
+            drag += h * stiffness * ratio / (1.0 + ratio)
+            total = back + drag
+            bound = 0.0
+        elif d.onset > 0.0:
             creep = bound * creeping(d, abs(speed))
             drag, total = drag + creep, total + creep
             lean *= grown(d, abs(speed))
@@ -124,5 +133,7 @@ def settle(d, s, q, w, dry, h, logged):  # type: ignore[no-untyped-def]
         logged.rotor = s.rotor_velocity
         if d.stiffness > 0.0:
             logged.encoder = s.rotor
+    if d.presliding > 0.0 and s.begun == 2:
+        s.bent = bent(s.bent, h * logged.rotor, d.presliding)
     logged.transmitted = s.transmitted
     s.begun = max(s.begun, 1)

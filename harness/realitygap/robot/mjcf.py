@@ -51,6 +51,7 @@ WORDS = {
     "braking": "motor_braking",
     "static": "stribeck_friction",
     "onset": "coulomb_friction that grows from rest",
+    "presliding": "dry friction that builds up over an angle",
     "load": "load_dependent_friction",
     "load_static": "load_dependent_friction at rest",
     "lean": "direction_friction",

@@ -80,15 +80,15 @@ ALWAYS_FREE = {
 }
 """Effects that say nothing without fitting their shape too."""
 LATER = {
-    "coulomb_friction": ("torque", "onset"),
-    "stribeck_friction": ("static", "coulomb", "velocity", "exponent"),
-    "load_dependent_friction": ("coefficient", "static_coefficient", "velocity"),
-    "command_profile": ("speed", "acceleration"),
-    "effort_limit": ("effort", "beyond", "share"),
-    "cable_spring": ("stiffness", "rest"),
-    "direction_friction": ("forward", "backward", "asymmetry"),
+    "coulomb_friction": (("torque", "onset"), ("torque", "presliding")),
+    "stribeck_friction": (("static", "coulomb", "velocity", "exponent"),),
+    "load_dependent_friction": (("coefficient", "static_coefficient", "velocity"),),
+    "command_profile": (("speed", "acceleration"),),
+    "effort_limit": (("effort", "beyond", "share"),),
+    "cable_spring": (("stiffness", "rest"),),
+    "direction_friction": (("forward", "backward", "asymmetry"), ("forward", "backward", "presliding")),
 }
-"""What is freed when an effect was found, if that helps."""
+"""What is freed when an effect was found, if that helps: one shape or another."""
 
 CARRIED = ("payload",)
 """What a link carries. A body without joints is thrown with whatever is fixed to it: its mass, its centre and its
@@ -140,17 +140,24 @@ def fitted(effect: Effect) -> list[Parameter]:
     return [p for p in effect.parameters if (p.name in free if free else not p.shape)]
 
 
-def richer(plant: Plant, change: Change) -> Change | None:
-    """A change with its shape freed too; None where there is none to free.
+def richer(plant: Plant, change: Change) -> list[Change]:
+    """A change with its shape freed too, by each shape that it may have and has not; others are as in the plant."""
+    shapes = LATER.get(change.suspect.effect, ())
+    return [_shaped(plant, change, free) for free in shapes if free != change.free]
+
+
+def _shaped(plant: Plant, change: Change, free: tuple[str, ...]) -> Change:
+    """A change with a shape freed, which begins at a size that shows.
 
     Friction under load starts with half of itself at slow speed only: without a static part its speed means nothing.
     """
-    free = LATER.get(change.suspect.effect)
-    if free is None:
-        return None
     values, suspect = change.parameters, change.suspect
-    if values.get("onset") == 0.0:
+    zero = neutral(plant, suspect)
+    values |= {n: zero[n] for n in change.free if n not in free}
+    if "onset" in free and values["onset"] == 0.0:
         values["onset"] = _slow(plant, suspect)
+    if "presliding" in free and values["presliding"] == 0.0:
+        values["presliding"] = suspect.kind.parameter("presliding").typical
     if values.get("static_coefficient") == 0.0:
         half = 0.5 * values["coefficient"]
         values |= {"coefficient": half, "static_coefficient": half, "velocity": _slow(plant, suspect)}
@@ -159,6 +166,17 @@ def richer(plant: Plant, change: Change) -> Change | None:
     if values.get("share") == 1.0:
         values["share"] = first["share"]
     return replace(change, values=tuple(values.items()), free=free)
+
+
+def in_shape_of(change: Change, other: Change) -> Change:
+    """A change with the shape of another one that it says otherwise, where it may have that too: friction by side that
+    builds up over an angle, as the dry friction does in whose place it is tried.
+    """
+    shape = {n for n in other.free if other.suspect.kind.parameter(n).shape}
+    for free in LATER.get(change.suspect.effect, ()):
+        if shape and shape.issubset(free) and change.suspect.kind.rules_out(other.suspect.kind):
+            return replace(change.at({n: other.parameters[n] for n in shape}), free=free)
+    return change
 
 
 def begun_again(plant: Plant, change: Change) -> Change:

@@ -174,11 +174,10 @@ def _shaped(round_: Round) -> list[Way]:
     accepted, plant, ways = list(round_.now.fit.changes), round_.simulations.problem.plant, list[Way]()
     for of in alike(accepted):
         beside = [c for c in accepted if c not in of]
-        tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
+        tries = [shaped for looser in LOOSER for shaped in with_shapes(plant, of, looser)]
         for shaped in dict.fromkeys(tries):
             number = sum(new is not old for new, old in zip(shaped, of, strict=True))
-            if number:
-                ways.append(([*beside, *shaped], SURE * number))
+            ways.append(([*beside, *shaped], SURE * number))
     return ways
 
 
@@ -212,15 +211,19 @@ def alike(changes: Sequence[Change]) -> list[list[Change]]:
     return list(out.values())
 
 
-def with_shape(plant: Plant, change: Change, looser: float) -> Change:
-    """A change with its shape freed too, or as it is where there is none to free.
+def with_shapes(plant: Plant, changes: Sequence[Change], looser: float = 1.0) -> list[tuple[Change, ...]]:
+    """Changes with their shapes freed too, one after another where they may have several; one that has none to free is
+    as it is.
 
     A limit beside one that is there already begins at so many times its first size: from one that is too tight no fit
     finds back, and one that is too loose does nothing.
     """
-    shaped = richer(plant, change)
-    if shaped is None or shaped.free == change.free:
-        return change
+    each = [[_loosened(s, c, looser) for s in richer(plant, c)] or [c] for c in changes]
+    ways = (tuple(of[min(k, len(of) - 1)] for of in each) for k in range(max(map(len, each), default=0)))
+    return [way for way in ways if any(new is not old for new, old in zip(way, changes, strict=True))]
+
+
+def _loosened(shaped: Change, change: Change, looser: float) -> Change:
     return shaped.at({n: looser * shaped.parameters[n] for n in shaped.free if not np.isfinite(change.parameters[n])})
 
 

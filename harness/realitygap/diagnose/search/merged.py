@@ -6,7 +6,7 @@ payload: with all of them in a model the shapes gain nothing, and without the ot
 from __future__ import annotations
 
 from realitygap.diagnose.data.changes import Change
-from realitygap.diagnose.search.grow import Ways, alike, with_shape
+from realitygap.diagnose.search.grow import Ways, alike, with_shapes
 from realitygap.diagnose.search.round import Round
 
 
@@ -17,10 +17,10 @@ def merged(round_: Round) -> Ways:
     accepted, ways = round_.now.fit.changes, list[tuple[list[Change], float]]()
     together = [of for of in alike(accepted) if len(of) > 1]
     for some in [*([c] for c in accepted if c.free), *together]:
-        shaped = [with_shape(round_.simulations.problem.plant, c, 1.0) for c in some]
         joints = {i for c in some for i in c.suspect.joints}
         rest = [c for c in accepted if c not in some]
-        for other in rest if any(new is not old for new, old in zip(shaped, some, strict=True)) else ():
-            if other.free and joints.issuperset(other.suspect.joints):
+        replaced = [c for c in rest if c.free and joints.issuperset(c.suspect.joints)]
+        for shaped in with_shapes(round_.simulations.problem.plant, some) if replaced else ():
+            for other in replaced:
                 ways.append(([*(c for c in rest if c is not other), *shaped], -round_.limit))
     return ways

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import in_shape_of
 from realitygap.diagnose.data.changes import Change, Suspect, as_read, clash, stands_beside
 from realitygap.diagnose.fit.responses import Block
 from realitygap.diagnose.search.alike import alike
@@ -180,7 +181,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
     for suspect, begun in chosen.items():
         if any(r.suspect == suspect for r in out):
             continue
-        quick = place.best(begun, suspect in same)
+        quick = place.best([in_shape_of(c, place.change) for c in begun], suspect in same)
         if quick is None or quick.evidence <= alone.evidence:
             continue
         close = place.close(quick)

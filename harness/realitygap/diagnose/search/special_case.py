@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.suspects import in_shape_of, neutral
 from realitygap.diagnose.data.changes import Change, Suspect, changed
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.search.criterion import Criterion
@@ -58,4 +58,4 @@ def as_law(problem: Problem, special: Change, law: Suspect) -> Change | None:
     plant, first = problem.plant, guess(problem, law)
     said, bare = neutral(changed(plant, [special], plant), law), neutral(plant, law)
     told = {n: said[n] for n in first.free if said[n] != bare[n]}
-    return first.at(told) if told else None
+    return in_shape_of(first.at(told), special) if told else None

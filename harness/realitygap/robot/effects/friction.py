@@ -6,18 +6,23 @@ from realitygap.robot.plant import Plant
 
 FRICTION_HIGH = 200.0
 """Bound of dry friction [N·m or N]: a linear axis of 100 kg has some tens of N."""
+PRESLIDING = 1e-3
+"""What dry friction of gears and bearings builds up over [rad or m]: 1.1 mrad of a servo (0.285 N·m over 260 N·m/rad:
+Canudas de Wit, Lischinsky, Int. J. Adaptive Control and Signal Processing 11, 1997)."""
 
 
 def _coulomb(plant: Plant, indices: list[int], values: Values) -> None:
     plant.drive["coulomb"][indices] = values["torque"]
     plant.drive["static"][indices] = values["torque"]
-    if "onset" in values:
-        plant.drive["onset"][indices] = values["onset"]
+    for name in ("onset", "presliding"):
+        if name in values:
+            plant.drive[name][indices] = values[name]
 
 
 def _more_coulomb(plant: Plant, index: int) -> dict[str, float]:
     d = plant.drive[index]
-    return {"torque": float(d["coulomb"]) + 0.02 * effort_scale(plant, index), "onset": float(d["onset"])}
+    shape = {"onset": float(d["onset"]), "presliding": float(d["presliding"])}
+    return {"torque": float(d["coulomb"]) + 0.02 * effort_scale(plant, index), **shape}
 
 
 COULOMB_FRICTION = Effect(
@@ -28,23 +33,27 @@ COULOMB_FRICTION = Effect(
     parameters=(
         Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("onset", "rad/s", 0.0, 5.0, 0.0, absent=0.0, default=0.0, shape=True),
+        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING),
     ),
     signals=("position", "velocity"),
-    own=reads(torque="coulomb", onset="onset"),
+    own=reads(torque="coulomb", onset="onset", presliding="presliding"),
     apply=_coulomb,
     possible=anywhere,
     scaled=_more_coulomb,
     page=Page(
         physics="Dry friction of bearings, seals and gears: a torque that opposes motion and does not depend on "
         "speed. At rest it takes any value up to the bound and holds the joint. In gears that creep it grows from rest "
-        "over a speed, onset, and holds nothing.",
-        equation="sliding: τ = −torque·sign(ω); stuck: |τ| ≤ torque; with an onset: τ = −torque·tanh(ω/onset)",
+        "over a speed, onset, and holds nothing. Before it slides a gear gives a little, like a spring: friction "
+        "builds up over an angle, presliding, and holds; beside that an onset plays no part.",
+        equation="sliding: τ = −torque·sign(ω); stuck: |τ| ≤ torque; with an onset: τ = −torque·tanh(ω/onset); with "
+        "presliding: τ = −torque·s, ds/dq = (1 − s·sign(ω))/presliding",
         signature="The joint stops short of its goal and stays there; flat spots at reversals; a hysteresis of "
         "constant width between effort and position.",
         confused_with="stribeck_friction (without slow motion), load_dependent_friction (at one load), backlash (a "
         "flat spot at reversals too, but without an effort offset).",
         source="Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994; Flemming 2019, chapter 4; Gaz, "
-        "Cognetti, Oliva, Robuffo Giordano, De Luca, RA-L 4(4), 2019 (a friction that is a sigmoid of the speed).",
+        "Cognetti, Oliva, Robuffo Giordano, De Luca, RA-L 4(4), 2019 (a friction that is a sigmoid of the speed); "
+        "P. R. Dahl, A solid friction model, 1968 (presliding).",
     ),
     excludes=("stribeck_friction", "direction_friction"),
     special_of=("stribeck_friction", "direction_friction"),

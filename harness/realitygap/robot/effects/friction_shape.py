@@ -3,7 +3,7 @@
 import math
 
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
-from realitygap.robot.effects.friction import FRICTION_HIGH
+from realitygap.robot.effects.friction import FRICTION_HIGH, PRESLIDING
 from realitygap.robot.effects.joint import anywhere, effort_scale, seen_periods, wave_turned, wave_unseen
 from realitygap.robot.plant import Plant
 
@@ -11,7 +11,8 @@ from realitygap.robot.plant import Plant
 def _own_directions(plant: Plant, index: int) -> dict[str, float]:
     mean, lean = float(plant.drive["coulomb"][index]), float(plant.drive["lean"][index])
     asymmetry = float(plant.drive["viscous_asymmetry"][index])
-    return {"forward": mean - lean, "backward": mean + lean, "asymmetry": asymmetry}
+    presliding = float(plant.drive["presliding"][index])
+    return {"forward": mean - lean, "backward": mean + lean, "asymmetry": asymmetry, "presliding": presliding}
 
 
 def _directions(plant: Plant, indices: list[int], values: Values) -> None:
@@ -20,6 +21,8 @@ def _directions(plant: Plant, indices: list[int], values: Values) -> None:
     plant.drive["coulomb"][indices] = plant.drive["static"][indices] = mean
     plant.drive["lean"][indices] = 0.5 * (values["backward"] - values["forward"])
     plant.drive["viscous_asymmetry"][indices] = values["asymmetry"]
+    if "presliding" in values:
+        plant.drive["presliding"][indices] = values["presliding"]
 
 
 def _more_each_way(plant: Plant, index: int) -> dict[str, float]:
@@ -36,6 +39,7 @@ DIRECTION_FRICTION = Effect(
         Parameter("forward", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("backward", "N·m", 0.0, FRICTION_HIGH, 0.2),
         Parameter("asymmetry", "", -1.0, 1.0, 0.1, absent=0.0, default=0.0, shape=True, typical=0.1),
+        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING),
     ),
     signals=("position", "velocity"),
     own=_own_directions,
@@ -46,7 +50,8 @@ DIRECTION_FRICTION = Effect(
         physics="Friction that is larger one way than the other: gear flanks, screws and seals are not the same on "
         "both sides. Forward is where the angle grows. Dry, it stands in place of Coulomb friction, and holds a joint "
         "at rest against up to as much in either direction; the joint's viscous friction is larger forward by the "
-        "share asymmetry, and smaller backward.",
+        "share asymmetry, and smaller backward. Before it slides it builds up over an angle, presliding, as Coulomb "
+        "friction may.",
         equation="sliding: τ = −forward − viscous·(1 + asymmetry)·ω for ω > 0, +backward − viscous·(1 − asymmetry)·ω "
         "for ω < 0; stuck: −forward ≤ τ ≤ backward",
         signature="A hysteresis between effort and position whose middle is not where gravity puts it; one direction "

@@ -40,6 +40,23 @@ def creeping(d, speed):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def bent(share, moved, over):  # type: ignore[no-untyped-def]
+    """The share of dry friction that has built up, with its sign, after a displacement (Dahl 1968).
+
+    ds/dq = (1 - s·sign(dq)) / `over`, whose solution is exact for a displacement to one side.
+    """
+    side = np.sign(moved)
+    return side - (side - share) * np.exp(-abs(moved) / over)
+
+
+@compiled
+def building(d, share, moved):  # type: ignore[no-untyped-def]
+    """By how much that share grows over a displacement, per rad or m: its secant, or at rest its tangent."""
+    x = abs(moved) / d.presliding
+    return (1.0 - share * np.sign(moved)) * (-np.expm1(-x) / x if x > 1e-6 else 1.0) / d.presliding
+
+
+@compiled
 def viscous(d, speed):  # type: ignore[no-untyped-def]
     """The coefficient of viscous friction at a speed; at rest the mean of both directions."""
     if d.viscous_asymmetry == 0.0:
