@@ -10,6 +10,7 @@ import numpy as np
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.problem import Problem
 from realitygap.robot.effects import EFFECTS, Effect, Parameter
+from realitygap.robot.effects.friction import presliding
 from realitygap.robot.effects.joint import speed_scale
 from realitygap.robot.plant import Plant, match_joints
 from realitygap.robot.suspicion import may_be_suspected
@@ -157,7 +158,7 @@ def _shaped(plant: Plant, change: Change, free: tuple[str, ...]) -> Change:
     if "onset" in free and values["onset"] == 0.0:
         values["onset"] = _slow(plant, suspect)
     if "presliding" in free and values["presliding"] == 0.0:
-        values["presliding"] = suspect.kind.parameter("presliding").typical
+        values["presliding"] = min(presliding(plant, i) for i in suspect.indices)
     if values.get("static_coefficient") == 0.0:
         half = 0.5 * values["coefficient"]
         values |= {"coefficient": half, "static_coefficient": half, "velocity": _slow(plant, suspect)}

@@ -6,9 +6,17 @@ from realitygap.robot.plant import Plant
 
 FRICTION_HIGH = 200.0
 """Bound of dry friction [N·m or N]: a linear axis of 100 kg has some tens of N."""
-PRESLIDING = 1e-3
-"""What dry friction of gears and bearings builds up over [rad or m]: 1.1 mrad of a servo (0.285 N·m over 260 N·m/rad:
-Canudas de Wit, Lischinsky, Int. J. Adaptive Control and Signal Processing 11, 1997)."""
+PRESLIDING, PRESLIDING_ALONG = 1e-3, 3e-5
+"""What dry friction of gears and bearings builds up over [rad, and m of a linear axis]: 1.1 mrad of a servo (0.285 N·m
+over 260 N·m/rad: Canudas de Wit, Lischinsky, Int. J. Adaptive Control and Signal Processing 11, 1997); of rolled ball
+screws what they give way, 0.02 to 0.05 mm."""
+PRESLIDING_STEP = 1e-4
+"""An amount of that which is neither negligible nor absurd [rad or m]."""
+
+
+def presliding(plant: Plant, index: int) -> float:
+    """What dry friction of a joint ordinarily builds up over [rad or m]."""
+    return PRESLIDING_ALONG if plant.model.joints[index].prismatic else PRESLIDING
 
 
 def _coulomb(plant: Plant, indices: list[int], values: Values) -> None:
@@ -33,7 +41,7 @@ COULOMB_FRICTION = Effect(
     parameters=(
         Parameter("torque", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("onset", "rad/s", 0.0, 5.0, 0.0, absent=0.0, default=0.0, shape=True),
-        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING),
+        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING_STEP),
     ),
     signals=("position", "velocity"),
     own=reads(torque="coulomb", onset="onset", presliding="presliding"),

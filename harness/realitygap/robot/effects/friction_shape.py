@@ -3,7 +3,7 @@
 import math
 
 from realitygap.robot.effects.effect import Effect, Page, Parameter, Values, reads, writes
-from realitygap.robot.effects.friction import FRICTION_HIGH, PRESLIDING
+from realitygap.robot.effects.friction import FRICTION_HIGH, PRESLIDING_STEP
 from realitygap.robot.effects.joint import anywhere, effort_scale, seen_periods, wave_turned, wave_unseen
 from realitygap.robot.plant import Plant
 
@@ -39,7 +39,7 @@ DIRECTION_FRICTION = Effect(
         Parameter("forward", "N·m", 0.0, FRICTION_HIGH, 0.1),
         Parameter("backward", "N·m", 0.0, FRICTION_HIGH, 0.2),
         Parameter("asymmetry", "", -1.0, 1.0, 0.1, absent=0.0, default=0.0, shape=True, typical=0.1),
-        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING),
+        Parameter("presliding", "rad", 0.0, 0.1, 0.0, absent=0.0, default=0.0, shape=True, typical=PRESLIDING_STEP),
     ),
     signals=("position", "velocity"),
     own=_own_directions,
