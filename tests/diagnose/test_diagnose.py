@@ -111,25 +111,25 @@ def test_friction_under_load_is_the_same_at_rest_when_its_shape_is_freed() -> No
     problem = build_problem(load_scenario(DEMO), "mujoco")
     plain = {s.effect: guess(problem, s) for s in suspects(problem) if s.target == "elbow"}
     found = plain["load_dependent_friction"]
-    (freed,) = richer(problem.plant, found)
+    (freed,) = richer(problem, found)
     values = freed.parameters
     assert values["coefficient"] + values["static_coefficient"] == pytest.approx(found.parameters["coefficient"])
     assert set(freed.free) > set(found.free)
-    assert richer(problem.plant, plain["viscous_friction"]) == []
-    assert richer(problem.plant, freed) == []  # what has a shape goes on from it
+    assert richer(problem, plain["viscous_friction"]) == []
+    assert richer(problem, freed) == []  # what has a shape goes on from it
 
 
 def test_dry_friction_with_a_shape_begins_to_grow_slowly() -> None:
     """All there at once, no derivative would say over which speed it grows from rest."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
     (friction,) = (s for s in suspects(problem) if (s.effect, s.target) == ("coulomb_friction", "elbow"))
-    grows, builds = richer(problem.plant, guess(problem, friction))
+    grows, builds = richer(problem, guess(problem, friction))
     assert grows.free == ("torque", "onset")
     assert 0.0 < grows.parameters["onset"] < 1.0
     assert builds.free == ("torque", "presliding")
     assert 0.0 < builds.parameters["presliding"] < 0.01
     assert builds.parameters["onset"] == 0.0
-    (other,) = richer(problem.plant, grows)
+    (other,) = richer(problem, grows)
     assert other == builds, "one shape in the place of another"
     assert guess(problem, friction).free == ("torque",)
 
@@ -138,7 +138,7 @@ def test_a_law_in_the_place_of_another_has_its_shape() -> None:
     problem = build_problem(load_scenario(DEMO), "mujoco")
     plain = {s.effect: guess(problem, s) for s in suspects(problem) if s.target == "elbow"}
     dry, by_side, falling = (plain[n] for n in ("coulomb_friction", "direction_friction", "stribeck_friction"))
-    grows, builds = richer(problem.plant, dry)
+    grows, builds = richer(problem, dry)
     builds = builds.at({"presliding": 2e-3})
     shaped = in_shape_of(by_side, builds)
     assert shaped.free == ("forward", "backward", "presliding")

@@ -46,7 +46,7 @@ def test_a_limit_beside_another_begins_at_several_sizes(effect: str) -> None:
     (shape,) = LATER[effect]
     known, *others = shape
     alone = replace(whole.at({n: np.inf for n in others if n != "share"}), free=(known,))
-    tries = [shaped for looser in LOOSER for (shaped,) in with_shapes(problem.plant, [alone], looser)]
+    tries = [shaped for looser in LOOSER for (shaped,) in with_shapes(problem, [alone], looser)]
     assert len(set(tries)) == len(LOOSER)
     for try_, looser in zip(tries, LOOSER, strict=True):
         assert set(try_.free) == set(shape)
@@ -54,7 +54,7 @@ def test_a_limit_beside_another_begins_at_several_sizes(effect: str) -> None:
         new = [n for n in others if not np.isfinite(alone.parameters[n])]
         for name in new:
             assert try_.parameters[name] == pytest.approx(looser * tries[0].parameters[name] / LOOSER[0])
-    assert with_shapes(problem.plant, tries[:1], LOOSER[-1]) == []
+    assert with_shapes(problem, tries[:1], LOOSER[-1]) == []
 
 
 def test_what_is_tried_beside_a_plain_fit_gains_what_it_and_the_fit_leave_less() -> None:

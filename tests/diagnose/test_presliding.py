@@ -27,7 +27,7 @@ def test_friction_that_builds_up_is_no_compliance(tmp_path: Path) -> None:
         dry = guess(problem, suspect_of(problem, "coulomb_friction", "lift"))
         plain = criterion.fit([dry], Fit((), left), "compared")
         assert plain is not None
-        shaped = {c.free: criterion.fit([c], plain.fit, "compared") for (c,) in with_shapes(problem.plant, [dry])}
+        shaped = {c.free: criterion.fit([c], plain.fit, "compared") for (c,) in with_shapes(problem, [dry])}
         grows, builds = (shaped["torque", name] for name in ("onset", "presliding"))
         spring = guess(problem, suspect_of(problem, "joint_compliance", "lift"))
         gives = criterion.fit([*plain.fit.changes, spring], plain.fit, "compared")

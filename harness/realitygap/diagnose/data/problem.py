@@ -53,6 +53,11 @@ class Problem:
         return [i for i, c in enumerate(self.cases) if c.use == use]
 
     @property
+    def followed(self) -> bool:
+        """Whether motions are followed, and not driven."""
+        return self.cases[0].experiment.followed is not None
+
+    @property
     def repeated(self) -> bool:
         """Whether any motion was repeated, so that it is known how much one repetition differs from the next."""
         return any(case.spread for case in self.cases)

@@ -135,8 +135,7 @@ def _in_richer_shape(
     for what these have besides. A torque-told pendulum's dry friction, 0.16 N·m beside a constant effort of -0.03 N·m,
     is friction by side.
     """
-    plant = simulations.problem.plant
-    for (shaped,) in with_shapes(plant, [change]):
+    for (shaped,) in with_shapes(simulations.problem, [change]):
         yield shaped
     if found.gains.get(other.suspect, np.inf) >= MUCH * found.limit:
         return
@@ -250,7 +249,7 @@ def _reshaped(simulations: Simulations, change: Change, rest: Sequence[Change]) 
     """
     for i, other in enumerate(rest):
         if other.free and other.suspect.joints == change.suspect.joints:
-            for (shaped,) in with_shapes(simulations.problem.plant, [other]):
+            for (shaped,) in with_shapes(simulations.problem, [other]):
                 yield [*rest[:i], shaped, *rest[i + 1 :]]
 
 

@@ -105,8 +105,8 @@ class Diagnosis:
 
     def experiment(self) -> str:
         """What to record next."""
-        followed = self.problem.cases[0].experiment.followed is not None
-        return experiment({s: [r.suspects for r in listed] for s, listed in self.rivals.items()}, followed)
+        listed = {s: [r.suspects for r in of] for s, of in self.rivals.items()}
+        return experiment(listed, self.problem.followed)
 
     def interval(self, change: Change, parameter: str) -> tuple[float, float]:
         """The 95 % interval of a parameter that was fitted or seen; its value twice where it was not."""

@@ -13,13 +13,13 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again, everyday, richer
 from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key, stands_beside
+from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import linear_at
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.rivals import FAR, LOOSER
 from realitygap.diagnose.search.round import Round, told_change
-from realitygap.robot.plant import Plant
 
 TRIED = 4
 """Suspects that are tried one by one: those of most predicted gain, also where none has any. A friction beside a
@@ -171,10 +171,10 @@ def _at_each(round_: Round) -> list[Way]:
 
 def _shaped(round_: Round) -> list[Way]:
     """What was found with a richer shape, that of all joints of an effect at once."""
-    accepted, plant, ways = list(round_.now.fit.changes), round_.simulations.problem.plant, list[Way]()
+    accepted, problem, ways = list(round_.now.fit.changes), round_.simulations.problem, list[Way]()
     for of in alike(accepted):
         beside = [c for c in accepted if c not in of]
-        tries = [shaped for looser in LOOSER for shaped in with_shapes(plant, of, looser)]
+        tries = [shaped for looser in LOOSER for shaped in with_shapes(problem, of, looser)]
         for shaped in dict.fromkeys(tries):
             number = sum(new is not old for new, old in zip(shaped, of, strict=True))
             ways.append(([*beside, *shaped], SURE * number))
@@ -211,14 +211,14 @@ def alike(changes: Sequence[Change]) -> list[list[Change]]:
     return list(out.values())
 
 
-def with_shapes(plant: Plant, changes: Sequence[Change], looser: float = 1.0) -> list[tuple[Change, ...]]:
+def with_shapes(problem: Problem, changes: Sequence[Change], looser: float = 1.0) -> list[tuple[Change, ...]]:
     """Changes with their shapes freed too, one after another where they may have several; one that has none to free is
     as it is.
 
     A limit beside one that is there already begins at so many times its first size: from one that is too tight no fit
     finds back, and one that is too loose does nothing.
     """
-    each = [[_loosened(s, c, looser) for s in richer(plant, c)] or [c] for c in changes]
+    each = [[_loosened(s, c, looser) for s in richer(problem, c)] or [c] for c in changes]
     ways = (tuple(of[min(k, len(of) - 1)] for of in each) for k in range(max(map(len, each), default=0)))
     return [way for way in ways if any(new is not old for new, old in zip(way, changes, strict=True))]
 

@@ -20,7 +20,7 @@ def merged(round_: Round) -> Ways:
         joints = {i for c in some for i in c.suspect.joints}
         rest = [c for c in accepted if c not in some]
         replaced = [c for c in rest if c.free and joints.issuperset(c.suspect.joints)]
-        for shaped in with_shapes(round_.simulations.problem.plant, some) if replaced else ():
+        for shaped in with_shapes(round_.simulations.problem, some) if replaced else ():
             for other in replaced:
                 ways.append(([*(c for c in rest if c is not other), *shaped], -round_.limit))
     return ways

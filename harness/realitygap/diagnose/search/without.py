@@ -23,9 +23,9 @@ def without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     plain = _left_out(round_, now, suspect)
     if plain is None or not round_.earned(now, plain, round_.limit):
         return plain
-    rest, plant = plain.fit.changes, round_.simulations.problem.plant
+    rest, problem = plain.fit.changes, round_.simulations.problem
     near, far = ([c for c in rest if _beside(c, suspect) is there] for there in (True, False))
-    for shaped in with_shapes(plant, near):
+    for shaped in with_shapes(problem, near):
         more = _values(shaped) - _values(near)
         quick = None
         if 0 < more <= _values(now.fit.changes) - _values(rest):
