@@ -145,8 +145,8 @@ def richer(problem: Problem, change: Change) -> list[Change]:
     """A change with its shape freed too, by each shape that it may have and has not; others are as in the plant.
 
     What builds up over an angle is not asked for along a followed motion: there it hangs on each reading of a joint
-    that hardly moves. Of a UR10e it was 156 ahead of what grows over a speed, and left a held-out gap of 3.0 floors, for
-    2.1 without it, and a load of 2.62 kg, for 2.72, of 2.805.
+    that hardly moves. Of a UR10e it was 156 ahead of what grows over a speed, and left a held-out gap of 3.0 floors,
+    for 2.1 without it, and a load of 2.62 kg, for 2.72, of 2.805.
     """
     shapes = LATER.get(change.suspect.effect, ())
     told = [free for free in shapes if not (problem.followed and "presliding" in free)]
