@@ -11,8 +11,8 @@ from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import model_key
 from realitygap.diagnose.data.problem import build_problem
 from realitygap.diagnose.search.alike import alike
-from realitygap.diagnose.search.exchange import Exchanged, exchanged, renamed
-from realitygap.diagnose.search.rivals import Place, _said_otherwise
+from realitygap.diagnose.search.exchange import Exchanged, _in_turn, exchanged, renamed
+from realitygap.diagnose.search.rivals import ODDS, Place, Rival, _said_otherwise
 from realitygap.diagnose.search_budget import SearchBudget
 from realitygap.scenario.file import load_scenario
 from stood import Effects, stood
@@ -158,3 +158,31 @@ def test_a_gain_does_what_a_mass_does(tmp_path: Path) -> None:
         rivals = exchanged(at.round_, [], Exchanged()).rivals[finding.suspect]
     assert same.effect == rivals[0].suspect.effect == "controller_gain"
     assert rivals[0].open
+
+
+def test_all_names_that_are_surely_wrong_are_exchanged_in_turn() -> None:
+    missing = {
+        ("viscous_friction", "shoulder"): {"coefficient": 1.2},
+        ("coulomb_friction", "elbow"): {"torque": FRICTION},
+        ("constant_effort", "elbow"): {"effort": PULL},
+    }
+    wrong = {
+        ("coulomb_friction", "shoulder"): {"torque": 0.8},
+        ("viscous_friction", "elbow"): {"coefficient": 0.6},
+        ("joint_offset", "elbow"): {"angle": 0.05},
+    }
+    at = stood(missing, wrong, [])
+    with at.simulations:
+        round_, found = at.round_, at.round_.now.fit.changes
+        rivals = {}
+        for gone, (effect, place) in zip(found, missing, strict=True):
+            right = guess(round_.simulations.problem, suspect_of(round_.simulations.problem, effect, place))
+            scored = round_.adjusted([*(c for c in found if c is not gone), right], round_.now.fit)
+            assert scored is not None
+            rivals[gone.suspect] = [Rival(right.suspect, scored, round_.now.evidence - scored.evidence, 0.0)]
+        better = _in_turn(round_, rivals)
+        one = dict(list(rivals.items())[:1])
+        assert _in_turn(round_, one) is _in_turn(round_, {}) is None, "one alone is offered elsewhere"
+    assert better is not None
+    assert model_key(better.fit.changes) == at.right
+    assert better.evidence > max(r.scored.evidence for (r,) in rivals.values()) + ODDS

@@ -140,7 +140,7 @@ def _compared(
             shorter = None if round_.late or rival.behind > FAR * round_.limit else _shorter(round_, rival.scored, keep)
             if shorter is not None:
                 out.offer(shorter, round_)
-    for several in [several for _, several in found.values()] + [_both(round_, out.rivals)]:
+    for several in [several for _, several in found.values()] + [_in_turn(round_, out.rivals)]:
         if several is not None:
             out.offer(several, round_)
     return out
@@ -174,27 +174,30 @@ def _gains(round_: Round, rival: Rival, finding: Suspect, alone: Scored) -> bool
     return not (richer and no_more(round_.criterion, rival.scored, round_.now, rival.suspect, alone, round_.limit))
 
 
-def _both(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | None:
-    """The model with two findings exchanged at once, of those for which another name is surely better; None where there
-    are no two, or both say no more than the better one. What is exchanged alone leaves the other wrong name to be
-    found out beside what it mends, with fits that may be rough: an offset of 0.16 rad beside play stayed for an effort.
+def _in_turn(round_: Round, rivals: Mapping[Suspect, Sequence[Rival]]) -> Scored | None:
+    """The model with findings exchanged in turn, of those for which another name is surely better, the surest first;
+    None where no more than one of them is, beside the others. What is exchanged alone leaves the other wrong names to
+    be found out beside what it mends, with fits that may be rough, or with no time left: an offset of 0.16 rad beside
+    play stayed for an effort, and friction by side, 26 ahead, was not asked for again once a load was named.
     """
     single = {s: [r for r in of if r.beside is None] for s, of in rivals.items()}
     sure = sorted(((of[0], s) for s, of in single.items() if of and of[0].ahead), key=lambda a: a[0].behind)
-    if len(sure) < 2:
+    if not sure:
         return None
-    (first, _), (second, gone), *_ = sure
-    rest = [c for c in first.scored.fit.changes if c.suspect != gone]
-    new = [c for c in second.scored.fit.changes if c.suspect == second.suspect]
-    if not stands_beside(second.suspect, [c.suspect for c in rest]):
-        return None
-    quick = round_.adjusted([*rest, *new], first.scored.fit)
-    scored = None if quick is None else round_.criterion.refined(quick)
-    if scored is None:
-        return None
-    gain = scored.evidence - first.scored.evidence
-    round_.say(f"  {second.suspect} for {gone}, too: {gain:+.1f}")
-    return scored if gain > ODDS else None
+    (first, _), *others = sure
+    best = first.scored
+    for rival, gone in others:
+        rest = [c for c in best.fit.changes if c.suspect != gone]
+        new = [c for c in rival.scored.fit.changes if c.suspect == rival.suspect]
+        if not stands_beside(rival.suspect, [c.suspect for c in rest]):
+            continue
+        quick = round_.adjusted([*rest, *new], best.fit)
+        scored = None if quick is None else round_.criterion.refined(quick)
+        if scored is not None:
+            gain = scored.evidence - best.evidence
+            round_.say(f"  {rival.suspect} for {gone}, too: {gain:+.1f}")
+            best = scored if gain > ODDS else best
+    return None if best is first.scored else best
 
 
 def _shorter(round_: Round, rival: Scored, keep: Sequence[Suspect]) -> Scored | None:

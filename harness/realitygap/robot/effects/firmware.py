@@ -51,6 +51,10 @@ def _slow_profile(plant: Plant, index: int) -> dict[str, float]:
     return {"speed": speed, "acceleration": speed / 0.02}
 
 
+QUICKEST_PROFILE = 50.3
+"""The largest speed a profile can be set to [rad/s]: 32767 steps of 4096 in a turn (Feetech STS, running speed); 2047
+times 0.229 rev/min is as much (Dynamixel e-manual, XL330, velocity limit). What would need more is no profile: it acts
+within a sample."""
 FASTEST_PROFILE = 1.23e4
 """The largest acceleration a profile can be set to: 32767 times 214.577 rev/min², in rad/s² (Dynamixel e-manual, X
 series, profile acceleration); a Feetech STS reaches 254 times 100 steps/s², which is less. What would need more is no
@@ -61,7 +65,7 @@ COMMAND_PROFILE = Effect(
     changes="command",
     sits_at="joint",
     parameters=(
-        Parameter("speed", "rad/s", 1e-3, 1e3, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
+        Parameter("speed", "rad/s", 1e-3, QUICKEST_PROFILE, 3.0, absent=math.inf, default=math.inf, logarithmic=True),
         Parameter(
             "acceleration", "rad/s²", 1e-2, FASTEST_PROFILE, 150.0, absent=math.inf, default=math.inf, logarithmic=True
         ),
