@@ -28,7 +28,7 @@ VERDICTS = {"explained": (9.0, 1.1), "partly explained": (9.0, 3.0), "no gap": (
 def judged_demo() -> Any:
     """The demo with its floors, the fit of what is missing, and what was simulated before and after: no search."""
     problem = demo_problem()
-    change = Change(FRICTION, (("torque", 0.6447), ("onset", 0.0)), ("torque",))
+    change = Change(FRICTION, (("torque", 0.6447), ("onset", 0.0), ("presliding", 0.0)), ("torque",))
     with Simulations(problem, 2) as simulations:
         criterion = Criterion(simulations, [change])
         still, done = residual(simulations, [], criterion.train), criterion.fit([change])

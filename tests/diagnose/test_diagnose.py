@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from realitygap.diagnose.candidates.starts import guess, starts
-from realitygap.diagnose.candidates.suspects import in_shape_of, neutral, richer, suspects
+from realitygap.diagnose.candidates.suspects import building_up, in_shape_of, neutral, richer, suspects
 from realitygap.diagnose.data.changes import Change, Suspect, changed
 from realitygap.diagnose.data.noise import local_maximum, repetition_noise, shared_noise
 from realitygap.diagnose.data.problem import build_problem
@@ -111,38 +111,41 @@ def test_friction_under_load_is_the_same_at_rest_when_its_shape_is_freed() -> No
     problem = build_problem(load_scenario(DEMO), "mujoco")
     plain = {s.effect: guess(problem, s) for s in suspects(problem) if s.target == "elbow"}
     found = plain["load_dependent_friction"]
-    (freed,) = richer(problem, found)
+    freed = richer(problem.plant, found)
+    assert freed is not None
     values = freed.parameters
     assert values["coefficient"] + values["static_coefficient"] == pytest.approx(found.parameters["coefficient"])
     assert set(freed.free) > set(found.free)
-    assert richer(problem, plain["viscous_friction"]) == []
-    assert richer(problem, freed) == []  # what has a shape goes on from it
+    assert richer(problem.plant, plain["viscous_friction"]) is None
+    assert richer(problem.plant, freed) == freed  # what has a shape goes on from it
 
 
 def test_dry_friction_with_a_shape_begins_to_grow_slowly() -> None:
     """All there at once, no derivative would say over which speed it grows from rest."""
     problem = build_problem(load_scenario(DEMO), "mujoco")
     (friction,) = (s for s in suspects(problem) if (s.effect, s.target) == ("coulomb_friction", "elbow"))
-    grows, builds = richer(problem, guess(problem, friction))
-    assert grows.free == ("torque", "onset")
-    assert 0.0 < grows.parameters["onset"] < 1.0
-    assert builds.free == ("torque", "presliding")
-    assert 0.0 < builds.parameters["presliding"] < 0.01
-    assert builds.parameters["onset"] == 0.0
-    (other,) = richer(problem, grows)
-    assert other == builds, "one shape in the place of another"
+    freed = richer(problem.plant, guess(problem, friction))
+    assert freed is not None
+    assert freed.free == ("torque", "onset")
+    assert 0.0 < freed.parameters["onset"] < 1.0
     assert guess(problem, friction).free == ("torque",)
 
 
-def test_a_law_in_the_place_of_another_has_its_shape() -> None:
+def test_friction_that_builds_up_begins_as_joints_give_and_is_no_other_shape() -> None:
     problem = build_problem(load_scenario(DEMO), "mujoco")
     plain = {s.effect: guess(problem, s) for s in suspects(problem) if s.target == "elbow"}
     dry, by_side, falling = (plain[n] for n in ("coulomb_friction", "direction_friction", "stribeck_friction"))
-    grows, builds = richer(problem, dry)
-    builds = builds.at({"presliding": 2e-3})
+    grows, builds = richer(problem.plant, dry), building_up(problem.plant, dry)
+    assert grows is not None
+    assert builds is not None
+    assert builds.free == ("torque", "presliding")
+    assert builds.parameters == dry.parameters | {"presliding": 1e-3}
+    assert building_up(problem.plant, grows) == builds, "one shape in the place of another"
+    assert building_up(problem.plant, builds) == builds
+    assert building_up(problem.plant, falling) is None
     shaped = in_shape_of(by_side, builds)
     assert shaped.free == ("forward", "backward", "presliding")
-    assert shaped.parameters == by_side.parameters | {"presliding": 2e-3}
+    assert shaped.parameters == by_side.parameters | {"presliding": 1e-3}
     assert in_shape_of(by_side, dry) == in_shape_of(by_side, grows) == by_side
     assert in_shape_of(falling, builds) == falling, "it has no such shape"
     assert in_shape_of(plain["load_dependent_friction"], falling) == plain["load_dependent_friction"]

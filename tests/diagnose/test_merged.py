@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
-from realitygap.diagnose.data.changes import model_key
+from realitygap.diagnose.data.changes import Change, ModelKey, model_key
 from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
@@ -59,3 +59,28 @@ def test_springs_of_several_joints_take_the_place_of_a_payload_together(
     shaped = [replace(c, free=("stiffness", "rest")) for c in springs]
     assert [model_key(way) for way, _ in ways] == [model_key([springs[0], shaped[1]]), model_key(shaped)]
     assert {needs for _, needs in ways} == {-LIMIT}
+
+
+def test_friction_that_builds_up_takes_the_place_of_friction_and_what_gives_way_at_its_joint(
+    problem: Problem, simulations: Simulations
+) -> None:
+    dry, by_side, soft, spring = (
+        guess(problem, suspect_of(problem, name, joint))
+        for name, joint in (
+            ("coulomb_friction", "elbow"),
+            ("direction_friction", "shoulder"),
+            ("joint_compliance", "elbow"),
+            ("cable_spring", "elbow"),
+        )
+    )
+
+    def ways(*changes: Change) -> list[ModelKey]:
+        found = SimpleNamespace(fit=SimpleNamespace(changes=changes))
+        tried = merged(cast("Round", SimpleNamespace(now=found, simulations=simulations, limit=LIMIT)))
+        return [model_key(way) for way, _ in tried if any("presliding" in c.free for c in way)]
+
+    builds = replace(dry, free=("torque", "presliding"))
+    assert ways(dry, by_side, soft) == [model_key([by_side, builds])]
+    assert ways(dry, by_side, spring) == [], "a cable is no gear"
+    assert ways(by_side, soft) == [], "at another joint"
+    assert ways(builds, soft) == [model_key([builds])], "what gives way beside it is asked about again"

@@ -16,7 +16,7 @@ from realitygap.diagnose.likelihood.channel_blocks import ChannelBlocks
 from realitygap.diagnose.likelihood.metric import Metric, marginalised
 from realitygap.diagnose.likelihood.whitening import Channel, Whitening
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.grow import with_shapes
+from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.linear import Linear, linear_at
 from realitygap.diagnose.search.rivals import LOOSER
 from realitygap_engines.model.robot import Sphere
@@ -43,18 +43,17 @@ def test_slopes_tell_the_step_that_was_taken_and_what_lies_across_it_as_before()
 def test_a_limit_beside_another_begins_at_several_sizes(effect: str) -> None:
     problem = demo_problem()
     whole = guess(problem, suspect_of(problem, effect, "elbow"))
-    (shape,) = LATER[effect]
-    known, *others = shape
+    known, *others = LATER[effect]
     alone = replace(whole.at({n: np.inf for n in others if n != "share"}), free=(known,))
-    tries = [shaped for looser in LOOSER for (shaped,) in with_shapes(problem, [alone], looser)]
+    tries = [with_shape(problem.plant, alone, looser) for looser in LOOSER]
     assert len(set(tries)) == len(LOOSER)
     for try_, looser in zip(tries, LOOSER, strict=True):
-        assert set(try_.free) == set(shape)
+        assert set(try_.free) == set(LATER[effect])
         assert try_.parameters[known] == alone.parameters[known]
         new = [n for n in others if not np.isfinite(alone.parameters[n])]
         for name in new:
             assert try_.parameters[name] == pytest.approx(looser * tries[0].parameters[name] / LOOSER[0])
-    assert with_shapes(problem, tries[:1], LOOSER[-1]) == []
+    assert with_shape(problem.plant, tries[0], LOOSER[-1]) == tries[0]
 
 
 def test_what_is_tried_beside_a_plain_fit_gains_what_it_and_the_fit_leave_less() -> None:

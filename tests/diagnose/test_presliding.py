@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 from demo_problem import suspect_of
 from realitygap.diagnose.candidates.starts import guess
+from realitygap.diagnose.candidates.suspects import building_up, richer
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.search.criterion import Criterion
-from realitygap.diagnose.search.grow import with_shapes
 from realitygap.scenario.schema import EffectSpec
 from recorded_joint import recorded
 
@@ -27,8 +27,9 @@ def test_friction_that_builds_up_is_no_compliance(tmp_path: Path) -> None:
         dry = guess(problem, suspect_of(problem, "coulomb_friction", "lift"))
         plain = criterion.fit([dry], Fit((), left), "compared")
         assert plain is not None
-        shaped = {c.free: criterion.fit([c], plain.fit, "compared") for (c,) in with_shapes(problem, [dry])}
-        grows, builds = (shaped["torque", name] for name in ("onset", "presliding"))
+        begun = [richer(problem.plant, dry), building_up(problem.plant, dry)]
+        assert [c and c.free for c in begun] == [("torque", "onset"), ("torque", "presliding")]
+        grows, builds = (criterion.fit([c], plain.fit, "compared") for c in begun if c is not None)
         spring = guess(problem, suspect_of(problem, "joint_compliance", "lift"))
         gives = criterion.fit([*plain.fit.changes, spring], plain.fit, "compared")
     assert builds is not None

@@ -273,7 +273,9 @@ def test_what_laws_are_off_by_anyway_is_told_as_such(
     model = neutral(problem.plant, friction.suspect)["torque"]
     shares = {}
     for share in (0.01, 0.07, 0.09, 0.5):
-        change = Change(friction.suspect, (("torque", model * (1 + share)), ("onset", 0.0)), ("torque",))
+        change = Change(
+            friction.suspect, (("torque", model * (1 + share)), ("onset", 0.0), ("presliding", 0.0)), ("torque",)
+        )
         shares[share] = within_law(problem, change)
         result = Rehearsal(problem, "dart", (1.0, 1.0), floors, found=[replace(friction, change=change)])
         told = next(line for line in summary(result) if line.startswith("  coulomb friction at elbow"))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from realitygap.diagnose.candidates.starts import starts
-from realitygap.diagnose.candidates.suspects import neutral
+from realitygap.diagnose.candidates.suspects import gives_way, neutral
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap, joint_gaps
@@ -142,7 +142,7 @@ def all_done(found: Found) -> dict[Suspect, Done]:
     criterion, fit = found.criterion, found.best.fit
     asked, plant = fit.changes, criterion.problem.plant
     rest = [[c for c in fit.changes if c is not change] for change in asked]
-    plays = {c.suspect: _play(plant, c.suspect) for c in asked if _gives_way(c.suspect)}
+    plays = {c.suspect: _play(plant, c.suspect) for c in asked if gives_way(c.suspect)}
     ways = [[*beside, plays[c.suspect]] for c, beside in zip(asked, rest, strict=True) if c.suspect in plays]
     still, *answers = criterion.motions.residuals([fit.changes, *rest, *ways])
     with_play = dict(zip(plays, answers[len(rest) :], strict=True))
@@ -159,11 +159,6 @@ def all_done(found: Found) -> dict[Suspect, Done]:
         ordinary = max(criterion.typical(suspect), given)
         out[suspect] = Done(whole, beyond, ordinary, suspect in plays or _usual(criterion, suspect), least)
     return out
-
-
-def _gives_way(suspect: Suspect) -> bool:
-    """Whether it is a play, or a spring, between a motor and its link."""
-    return BACKLASH.name in {suspect.effect, *suspect.kind.excludes}
 
 
 def _play(plant: Plant, suspect: Suspect) -> Change:

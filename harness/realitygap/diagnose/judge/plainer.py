@@ -23,7 +23,7 @@ from realitygap.diagnose.search.alike import in_place, same
 from realitygap.diagnose.search.apart import compare, told_apart
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.found import Apart, Found, Said
-from realitygap.diagnose.search.grow import with_shapes
+from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import FAR, ODDS, Rival
 from realitygap.diagnose.search.round import MUCH
 from realitygap.diagnose.search.simpler import narrower
@@ -135,7 +135,9 @@ def _in_richer_shape(
     for what these have besides. A torque-told pendulum's dry friction, 0.16 N·m beside a constant effort of -0.03 N·m,
     is friction by side.
     """
-    for (shaped,) in with_shapes(simulations.problem, [change]):
+    plant = simulations.problem.plant
+    shaped = with_shape(plant, change, 1.0)
+    if shaped is not change:
         yield shaped
     if found.gains.get(other.suspect, np.inf) >= MUCH * found.limit:
         return
@@ -248,9 +250,9 @@ def _reshaped(simulations: Simulations, change: Change, rest: Sequence[Change]) 
     friction of 27 N: the same traces with as many values.
     """
     for i, other in enumerate(rest):
-        if other.free and other.suspect.joints == change.suspect.joints:
-            for (shaped,) in with_shapes(simulations.problem, [other]):
-                yield [*rest[:i], shaped, *rest[i + 1 :]]
+        shaped = with_shape(simulations.problem.plant, other, 1.0)
+        if shaped is not other and other.free and other.suspect.joints == change.suspect.joints:
+            yield [*rest[:i], shaped, *rest[i + 1 :]]
 
 
 def _plainer_names(found: Found, change: Change, everyone: Sequence[Suspect]) -> dict[Suspect, list[Change]]:

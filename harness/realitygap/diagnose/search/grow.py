@@ -13,13 +13,13 @@ import numpy as np
 from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import begun_again, everyday, richer
 from realitygap.diagnose.data.changes import Change, ModelKey, Suspect, clash, model_key, stands_beside
-from realitygap.diagnose.data.problem import Problem
 from realitygap.diagnose.fit.responses import single
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import linear_at
 from realitygap.diagnose.search.prune import pruned
 from realitygap.diagnose.search.rivals import FAR, LOOSER
 from realitygap.diagnose.search.round import Round, told_change
+from realitygap.robot.plant import Plant
 
 TRIED = 4
 """Suspects that are tried one by one: those of most predicted gain, also where none has any. A friction beside a
@@ -171,13 +171,14 @@ def _at_each(round_: Round) -> list[Way]:
 
 def _shaped(round_: Round) -> list[Way]:
     """What was found with a richer shape, that of all joints of an effect at once."""
-    accepted, problem, ways = list(round_.now.fit.changes), round_.simulations.problem, list[Way]()
+    accepted, plant, ways = list(round_.now.fit.changes), round_.simulations.problem.plant, list[Way]()
     for of in alike(accepted):
         beside = [c for c in accepted if c not in of]
-        tries = [shaped for looser in LOOSER for shaped in with_shapes(problem, of, looser)]
+        tries = [tuple(with_shape(plant, c, looser) for c in of) for looser in LOOSER]
         for shaped in dict.fromkeys(tries):
             number = sum(new is not old for new, old in zip(shaped, of, strict=True))
-            ways.append(([*beside, *shaped], SURE * number))
+            if number:
+                ways.append(([*beside, *shaped], SURE * number))
     return ways
 
 
@@ -211,19 +212,15 @@ def alike(changes: Sequence[Change]) -> list[list[Change]]:
     return list(out.values())
 
 
-def with_shapes(problem: Problem, changes: Sequence[Change], looser: float = 1.0) -> list[tuple[Change, ...]]:
-    """Changes with their shapes freed too, one after another where they may have several; one that has none to free is
-    as it is.
+def with_shape(plant: Plant, change: Change, looser: float) -> Change:
+    """A change with its shape freed too, or as it is where there is none to free.
 
     A limit beside one that is there already begins at so many times its first size: from one that is too tight no fit
     finds back, and one that is too loose does nothing.
     """
-    each = [[_loosened(s, c, looser) for s in richer(problem, c)] or [c] for c in changes]
-    ways = (tuple(of[min(k, len(of) - 1)] for of in each) for k in range(max(map(len, each), default=0)))
-    return [way for way in ways if any(new is not old for new, old in zip(way, changes, strict=True))]
-
-
-def _loosened(shaped: Change, change: Change, looser: float) -> Change:
+    shaped = richer(plant, change)
+    if shaped is None or shaped.free == change.free:
+        return change
     return shaped.at({n: looser * shaped.parameters[n] for n in shaped.free if not np.isfinite(change.parameters[n])})
 
 

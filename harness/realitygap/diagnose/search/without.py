@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.fit.fit import CHEAP
 from realitygap.diagnose.search.evidence import EQUAL, Scored
-from realitygap.diagnose.search.grow import with_shapes
+from realitygap.diagnose.search.grow import with_shape
 from realitygap.diagnose.search.rivals import CLOSE, ODDS
 from realitygap.diagnose.search.round import Round
 
@@ -23,18 +23,17 @@ def without(round_: Round, now: Scored, suspect: Suspect) -> Scored | None:
     plain = _left_out(round_, now, suspect)
     if plain is None or not round_.earned(now, plain, round_.limit):
         return plain
-    rest, problem = plain.fit.changes, round_.simulations.problem
-    near, far = ([c for c in rest if _beside(c, suspect) is there] for there in (True, False))
-    for shaped in with_shapes(problem, near):
-        more = _values(shaped) - _values(near)
-        quick = None
-        if 0 < more <= _values(now.fit.changes) - _values(rest):
-            quick = round_.adjusted([*far, *shaped], plain.fit)
-        if quick is not None and quick.evidence - plain.evidence >= CLOSE * (now.evidence - plain.evidence):
-            full = round_.criterion.refined(quick)
-            if full is not None and -EQUAL < full.evidence - now.evidence < ODDS:
-                return full
-    return plain
+    rest, plant = plain.fit.changes, round_.simulations.problem.plant
+    near = [_beside(c, suspect) for c in rest]
+    shaped = [with_shape(plant, c, 1.0) if there else c for c, there in zip(rest, near, strict=True)]
+    more = _values(shaped) - _values(rest)
+    if not 0 < more <= _values(now.fit.changes) - _values(rest):
+        return plain
+    quick = round_.adjusted(shaped, plain.fit)
+    if quick is None or quick.evidence - plain.evidence < CLOSE * (now.evidence - plain.evidence):
+        return plain
+    full = round_.criterion.refined(quick)
+    return full if full is not None and -EQUAL < full.evidence - now.evidence < ODDS else plain
 
 
 def _beside(change: Change, suspect: Suspect) -> bool:
