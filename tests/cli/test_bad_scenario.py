@@ -264,7 +264,8 @@ CASES: dict[str, tuple[Edit, str]] = {
     ),
     "unknown parameter": (
         changed(effects=[{"effect": "coulomb_friction", "force": 0.1}]),
-        "effects[0].force: unknown parameter; coulomb_friction needs torque [N·m] and may have onset [rad/s]\n",
+        "effects[0].force: unknown parameter; coulomb_friction needs torque [N·m] and may have onset [rad/s], "
+        "presliding [rad]\n",
     ),
     "parameter missing": (
         changed(effects=[{"effect": "command_delay", "time": 0.01}, {"effect": "coulomb_friction"}]),
@@ -282,7 +283,8 @@ CASES: dict[str, tuple[Edit, str]] = {
     "parameter without a unit that is text": (lean("a"), "effects[0].asymmetry: found 'a'; expected a number\n"),
     "unknown parameter beside one without a unit": (
         lean(0, torque=1),
-        "torque: unknown parameter; direction_friction needs forward [N·m], backward [N·m] and may have asymmetry\n",
+        "torque: unknown parameter; direction_friction needs forward [N·m], backward [N·m] and may have asymmetry, "
+        "presliding [rad]\n",
     ),
     "parameter nan": (
         changed(effects=[{"effect": "coulomb_friction", "torque": float("nan")}]),
