@@ -24,7 +24,9 @@ from realitygap.diagnose.search.found import Found
 def found(problem: Problem, simulations: Simulations) -> Found:
     """The missing friction, and beside it an offset that the robot has not, as if training runs had shown it."""
     friction = Change(
-        suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
+        suspect_of(problem, "coulomb_friction", "elbow"),
+        (("torque", FRICTION), ("onset", 0.0), ("presliding", 0.0)),
+        ("torque",),
     )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow")).at({"angle": 0.02})
     criterion = Criterion(simulations, [friction])

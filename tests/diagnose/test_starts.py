@@ -28,7 +28,7 @@ def test_what_a_model_has_of_an_effect_stays_where_it_is_not_fitted(
 ) -> None:
     usual = shape.default
     assert usual is not None
-    own = 0.7 * usual if usual and np.isfinite(usual) else 0.3
+    own = 0.7 * usual if usual and np.isfinite(usual) else min(0.3, 0.5 * shape.high)
     values = {p.name: p.first for p in effect.parameters if p.default is None}
     spec = EffectSpec(effect=effect.name, target="elbow", **(values | {shape.name: own}))
     again = replace(problem, plant=place(problem.plant, [spec]))

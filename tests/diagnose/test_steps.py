@@ -19,7 +19,9 @@ from realitygap.diagnose.search.found import Found
 def found(problem: Problem, simulations: Simulations) -> Found:
     """Half of the missing friction, as if what else was found did the other half."""
     friction = Change(
-        suspect_of(problem, "coulomb_friction", "elbow"), (("torque", FRICTION), ("onset", 0.0)), ("torque",)
+        suspect_of(problem, "coulomb_friction", "elbow"),
+        (("torque", FRICTION), ("onset", 0.0), ("presliding", 0.0)),
+        ("torque",),
     )
     offset = guess(problem, suspect_of(problem, "joint_offset", "elbow"))
     criterion = Criterion(simulations, [friction])

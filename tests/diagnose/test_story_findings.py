@@ -40,7 +40,7 @@ def test_an_effect_at_many_joints_is_one_row_and_many_places_unfold(
         monkeypatch.setattr(story, name, number)
     result = told("partly explained")
     other = Suspect("coulomb_friction", "shoulder", (0,))
-    both = (*result.changes, Change(other, (("torque", 0.2), ("onset", 0.0)), ("torque",)))
+    both = (*result.changes, Change(other, (("torque", 0.2), ("onset", 0.0), ("presliding", 0.0)), ("torque",)))
     place = result.where[0]
     result = replace(
         result, changes=both, shown={**result.shown, other: Shown(1.05, 1.02)}, where=[place, place, place]
@@ -136,7 +136,11 @@ def test_cards_are_numbered_in_their_order(
     result = told("partly explained")
     first = result.changes[0]
     others = [
-        Change(Suspect("coulomb_friction", "shoulder", (0,)), (("torque", 0.2), ("onset", 0.0)), ("torque",)),
+        Change(
+            Suspect("coulomb_friction", "shoulder", (0,)),
+            (("torque", 0.2), ("onset", 0.0), ("presliding", 0.0)),
+            ("torque",),
+        ),
         Change(Suspect("viscous_friction", "shoulder", (0,)), (("coefficient", 0.2),), ("coefficient",)),
         Change(Suspect("viscous_friction", "elbow", (1,)), (("coefficient", 0.2),), ("coefficient",)),
     ]
@@ -155,7 +159,7 @@ def test_cards_are_numbered_in_their_order(
     ("change", "said"),
     [
         (
-            Change(FRICTION, (("torque", 0.2), ("onset", 0.0)), ("torque",)),
+            Change(FRICTION, (("torque", 0.2), ("onset", 0.0), ("presliding", 0.0)), ("torque",)),
             "the robot as it was: what was found stands in the scenario",
         ),
         (
@@ -184,12 +188,14 @@ def test_what_the_model_had_is_told_of_all_the_joints_of_a_finding(told: Callabl
     drive = plant.drive.copy()
     drive["coulomb"][[plant.model.joint_names.index(n) for n in joints]] = 0.05, 0.03
     result = replace(result, problem=replace(result.problem, plant=replace(plant, drive=drive)))
-    both = Change(Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2), ("onset", 0.0)), ("torque",))
+    both = Change(
+        Suspect("coulomb_friction", "*", (0, 1)), (("torque", 0.2), ("onset", 0.0), ("presliding", 0.0)), ("torque",)
+    )
     assert (
         story_text.lacks(result, both)
         == "coulomb friction at all joints is wrong (0.0300 to 0.0500 N·m in the model, 0.200 N·m by the recordings)"
     )
-    torque, _ = both.suspect.kind.parameters
+    torque, *_ = both.suspect.kind.parameters
     assert story_text.model_value(result.problem, both.suspect, torque) == "0.0300 to 0.0500 N·m"
 
 
@@ -253,7 +259,7 @@ def test_a_shape_that_is_there_is_part_of_the_sentence(
     told: Callable[[str], Diagnosis], tmp_path: Path, asymmetry: float
 ) -> None:
     friction, here = Suspect("direction_friction", "elbow", (1,)), asymmetry != 0.0
-    values = (("forward", 0.4), ("backward", 0.5), ("asymmetry", asymmetry))
+    values = (("forward", 0.4), ("backward", 0.5), ("asymmetry", asymmetry), ("presliding", 0.0))
     change = Change(friction, values, ("forward", "backward", *(["asymmetry"] if here else [])))
     result = replace(told("explained"), changes=(change,), shown={friction: Shown(3.0, 1.05)})
     _, _, words = page_of(result, tmp_path)
@@ -274,7 +280,7 @@ def test_a_limit_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis],
 def test_a_shape_that_is_not_there_is_not_told(told: Callable[[str], Diagnosis], onset: float) -> None:
     friction = Suspect("coulomb_friction", "elbow", (1,))
     shape = ["onset"] if onset else []
-    change = Change(friction, (("torque", 0.2), ("onset", onset)), ("torque", *shape))
+    change = Change(friction, (("torque", 0.2), ("onset", onset), ("presliding", 0.0)), ("torque", *shape))
     result = replace(told("explained"), changes=(change,), shown={friction: Shown(3.0, 1.05)})
     assert list(result.to_json()["findings"][0]["parameters"]) == ["torque", *shape]
     assert any("onset" in line for line in summary(result)) == (onset != 0.0)
