@@ -81,6 +81,8 @@ def test_friction_that_builds_up_takes_the_place_of_friction_and_what_gives_way_
 
     builds = replace(dry, free=("torque", "presliding"))
     assert ways(dry, by_side, soft) == [model_key([by_side, builds])]
+    everywhere = guess(problem, suspect_of(problem, "joint_compliance", "*"))
+    assert ways(dry, everywhere) == [model_key([builds])], "what gives way may do so at more joints"
     assert ways(dry, by_side, spring) == [], "a cable is no gear"
     assert ways(by_side, soft) == [], "at another joint"
     assert ways(builds, soft) == [model_key([builds])], "what gives way beside it is asked about again"

@@ -14,20 +14,21 @@ from realitygap.diagnose.search.round import Round
 
 def merged(round_: Round) -> Ways:
     """Models with the shape of a finding freed, or those of all findings of an effect, and another one of their joints
-    left out; and the evidence that each may lose: what that finding had to gain.
+    left out; and the evidence that each may lose: what that finding had to gain. What gives way may do so at more
+    joints than friction was found at.
     """
     accepted, plant = round_.now.fit.changes, round_.simulations.problem.plant
     together = [of for of in alike(accepted) if len(of) > 1]
     ways = list[tuple[list[Change], float]]()
     for some in [*([c] for c in accepted if c.free), *together]:
         joints = {i for c in some for i in c.suspect.joints}
-        others = [c for c in accepted if c not in some and c.free and joints.issuperset(c.suspect.joints)]
         shaped = [with_shape(plant, c, 1.0) for c in some]
         building = [b for c in some if (b := building_up(plant, c)) is not None]
-        for other in others:
+        for other in (c for c in accepted if c not in some and c.free):
             rest = [c for c in accepted if c not in some and c is not other]
-            if any(new is not old for new, old in zip(shaped, some, strict=True)):
+            within, apart = joints.issuperset(other.suspect.joints), joints.isdisjoint(other.suspect.joints)
+            if within and any(new is not old for new, old in zip(shaped, some, strict=True)):
                 ways.append(([*rest, *shaped], -round_.limit))
-            if len(building) == len(some) and gives_way(other.suspect):
+            if not apart and len(building) == len(some) and gives_way(other.suspect):
                 ways.append(([*rest, *building], -round_.limit))
     return ways
