@@ -66,35 +66,37 @@ def test_an_arm_takes_what_the_closed_form_says(engine: str) -> None:
     np.testing.assert_allclose(effort[inner, 0], (smooth + 0.05 * np.sign(v))[inner], rtol=0, atol=2e-3)
 
 
-@pytest.mark.parametrize("onset", [0.02, 0.5])
-def test_friction_that_grows_from_rest_is_a_hyperbolic_tangent_of_the_speed(onset: float) -> None:
+TORQUE = 0.05
+
+
+def friction_along_a_swing(**shape: float) -> tuple[Array, Array, Array]:
+    """Positions and velocities of a swing, and the share of dry friction of a shape that it takes. Shapes (t,)."""
     plant, time = arm(), np.arange(0.0, 3.0, 0.002)
-    creeping = place(plant, [EffectSpec(effect="coulomb_friction", target="hinge", torque=0.05, onset=onset)])
+    rubbing = place(plant, [EffectSpec(effect="coulomb_friction", target="hinge", torque=TORQUE, **shape)])
     q, v, _ = swing(time)
     plant.drive["coulomb"] = plant.drive["static"] = 0.0
-    effort, without = (followed(p, time, q[:, None]).effort for p in (creeping, plant))
+    effort, without = (followed(p, time, q[:, None]).effort for p in (rubbing, plant))
     assert effort is not None
     assert without is not None
+    return q, v, (effort - without)[:, 0] / TORQUE
+
+
+@pytest.mark.parametrize("onset", [0.02, 0.5])
+def test_friction_that_grows_from_rest_is_a_hyperbolic_tangent_of_the_speed(onset: float) -> None:
+    _, v, share = friction_along_a_swing(onset=onset)
     inner = slice(50, -50)
-    np.testing.assert_allclose((effort - without)[inner, 0], 0.05 * np.tanh(v[inner] / onset), rtol=0, atol=5e-4)
+    np.testing.assert_allclose(TORQUE * share[inner], TORQUE * np.tanh(v[inner] / onset), rtol=0, atol=5e-4)
 
 
 @pytest.mark.parametrize("over", [1e-3, 0.05])
 def test_friction_that_builds_up_follows_from_the_positions(over: float) -> None:
     """After each reversal, at q₀, s = ±(1 − 2·exp(−|q − q₀|/over)) as long as the swing is far wider than that."""
-    plant, time = arm(), np.arange(0.0, 3.0, 0.002)
-    building = place(plant, [EffectSpec(effect="coulomb_friction", target="hinge", torque=0.05, presliding=over)])
-    q, v, _ = swing(time)
-    plant.drive["coulomb"] = plant.drive["static"] = 0.0
-    effort, without = (followed(p, time, q[:, None]).effort for p in (building, plant))
-    assert effort is not None
-    assert without is not None
+    q, v, share = friction_along_a_swing(presliding=over)
     turned = np.flatnonzero(np.sign(v[1:]) != np.sign(v[:-1])) + 1
-    told = (effort - without)[:, 0] / 0.05
     for first, last in zip(turned, [*turned[1:], len(q) - 50], strict=True):
         here = slice(first + 2, last - 2)
         expected = np.sign(v[here]) * (1.0 - 2.0 * np.exp(-np.abs(q[here] - q[first]) / over))
-        np.testing.assert_allclose(told[here], expected, rtol=0, atol=0.02)
+        np.testing.assert_allclose(share[here], expected, rtol=0, atol=0.02)
 
 
 def off(plant: Plant) -> list[Array]:
