@@ -38,6 +38,11 @@ SEPARATES = {
 }
 """The recording that separates two effects."""
 DRIVEN = "a motion with another load, another gain and a phase with the servo off"
+SEPARATES_FOLLOWED = {
+    frozenset({"joint_offset", "constant_effort"}): "hold the arm in many poses: what an offset does to gravity changes "
+    "with the angle, a constant effort does not",
+}
+"""What takes its place where no servo has a gain."""
 FOLLOWED = "a motion with another load, slow and fast, through poses that gravity loads otherwise"
 """What is recorded where no more is known, of a motion that servos drive and of one that is followed."""
 
@@ -50,10 +55,11 @@ def experiment(listed: Mapping[Suspect, Sequence[Sequence[Suspect]]], followed: 
             recording is known for.
         followed: whether motions are followed: no servo has a gain or can be off.
     """
+    separates = {**SEPARATES, **SEPARATES_FOLLOWED} if followed else SEPARATES
     advice = []
     for owner, others in listed.items():
         for together in others:
-            known = {s: SEPARATES.get(frozenset({owner.effect, s.effect}), "") for s in together}
+            known = {s: separates.get(frozenset({owner.effect, s.effect}), "") for s in together}
             rival = next((s for s, said in known.items() if said), together[0])
             advice.append(f"{owner} or {rival}: {known[rival] or (FOLLOWED if followed else DRIVEN)}")
     return "; ".join(dict.fromkeys(advice))
