@@ -12,9 +12,11 @@ from realitygap.diagnose.fit.fit import Fit
 from realitygap.diagnose.fit.motions import residual
 from realitygap.diagnose.judge import again
 from realitygap.diagnose.judge.again import told_after_all
+from realitygap.diagnose.judge.likeliest_name import likeliest_name
 from realitygap.diagnose.judge.ordinary import all_done
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.found import Found
+from realitygap.diagnose.search.rivals import Rival
 
 
 @pytest.mark.parametrize("there", [True, False], ids=["missing", "not missing"])
@@ -68,6 +70,36 @@ def test_what_is_adjusted_is_named_where_it_does_clearly_more_than_laws_are_off_
         told = told_after_all(simulations, found, {})
     assert does.whole > 10.0, "it is plain to see"
     assert told.adjusted == (() if named else (dry.suspect,))
+
+
+def test_what_is_named_after_all_gets_the_likeliest_name() -> None:
+    """Straight lines adjusted a constant effort; nobody had asked what could stand in its place."""
+    bare = demo_problem()
+    turned = guess(bare, suspect_of(bare, "joint_offset", "elbow")).at({"angle": 0.12})
+    push = guess(bare, suspect_of(bare, "constant_effort", "elbow")).at({"effort": -0.2})
+    problem = planted(turned)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [push])
+        still, best = residual(simulations, [], criterion.train), criterion.fit([push])
+        assert still is not None
+        assert best is not None
+        blocks = criterion.responses(best.fit, suspects(problem))
+        criterion.set_discrepancy(best.fit, blocks)
+        base, best, s = criterion.score(Fit((), still)), criterion.score(best.fit), push.suspect
+        found = Found(base, best, best, 6.0, {}, criterion.floors, criterion, {s: 50.0}, {s: base}, blocks=blocks)
+        told = likeliest_name(simulations, found, s)
+        other = Rival(turned.suspect, best, 1.0, 1.0)
+        asked = replace(found, rivals={s: [other]})
+        assert likeliest_name(simulations, asked, s) is asked, "the search has asked"
+        alone = likeliest_name(simulations, replace(found, blocks=[]), s)
+    assert alone.best is best
+    assert alone.rivals == {s: []}
+    (change,) = told.best.fit.changes
+    others = {r.suspect for r in told.rivals[change.suspect]}
+    assert turned.suspect in {change.suspect, *others}, "a centre of mass that is turned by as much does the same"
+    assert change.suspect != s
+    assert s in others
+    assert told.best.evidence > best.evidence + 100.0
 
 
 def test_what_other_values_may_take_over_is_no_more_than_laws_are_off_by(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,6 @@
-"""One law in the place of its special case and of another finding at its joints, on the bundled demo (synthetic)."""
+"""One law in the place of its special case and of another finding at its joints, and one value in the place of one at
+each joint, on the bundled demo (synthetic).
+"""
 
 from typing import Any
 
@@ -8,7 +10,7 @@ from realitygap.diagnose.candidates.starts import guess
 from realitygap.diagnose.candidates.suspects import suspects
 from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
-from realitygap.diagnose.judge.plainer import joined
+from realitygap.diagnose.judge.joined import joined
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.evidence import Scored
 from realitygap.diagnose.search.found import Found
@@ -76,3 +78,25 @@ def test_what_is_far_from_saying_two_findings_is_not_asked_again(monkeypatch: py
     assert once.apart.said
     assert once.apart.among({oil.suspect, dry.suspect}) == once.apart.said
     assert not once.apart.among({dry.suspect})
+
+
+@pytest.mark.parametrize("other", [0.6, 0.9])
+def test_one_value_for_all_joints_takes_the_place_of_one_at_each(other: float) -> None:
+    """Where that says as much: a search that was cut off has not come to ask."""
+    bare = demo_problem()
+    everywhere, shoulder, elbow = (
+        guess(bare, suspect_of(bare, "coulomb_friction", at)) for at in ("*", "shoulder", "elbow")
+    )
+    begun = [shoulder.at({"torque": 0.6}), elbow.at({"torque": other})]
+    problem = planted(*begun)
+    with Simulations(problem, 2) as simulations:
+        found = _found(simulations, begun, elbow.suspect, 2.0 * MUCH * LIMIT)
+        told = joined(simulations, found, suspects(problem), [])
+        kept = joined(simulations, found, suspects(problem), [elbow.suspect])
+    assert [c.suspect for c in kept.best.fit.changes] == [c.suspect for c in begun]
+    if other != 0.6:
+        assert [c.suspect for c in told.best.fit.changes] == [c.suspect for c in begun]
+        return
+    (change,) = told.best.fit.changes
+    assert change.suspect == everywhere.suspect
+    assert change.parameters["torque"] == pytest.approx(0.6, rel=0.03)

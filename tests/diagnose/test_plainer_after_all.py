@@ -12,7 +12,9 @@ from realitygap.diagnose.data.changes import Change, Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge import plainer as plainer_module
 from realitygap.diagnose.judge.held_out import Verdict
-from realitygap.diagnose.judge.plainer import joined, plainer, retold
+from realitygap.diagnose.judge.joined import joined
+from realitygap.diagnose.judge.plainer import plainer
+from realitygap.diagnose.judge.renamed import retold
 from realitygap.diagnose.search.alike import in_place
 from realitygap.diagnose.search.criterion import Criterion
 from realitygap.diagnose.search.found import Found

@@ -39,8 +39,8 @@ SEPARATES = {
 """The recording that separates two effects."""
 DRIVEN = "a motion with another load, another gain and a phase with the servo off"
 SEPARATES_FOLLOWED = {
-    frozenset({"joint_offset", "constant_effort"}): "hold the arm in many poses: what an offset does to gravity changes "
-    "with the angle, a constant effort does not",
+    frozenset({"joint_offset", "constant_effort"}): "hold the arm in many poses: what an offset does "
+    "to gravity changes with the angle, a constant effort does not",
 }
 """What takes its place where no servo has a gain."""
 FOLLOWED = "a motion with another load, slow and fast, through poses that gravity loads otherwise"

@@ -18,6 +18,7 @@ from realitygap.diagnose.data.changes import Suspect
 from realitygap.diagnose.data.simulations import Simulations
 from realitygap.diagnose.judge.gaps import CLEAR, held_out_gap
 from realitygap.diagnose.judge.held_out import predicted, sure_of
+from realitygap.diagnose.judge.likeliest_name import likeliest_name
 from realitygap.diagnose.judge.ordinary import all_done, more_than_usual
 from realitygap.diagnose.search.found import Found
 from realitygap.diagnose.search.prune import untold
@@ -37,7 +38,7 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
         found: with what laws are off by adjusted.
         rivals: what could stand in the place of each finding of the search.
     """
-    untold_there = untold(simulations.problem, found.cautious)
+    untold_there, told = untold(simulations.problem, found.cautious), list[Suspect]()
     asked = [s for s in found.adjusted if s not in untold_there]
     done = all_done(found) if asked else {}
     for suspect in (s for s in asked if s in done and done[s].unusual and done[s].named(found.limit)):
@@ -58,6 +59,9 @@ def told_after_all(simulations: Simulations, found: Found, rivals: Mapping[Suspe
             continue
         if not predicted(simulations, found.floors, found.best.fit.changes, without.fit.changes).worse:
             found = named
+            told.append(suspect)
+    for suspect in told:
+        found = likeliest_name(simulations, found, suspect)
     return found
 
 

@@ -22,9 +22,11 @@ from realitygap.diagnose.judge.again import told_after_all, untold_after_all, us
 from realitygap.diagnose.judge.closest import closest
 from realitygap.diagnose.judge.gaps import CLEAR, artefacts, costs, held_out_gap, shown
 from realitygap.diagnose.judge.held_out import Verdict, certain_of, predicted, supported
+from realitygap.diagnose.judge.joined import joined
 from realitygap.diagnose.judge.locate import locate
 from realitygap.diagnose.judge.ordinary import tolerated
-from realitygap.diagnose.judge.plainer import joined, plainer, retold, told_plainly
+from realitygap.diagnose.judge.plainer import plainer, told_plainly
+from realitygap.diagnose.judge.renamed import retold
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.result import not_named

@@ -196,7 +196,7 @@ def shared(round_: Round) -> Ways:
     """Models with one value for all joints of a group in place of one at each, for when nothing gains any more."""
     accepted, ways = round_.now.fit.changes, []
     for of in alike(accepted):
-        together = _together(round_, of)
+        together = one_for_all(round_.everyone, of)
         if together is not None:
             rest = [c for c in accepted if c not in of]
             ways.append(([*rest, together], round_.limit * (1 - len(of))))
@@ -224,10 +224,10 @@ def with_shape(plant: Plant, change: Change, looser: float) -> Change:
     return shaped.at({n: looser * shaped.parameters[n] for n in shaped.free if not np.isfinite(change.parameters[n])})
 
 
-def _together(round_: Round, alike: Sequence[Change]) -> Change | None:
+def one_for_all(everyone: Sequence[Suspect], alike: Sequence[Change]) -> Change | None:
     """One value for all joints of a group in place of one at each; None where they are no group."""
     joints = {i for c in alike for i in c.suspect.indices}
-    groups = [s for s in round_.everyone if s.effect == alike[0].suspect.effect and set(s.indices) == joints]
+    groups = [s for s in everyone if s.effect == alike[0].suspect.effect and set(s.indices) == joints]
     if len(alike) < 2 or not groups or any(c.free != alike[0].free for c in alike):
         return None
     names = alike[0].parameters
