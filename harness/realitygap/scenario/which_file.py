@@ -23,7 +23,7 @@ KINDS = {
     "a bench of servos": _Kind(("torque_speed", "static_friction", "regression"), "bench servo"),
     "a bench of a supply": _Kind(("chains",), "bench supply"),
     "a bench of links": _Kind(("masses", "centers", "parts"), "bench links"),
-    "a bench of a ground": _Kind(("tosses",), "bench ground"),
+    "a bench of a ground": _Kind(("scenario", "tosses"), "bench ground"),
 }
 ROBOTS = (".urdf", ".xacro", ".sdf", ".xml")
 RECORDINGS = (".bag", ".csv", ".db3", ".mcap", ".parquet", ".tsv")
