@@ -26,6 +26,8 @@ KINDS: dict[str, str] = {
     "effort_size": "an effort that no servo of this robot gives",
     "effort_direction": "an effort that does not push towards the command",
     "stuck_position": "a position that never changes while the joint is moved, or not for a while in which it was lost",
+    "placeholder": "positions far from all others that stand for readings that were lost",
+    "two_senders": "readings that jump away and back again and again, as of two senders of one joint",
     "far_zero": "a position that is far from its command all along",
     "velocity_limit": "a joint was driven faster than the velocity limit that its servo keeps in the simulation",
     "undriven_joint": "nothing drives a joint: it has no servo, or no command",

@@ -21,6 +21,7 @@ from realitygap.check.observed import Mask, Observed
 from realitygap.check.reading import stuck_readings
 from realitygap.check.speed_limit import speed_limit_mistakes
 from realitygap.check.start import constant_command, start_mistakes
+from realitygap.check.strays import stray_readings
 from realitygap.check.velocity import usual_slopes, velocity_mistakes
 
 SHIFTED = ("another_motion", "flipped_sign")
@@ -37,7 +38,7 @@ def recording_mistakes(observed: Sequence[Observed], driven: bool) -> list[Mista
     rest = [o for o in observed if not clocks[id(o)]]
     late = [m for o in rest for m in clock_offset(o, moving(o))] if driven else []
     found += [*late, *(m for o in rest if driven for m in undriven(o))]
-    stuck = [m for o in rest for m in stuck_readings(o)]
+    stuck = [m for o in rest for m in (*stray_readings(o), *stuck_readings(o))]
 
     in_counts = [m for o in rest for m in counts[id(o)]]
     asked = [] if late or not driven else _asked_efforts(rest, counts)
