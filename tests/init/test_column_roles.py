@@ -110,3 +110,19 @@ def test_the_index_of_a_table_is_said_to_be_one(name: str | None, said: str, tmp
     draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.parquet"], tmp_path / "out")
     (time,) = [line for line in draft.guessed if line.startswith("time: ")]
     assert time == f'time: "{name or "__index_level_0__"}" ({said})'
+
+
+@pytest.mark.parametrize(
+    ("said", "factor"),
+    [("torque_mNm", 1e-3), ("tau (mN·m)", 1e-3), ("torque [Ncm]", 1e-2), ("moment N.mm", 1e-3), ("torque_Nm", 1.0)],
+)
+def test_the_unit_that_an_effort_says_is_its_factor(said: str, factor: float, tmp_path: Path) -> None:
+    """A thousand times the effort is a gap of the model, or an effort that its servo can give, too."""
+    frame = pd.DataFrame({"time": CLOCK})
+    for joint in JOINTS:
+        frame[f"{joint}_command"], frame[f"{joint}_position"] = goal(CLOCK), goal(CLOCK - 0.05)
+        frame[f"{joint} {said}"] = np.sin(CLOCK) / factor
+    draft = drafted(tmp_path, frame)
+    _, (recording,) = read_all(draft.path, JOINTS)
+    np.testing.assert_allclose(Signals(recording.trace).effort[:, 0], np.sin(CLOCK), atol=1e-9)
+    assert any(line.startswith("effort: ") and "as its name says" in line for line in draft.guessed) is (factor != 1.0)

@@ -57,3 +57,13 @@ def test_the_first_result_is_not_made_of_spikes(tmp_path: Path) -> None:
     efforts = [Signals(simulate(experiments(f)[0], "mujoco").trace).effort[1000:] for f in (file, held)]
     jumps = [np.abs(np.diff(effort, axis=0)).max() for effort in efforts]
     assert jumps[0] < 0.2 * jumps[1]
+
+
+def test_a_joint_that_is_never_commanded_is_no_warning(tmp_path: Path) -> None:
+    """Its column is empty: the others say what the commands are, and numpy says nothing (warnings are errors here)."""
+    asked = goal(clock(0.01))
+    frame = pd.DataFrame({"time": clock(0.01), "shoulder_command": np.full(len(asked), np.nan)})
+    frame = frame.assign(elbow_command=asked, shoulder_position=0.0, elbow_position=asked)
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    assert any("samples of a trajectory" in line for line in draft.guessed)

@@ -51,7 +51,6 @@ def _period(recording: Recording) -> float | None:
     if not moved.any():
         return None
     runs_on = (moved[:-1] & moved[1:]).sum() / max(moved[:-1].sum(), 1)
-    known = np.where(np.isfinite(recording.command), recording.command, np.nan)
-    reach = np.nanmax(known, axis=0) - np.nanmin(known, axis=0)
-    usual = max(np.median(c[m]) / r for c, m, r in zip(change.T, moved.T, reach, strict=True) if m.any())
+    columns = zip(change.T, moved.T, recording.command.T, strict=True)
+    usual = max(np.median(c[m]) / np.ptp(asked[np.isfinite(asked)]) for c, m, asked in columns if m.any())
     return period if runs_on >= RUNS_ON and usual <= SMALL else None

@@ -43,6 +43,10 @@ from realitygap.scenario.schema import Units as Stated
 
 NOT_SI = {"°": "deg", "deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
 """Words of a label that say a unit, and how a scenario says it."""
+NOT_NM = {"mNm": 1e-3, "Nmm": 1e-3, "Ncm": 1e-2}
+"""Units of an effort that a label says, and N·m per unit."""
+SAID_NM = {name: re.compile(rf"(?<![a-z]){name.replace('N', 'n[·.*]?', 1)}(?![a-z])", re.IGNORECASE) for name in NOT_NM}
+"""How labels write them: also in lower case, and as mN·m."""
 DEFAULTS = {key: key for key in ("time", "command", "position", "velocity", "effort", "torque_enabled")}
 INDEX = re.compile(r"__index_level_\d+__")
 """What pandas calls an index without a name in Parquet."""
@@ -100,8 +104,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
         units["time"], units_by = unit, f"GUESS: {time[0]} counts in {unit}, as its values show"
     lines = []
     if "effort" in columns:
-        measured = "  effort: motor  # GUESS: of the motor, before friction, in N·m or N"
-        lines.append(current_line("", unit_of_current, followed=followed) if current else measured)
+        lines.append(current_line("", unit_of_current, followed=followed) if current else _effort(columns["effort"]))
     motion = _motion(columns, meaning, followed=followed)
     angles = tuple(s for s in ANGLES if s in columns and s not in units and (s != "command" or meaning in ANGLES))
     return Sections(
@@ -190,6 +193,16 @@ def _current(columns: Mapping[str, Column]) -> bool:
     name = columns.get("effort")
     role = role_of(words(_labels(name)[0])) if name else None
     return role is not None and role[0] == "current"
+
+
+def _effort(column: Column) -> str:
+    """The line of a measured effort, with the factor that the names of all its columns say."""
+    said = [{name for name, form in SAID_NM.items() if form.search(label)} for label in _labels(column)]
+    if len(said[0]) != 1 or any(one != said[0] for one in said):
+        return "  effort: motor  # GUESS: of the motor, before friction, in N·m or N"
+    (name,) = said[0]
+    why = f"of the motor, before friction; N·m per recorded {name}, as its name says"
+    return f"  effort: {{measures: motor, factor: {NOT_NM[name]}}}  # GUESS: {why}"
 
 
 def _told(labels: Sequence[str], columns: Mapping[str, Column], joints: Sequence[str]) -> list[str]:
