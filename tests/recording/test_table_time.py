@@ -99,3 +99,14 @@ def test_a_clock_that_was_set_back_is_told(late: float, tmp_path: Path) -> None:
 def test_a_first_row_that_came_late_begins_no_other_clock(tmp_path: Path) -> None:
     recording = read(tmp_path / "run.csv", TIME[[1, 0, *range(2, 50)]])
     np.testing.assert_allclose(recording.trace.time, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(("cells", "told"), [(["s", "0.00", "0.01"], True), (["s", "n/k", "0.01"], False)])
+def test_a_line_of_units_below_the_header_is_told_as_such(cells: list[str], told: bool, tmp_path: Path) -> None:
+    """As LabVIEW and others write it: no date, and nothing that a spreadsheet's format of cells mends."""
+    rows = [f"{cell},{value},{value}" for cell, value in zip(cells, ["deg", 1, 2], strict=True)]
+    (tmp_path / "run.csv").write_text("\n".join(["time,command,position", *rows, ""]))
+    with pytest.raises(InputError, match="time is 's' in line 2, expected a number") as raised:
+        read_recording(tmp_path / "run.csv", scenario(None, "command", columns={}), ["elbow"], file=FILE)
+    way = "; where line 2 holds units, delete it and say them in recordings.columns.units"
+    assert str(raised.value).endswith(way) is told

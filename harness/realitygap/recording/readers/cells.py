@@ -64,9 +64,12 @@ class Cells:
         wrong = np.flatnonzero(unknown & column.notna().to_numpy())
         if len(wrong):
             row = int(wrong[0])
-            raise InputError(
-                f"{self.path}: {name} is {column.iloc[row]!r} in line {self._line(row)}, expected {expected}"
+            line, cell = self._line(row), column.iloc[row]
+            units = row == 0 and len(wrong) == 1 and not any(letter.isdigit() for letter in str(cell))
+            way = (
+                f"; where line {line} holds units, delete it and say them in recordings.columns.units" if units else ""
             )
+            raise InputError(f"{self.path}: {name} is {cell!r} in line {line}, expected {expected}{way}")
 
     def _finite(self, name: str, value: Array) -> Array:
         """A column (t,) without infinite numbers."""
