@@ -30,6 +30,7 @@ from realitygap.diagnose.judge.renamed import retold
 from realitygap.diagnose.judge.steps import steps, steps_of
 from realitygap.diagnose.judge.worsened import InUnits, in_units, worsened
 from realitygap.diagnose.result import not_named
+from realitygap.diagnose.result.derivative_on_speed import derivative_on_speed
 from realitygap.diagnose.result.diagnosis import Diagnosis
 from realitygap.diagnose.result.odds import odds
 from realitygap.diagnose.result.replaced import replaced
@@ -191,6 +192,8 @@ def diagnose(
         deviations={c.suspect: deviations(problem, c) for c in told},
         blamed=tuple(sorted(blamed)),
     )
+    values = [(c, result.interval(c, next(iter(c.parameters)))) for c in result.changes if c.free]
+    result.notes.extend(derivative_on_speed(problem, values))
     rest = result.verdict in ("partly explained", "unexplained")
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
 
