@@ -11,6 +11,7 @@ from realitygap.scenario.file import load_scenario
 
 sys.path.insert(0, str(Path(__file__).parent))  # plain modules, not a package
 
+from spoil import scaled
 from teams import DEMO, Team, demo
 
 
@@ -60,3 +61,13 @@ def test_degrees_in_a_bag_are_told_with_the_unit_that_mends_them(
     for o, whole in zip(observe(mended), observe(load_scenario(DEMO)), strict=True):
         for signal in ("position", "velocity", "command"):
             np.testing.assert_allclose(getattr(o.recording.trace, signal), getattr(whole.recording.trace, signal))
+
+
+def test_a_velocity_in_revolutions_per_minute_is_told_with_the_unit_that_says_so(team: Team, tmp_path: Path) -> None:
+    wrong = team.copy()
+    scaled("velocity", 60 / (2 * np.pi))(wrong, 1)
+    file = load_scenario(wrong.write(tmp_path))
+    (found,) = check(file)
+    assert (found.kind, found.certainty, found.joints) == ("velocity", "likely", ("elbow",))
+    assert found.sentence.endswith("told by `units: {velocity: rpm}` under recordings.columns")
+    assert check(file.override({"recordings.columns.units": {"velocity": {"elbow": "rpm", "*": "rad"}}})) == []

@@ -15,6 +15,7 @@ from realitygap.check.observed import Mask, Observed
 from realitygap.check.words import FACTORS, FAR_BETTER, factor_of, joined, unit
 from realitygap.recording.faults import STRETCH
 from realitygap.recording.noise import FEWEST, beyond_noise
+from realitygap.recording.readers.units import RPM
 from realitygap.trace.trace import Array
 
 QUANTA = 20.0
@@ -32,6 +33,8 @@ NO_VELOCITY = {
     "data set": "`velocity: none` under recordings.columns leaves it out",
 }
 """What to do about a velocity that is none, by what holds it."""
+NEAR_RPM = 1.15
+"""So near to revolutions per minute a velocity may be in them: with what filters take off a fast motion."""
 SENSOR = 3.0
 """A scale further from 1 is not a sensor's."""
 
@@ -146,7 +149,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         elif not 1.0 / SENSOR < usual.get(joint, a) < SENSOR:
             sentence = (
                 f"the velocity of {joint} is {a:.3g} times the derivative of its position (explains {own:.1%}), more "
-                "than a sensor is off; expected a factor near 1"
+                f"than a sensor is off; expected a factor near 1{_told_rpm(o, float(a))}"
             )
             out.append(Mistake("velocity", "likely", (joint,), sentence, key, (o.name,)))
     return out + _of_others(o, share, slope, lost, key)
@@ -164,6 +167,13 @@ def _told_units(o: Observed, kind: str, times: float) -> str:
         return f" where positions are in recordings.dataset.units: {NO_VELOCITY[o.holder]}"
     said = kind == "degrees" and times > 1.0
     return ", or `units: {velocity: deg}` under recordings.columns" if said else ""
+
+
+def _told_rpm(o: Observed, slope: float) -> str:
+    """How a scenario says that a velocity is in revolutions per minute, where it may be."""
+    if o.holder == "data set" or abs(np.log(slope * RPM)) > np.log(NEAR_RPM):
+        return ""
+    return ": revolutions per minute are told by `units: {velocity: rpm}` under recordings.columns"
 
 
 def _of_others(o: Observed, share: Array, slope: Array, lost: list[int], key: str) -> list[Mistake]:

@@ -108,6 +108,8 @@ class EffortStream(Section):
 
 Length = Literal["rad", "deg", "m", "mm"]
 Lengths = Length | dict[str, Length]
+Rate = Literal[Length, "rpm"]
+Rates = Rate | dict[str, Rate]
 
 
 LEFT_OUT = "none"
@@ -120,7 +122,7 @@ class Units(Section):
     time: Literal["s", "ms", "us", "ns"] = Field(default="s", description="of a table's time")
     command: Lengths = Field(default="rad", description="of a command that is a position or velocity")
     position: Lengths = Field(default="rad", description="of the measured position (rad and m are the same here)")
-    velocity: Lengths = Field(default="rad", description="of the measured velocity, per s")
+    velocity: Rates = Field(default="rad", description="of the measured velocity, per s, or revolutions per minute")
 
 
 class Columns(Section):

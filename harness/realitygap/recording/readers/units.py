@@ -9,21 +9,24 @@ import numpy as np
 
 from realitygap.files.errors import InputError
 from realitygap.recording.streams import Request, Samples
-from realitygap.scenario.schema import Length, Lengths
+from realitygap.scenario.schema import Lengths, Rate, Rates
 from realitygap.trace.trace import Array
 
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-LENGTHS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3}
+RPM = 2.0 * np.pi / 60.0
+"""rad/s per revolution a minute."""
+FACTORS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3, "rpm": RPM}
+"""SI per unit, of a velocity per unit and second."""
 RATES_AND_ANGLES = {"position", "velocity"}
 """What a bag may hold in other units; efforts are in SI."""
 
 
-def unit_of(units: Lengths, joint: str) -> Length | None:
+def unit_of(units: Lengths | Rates, joint: str) -> Rate | None:
     """The unit of a joint: that of the first pattern that matches; None where none does."""
     return units if isinstance(units, str) else next((u for p, u in units.items() if fnmatchcase(joint, p)), None)
 
 
-def joint_factors(units: Lengths, joints: Sequence[str], key: str, file: Path) -> Array:
+def joint_factors(units: Lengths | Rates, joints: Sequence[str], key: str, file: Path) -> Array:
     """SI per recorded unit of every joint; the first pattern that matches counts. Shape (n,).
 
     Raises:
@@ -34,7 +37,7 @@ def joint_factors(units: Lengths, joints: Sequence[str], key: str, file: Path) -
         found = unit_of(units, joint)
         if found is None:
             raise InputError(f"{file}: {key}: no pattern matches joint {joint}; expected a unit for every joint")
-        out.append(LENGTHS[found])
+        out.append(FACTORS[found])
     return np.array(out)
 
 
