@@ -30,11 +30,11 @@ def chain(*joints: Joint, links: tuple[str, ...] = ()) -> Model:
     ],
 )
 def test_a_slide_gives_its_full_effort_at_an_error_that_it_can_have(joint: Joint, expected: str) -> None:
-    assert any(line.endswith(expected) for line in servo_lines(chain(joint), "position", "arm"))
+    assert any(line.endswith(expected) for line in servo_lines(chain(joint), "position", "arm", {}))
 
 
 def test_slides_and_turns_with_the_same_limits_have_servos_of_their_own() -> None:
-    lines = servo_lines(chain(SLIDE, replace(TURN, name="wrist"), TURN), "position", "arm")
+    lines = servo_lines(chain(SLIDE, replace(TURN, name="wrist"), TURN), "position", "arm", {})
     assert [line for line in lines if "joints:" in line] == ['  - joints: ["finger"]', '  - joints: ["wrist", "elbow"]']
 
 

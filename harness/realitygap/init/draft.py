@@ -19,6 +19,7 @@ from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.degrees import in_degrees
+from realitygap.init.measured_gains import measured_gains
 from realitygap.init.repeated import repeated, without_copies
 from realitygap.init.robot_guess import base_of, servo_lines
 from realitygap.init.sections import Sections, quoted, relative
@@ -106,8 +107,12 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 *repeated(runs),
                 *noticed((run.name, lack) for run in runs for lack in run.recording.absent),
             ]
-            better = in_degrees(loaded, better, model, by_path) or better
-            better = between_samples(loaded, better, [run.recording for run in runs]) or better
+            turned = in_degrees(loaded, better, model, by_path)
+            better, recordings = turned or better, [run.recording for run in runs]
+            better = between_samples(loaded, better, recordings) or better
+            if turned is None:  # else the recordings were read in units that are wrong
+                gains = measured_gains(loaded, model.joint_names, recordings, held=better.motion.holds)
+                better = replace(better, gains=gains) if gains else better
             if better is not sections:
                 text = _text(urdf, out, packages, model, fixed, better, held)
                 draft.write_text(text, encoding="utf-8")
@@ -239,7 +244,9 @@ def _text(
         lines += [f"  # {sentence}" for sentence in sections.unsure]
         lines.append(f"  hold: {{{inner}}}  {GUESS}where they stand [rad or m], as they were not recorded")
     if model.joints:
-        servos = [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot)]
+        servos = (
+            [] if sections.followed else ["", *servo_lines(model, sections.meaning, sections.robot, sections.gains)]
+        )
         lines += [*servos, "", sections.motion.line]
     ground = "none" if base == "fixed" else "flat"
     lines += ["", f"ground: {ground}  {GUESS}flat, grass, or friction, stiffness and damping by numbers"]

@@ -2,11 +2,12 @@
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from realitygap_engines.model.robot import Joint, Model
 
+from realitygap.init.measured_gains import Gains
 from realitygap.init.names import words
 from realitygap.init.sections import quoted
 from realitygap.robot.servos import written_together
@@ -51,13 +52,14 @@ def base_of(model: Model, fixed: str | None, moving: str | None) -> tuple[str, s
     return "fixed", f"the tree has {len(ends)} {'end' if len(ends) == 1 else 'ends'}, no legs and no wheels"
 
 
-def servo_lines(model: Model, meaning: str, robot: str) -> list[str]:
+def servo_lines(model: Model, meaning: str, robot: str, gains: Mapping[str, Gains]) -> list[str]:
     """The lines of `servos`: the actuators of the robot's file, else a guess.
 
     Args:
         model: the robot.
         meaning: what a recorded command is: position, velocity, duty or effort.
         robot: what the recordings call it.
+        gains: of servos, by joint, as far as measured efforts tell them.
     """
     if model.actuators:
         lines = ["# The actuators of the robot's file, as far as servos say them.", "servos:"]
@@ -66,22 +68,22 @@ def servo_lines(model: Model, meaning: str, robot: str) -> list[str]:
     return [
         "# GUESS: how the servos work is not in the files. With the data of a servo, `kind: dc` says more.",
         "servos:",
-        *_guessed(model.joints, meaning, robot),
+        *_guessed(model.joints, meaning, robot, gains),
     ]
 
 
-def _guessed(joints: Sequence[Joint], meaning: str, robot: str) -> list[str]:
-    """The servo of a robot that is known by name, or one servo per limits of the URDF."""
+def _guessed(joints: Sequence[Joint], meaning: str, robot: str, gains: Mapping[str, Gains]) -> list[str]:
+    """The servo of a robot that is known by name, those whose gains are told, or one per limits of the URDF."""
     if STS3215.search(robot) and meaning == "position":
         return _sts3215(robot)
     groups: dict[tuple[float, float, float, bool], list[Joint]] = {}
+    lines = [line for joint, of in gains.items() for line in _measured(joint, of)]
     for joint in joints:
-        if joint.mimic is not None:  # another joint's servo moves it
+        if joint.mimic is not None or joint.name in gains:  # another joint's servo moves it
             continue
         groups.setdefault((joint.effort, joint.velocity, _full_error(joint), joint.prismatic), []).append(joint)
-    lines = []
     for alike in groups.values():
-        pattern = '"*"' if len(groups) == 1 else f"[{', '.join(quoted(joint.name) for joint in alike)}]"
+        pattern = '"*"' if len(groups) == 1 and not gains else f"[{', '.join(quoted(joint.name) for joint in alike)}]"
         lines.append(f"  - joints: {pattern}")
         lines += KINDS[meaning](alike[0])
     return lines
@@ -104,6 +106,26 @@ def _sts3215(robot: str) -> list[str]:
         "    resistance: 2.68",
         "    armature: 0.0284",
         "    friction: {coulomb: 0.0524, viscous: 0.0591}",
+    ]
+
+
+def _measured(joint: str, gains: Gains) -> list[str]:
+    """A servo whose gains measured efforts tell; a D on the measured speed alone is a cascade's."""
+    why = f"explains {gains.share:.1%} of the measured effort"
+    lines = [f"  - joints: [{quoted(joint)}]"]
+    if gains.on_speed:
+        return [
+            *lines,
+            "    kind: cascade  # GUESS: the measured effort follows the speed, and not the rate of the error",
+            f"    gain: {_rounded(gains.kd):g}",
+            "    kv: 1",
+            f"    kp: {_rounded(gains.kp / gains.kd):g}  # GUESS: {why}",
+        ]
+    return [
+        *lines,
+        "    kind: pid",
+        f"    kp: {_rounded(gains.kp):g}  # GUESS: {why}",
+        f"    kd: {_rounded(gains.kd):g}",
     ]
 
 

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from realitygap.init.measured_gains import Gains
+
 Units = dict[str, str | dict[str, str]]
 """Units of a table's columns by signal, and where joints differ by joint."""
 
@@ -99,6 +101,7 @@ class Sections:
         columns: the lines below `recordings.columns`, without the units.
         units: of columns, where they are not SI, by signal and, where they differ, by joint; and how they were found.
         angles: the signals in angles whose unit no name says.
+        gains: of servos, by joint, as far as measured efforts tell them.
         held: the joints that were not recorded.
         followers: joints that were not recorded, either, and mimic others.
         unmeasured: of these, the ones of which something else than a position was recorded, and in which columns or
@@ -117,6 +120,7 @@ class Sections:
     units: Units = field(default_factory=dict)
     units_by: str = "as the names say"
     angles: tuple[str, ...] = ()
+    gains: Mapping[str, Gains] = field(default_factory=dict)
     held: tuple[str, ...] = ()
     followers: tuple[str, ...] = ()
     unmeasured: dict[str, list[str]] = field(default_factory=dict)

@@ -1,0 +1,75 @@
+"""The gains of a first scenario's servos, where measured efforts tell them: of an arm that is simulated (synthetic)."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import realitygap as rg
+from first_scenario import arm, goal
+from realitygap.init.draft import Draft, init
+from realitygap.scenario.servos import CascadeServo, PidServo
+
+KP, KD = 20.0, 0.6
+JOINTS = ("shoulder", "elbow")
+
+
+def drafted(folder: Path, servo: dict[str, Any], period: float = 0.005, noise: float = 0.0) -> Draft:
+    """The first scenario of an arm with such servos and friction, whose commands were streamed in every sample."""
+    urdf = arm(folder / "arm.urdf", effort=30.0)
+    time = np.arange(0.0, 6.0, period)
+    asked = pd.DataFrame({"time": time, "shoulder_command": 0.4 * goal(time), "elbow_command": 0.3 * goal(1.1 * time)})
+    for joint in JOINTS:
+        asked[f"{joint}_position"] = asked[f"{joint}_command"].iloc[0]
+    asked.to_csv(folder / "asked.csv", index=False)
+    plant = {
+        "name": "arm", "robot": {"urdf": str(urdf), "base": "fixed"}, "servos": [{"joints": "*"} | servo],
+        "motion": {"recorded": "command", "held": False}, "ground": "none", "physics": {"step_rate": 1000},
+        "recordings": {"effort": "none", "runs": [{"path": str(folder / "asked.csv")}],
+                       "columns": {"command": "command", "position": "position"}},
+    }  # fmt: skip
+    plant["effects"] = [{"effect": "coulomb_friction", "target": "*", "torque": 0.3}]
+    trace = rg.simulate(rg.load_scenario(plant, folder), "mujoco").at(time)
+    rng = np.random.default_rng(3)
+    frame = asked[["time", "shoulder_command", "elbow_command"]].copy()
+    assert trace.position is not None
+    assert trace.velocity is not None
+    assert trace.effort is not None
+    for j, joint in enumerate(JOINTS):
+        frame[f"{joint}_position"] = trace.position[:, j]
+        frame[f"{joint}_velocity"] = trace.velocity[:, j]
+        frame[f"{joint}_effort"] = trace.effort[:, j] + noise * rng.normal(size=len(time))
+    frame.to_csv(folder / "run.csv", index=False)
+    return init(urdf, [folder / "run.csv"], folder / "out")
+
+
+@pytest.mark.parametrize(
+    ("servo", "kind"),
+    [
+        ({"kind": "pid", "kp": KP, "kd": KD}, PidServo),
+        ({"kind": "cascade", "gain": KD, "kv": 1.0, "kp": KP / KD}, CascadeServo),
+    ],
+    ids=["D on the error", "D on the speed"],
+)
+def test_gains_and_what_the_d_acts_on_are_those_that_the_effort_tells(
+    servo: dict[str, Any], kind: type[PidServo | CascadeServo], tmp_path: Path
+) -> None:
+    draft = drafted(tmp_path, servo, noise=0.02)
+    found = rg.load_scenario(draft.path).scenario.servos
+    assert [s.joints for s in found] == [[joint] for joint in JOINTS]
+    for own in found:
+        assert isinstance(own, kind)
+        kp, kd = (own.kp, own.kd) if isinstance(own, PidServo) else (own.gain * own.kv * own.kp, own.gain * own.kv)
+        assert kp == pytest.approx(KP, rel=0.03)
+        assert kd == pytest.approx(KD, rel=0.1)
+    assert sum("of the measured effort" in line for line in draft.guessed) == 2
+
+
+def test_an_effort_that_is_none_of_error_and_speed_tells_no_gains(tmp_path: Path) -> None:
+    """As one that is mostly noise: the URDF's limits are the guess."""
+    draft = drafted(tmp_path, {"kind": "pid", "kp": KP, "kd": KD}, noise=5.0)
+    (servo,) = rg.load_scenario(draft.path).scenario.servos
+    assert isinstance(servo, PidServo)
+    assert servo.kp == pytest.approx(300.0)
+    assert not any("of the measured effort" in line for line in draft.guessed)
