@@ -15,10 +15,12 @@ KP, KD = 20.0, 0.6
 JOINTS = ("shoulder", "elbow")
 
 
-def drafted(folder: Path, servo: dict[str, Any], period: float = 0.005, noise: float = 0.0) -> Draft:
-    """The first scenario of an arm with such servos and friction, whose commands were streamed in every sample."""
+def drafted(folder: Path, servo: dict[str, Any], noise: float = 0.0, unit: float = 1.0) -> Draft:
+    """The first scenario of an arm with such servos and friction, whose commands were streamed in every sample; its
+    effort is recorded in a `unit` [N·m].
+    """
     urdf = arm(folder / "arm.urdf", effort=30.0)
-    time = np.arange(0.0, 6.0, period)
+    time = np.arange(0.0, 6.0, 0.005)
     asked = pd.DataFrame({"time": time, "shoulder_command": 0.4 * goal(time), "elbow_command": 0.3 * goal(1.1 * time)})
     for joint in JOINTS:
         asked[f"{joint}_position"] = asked[f"{joint}_command"].iloc[0]
@@ -39,7 +41,7 @@ def drafted(folder: Path, servo: dict[str, Any], period: float = 0.005, noise: f
     for j, joint in enumerate(JOINTS):
         frame[f"{joint}_position"] = trace.position[:, j]
         frame[f"{joint}_velocity"] = trace.velocity[:, j]
-        frame[f"{joint}_effort"] = trace.effort[:, j] + noise * rng.normal(size=len(time))
+        frame[f"{joint}_effort"] = (trace.effort[:, j] + noise * rng.normal(size=len(time))) / unit
     frame.to_csv(folder / "run.csv", index=False)
     return init(urdf, [folder / "run.csv"], folder / "out")
 
@@ -66,9 +68,12 @@ def test_gains_and_what_the_d_acts_on_are_those_that_the_effort_tells(
     assert sum("of the measured effort" in line for line in draft.guessed) == 2
 
 
-def test_an_effort_that_is_none_of_error_and_speed_tells_no_gains(tmp_path: Path) -> None:
-    """As one that is mostly noise: the URDF's limits are the guess."""
-    draft = drafted(tmp_path, {"kind": "pid", "kp": KP, "kd": KD}, noise=5.0)
+@pytest.mark.parametrize(("noise", "unit"), [(5.0, 1.0), (0.02, 0.001)], ids=["noise", "thousandths"])
+def test_an_effort_that_is_none_of_error_and_speed_or_of_no_such_joint_tells_no_gains(
+    noise: float, unit: float, tmp_path: Path
+) -> None:
+    """As one that is mostly noise, or in another unit: the URDF's limits are the guess."""
+    draft = drafted(tmp_path, {"kind": "pid", "kp": KP, "kd": KD}, noise, unit)
     (servo,) = rg.load_scenario(draft.path).scenario.servos
     assert isinstance(servo, PidServo)
     assert servo.kp == pytest.approx(300.0)

@@ -111,7 +111,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             better, recordings = turned or better, [run.recording for run in runs]
             better = between_samples(loaded, better, recordings) or better
             if turned is None:  # else the recordings were read in units that are wrong
-                gains = measured_gains(loaded, model.joint_names, recordings, held=better.motion.holds)
+                gains = measured_gains(loaded, model.joints, recordings, held=better.motion.holds)
                 better = replace(better, gains=gains) if gains else better
             if better is not sections:
                 text = _text(urdf, out, packages, model, fixed, better, held)

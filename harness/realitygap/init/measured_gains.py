@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from realitygap_engines.model.robot import Joint
 
 from realitygap.recording import Recording
 from realitygap.recording.commands import held_at
@@ -15,6 +16,8 @@ TOLD = 0.95
 """The share of an effort that gains have to explain: what is left is noise, and no integral, limit or current."""
 CLEARLY = 0.5
 """As much of what a D on the error leaves one on the speed may leave at most, to be taken for that."""
+BEYOND = 1.5
+"""So many times the URDF's effort limit is what the joint may give for a moment, and no more."""
 FEWEST = 200
 """Samples of a joint, at least."""
 AT_LIMIT, OFTEN = 0.97, 0.02
@@ -32,7 +35,7 @@ class Gains:
 
 
 def measured_gains(
-    file: ScenarioFile, joints: Sequence[str], recordings: Sequence[Recording], held: bool
+    file: ScenarioFile, joints: Sequence[Joint], recordings: Sequence[Recording], held: bool
 ) -> dict[str, Gains]:
     """The gains of each joint that measured efforts tell; none where commands are no positions, or servos are known.
 
@@ -49,16 +52,22 @@ def measured_gains(
     found = {}
     for j, joint in enumerate(joints):
         seen = [rows for r in recordings if (rows := _rows(r, j, held)) is not None]
-        gains = _fitted(np.concatenate(seen), held) if seen else None
+        rows = np.concatenate(seen) if seen else np.zeros((0, 4))
+        gains = _fitted(rows, held) if len(rows) >= FEWEST and _gives(joint, rows[:, 3]) else None
         if gains is not None:
-            found[joint] = gains
+            found[joint.name] = gains
     return found
+
+
+def _gives(joint: Joint, effort: Array) -> bool:
+    """Whether a joint can give such efforts: a load in thousandths or a current in mA tells no gains in N·m."""
+    return bool(np.abs(effort).max() <= BEYOND * joint.effort)
 
 
 def _rows(recording: Recording, j: int, held: bool) -> Array | None:
     """Error, rate of the command, speed and effort of a joint, where all are known. Shape (t, 4)."""
     trace, command = recording.trace, recording.command[:, j]
-    if trace.position is None or trace.effort is None or not np.isfinite(command).any():
+    if trace.position is None or trace.effort is None or len(trace.time) < 2 or not np.isfinite(command).any():
         return None
     time, position = trace.time, trace.position[:, j]
     known = np.isfinite(command)
