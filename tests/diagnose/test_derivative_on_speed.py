@@ -31,9 +31,9 @@ def test_a_delay_of_kd_over_kp_may_be_a_derivative_on_the_speed_alone(
     low: float, high: float, more: dict[str, float], told: bool
 ) -> None:
     problem = build_problem(with_servo(PID | more), "mujoco")
-    delay, other = (guess(problem, suspect_of(problem, e, "*")) for e in ("command_delay", "viscous_friction"))
-    assert derivative_on_speed(problem, [(other, (low, high))]) == []
-    said = derivative_on_speed(problem, [(delay, (low, high))])
+    delay, oil = (guess(problem, suspect_of(problem, e, "*")) for e in ("command_delay", "viscous_friction"))
+    mass = guess(problem, suspect_of(problem, "link_mass", problem.plant.model.links[-1].name))
+    said = derivative_on_speed(problem, [oil, mass, delay], lambda *_: (low, high))
     assert len(said) == told
     if told:
         assert "kd/kp, 0.0200 s" in said[0]

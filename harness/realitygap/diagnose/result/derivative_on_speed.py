@@ -6,26 +6,30 @@ late by as much.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from realitygap.diagnose.data.changes import Change
 from realitygap.diagnose.data.problem import Problem
 from realitygap.page.style import number, quantity
 from realitygap.robot.drive import PID
 
+Interval = Callable[[Change, str], tuple[float, float]]
 
-def derivative_on_speed(problem: Problem, found: Iterable[tuple[Change, tuple[float, float]]]) -> list[str]:
+
+def derivative_on_speed(problem: Problem, changes: Iterable[Change], interval: Interval) -> list[str]:
     """A sentence on every delay whose 95 % interval holds kd/kp of all of its servos, which have a D and no I.
 
     Args:
         problem: of the diagnosis.
-        found: changes of the model, each with the interval of its first parameter.
+        changes: what was found.
+        interval: the 95 % interval of a parameter of a change.
     """
     drive, said = problem.plant.drive, []
-    for change, (low, high) in found:
+    for change in (c for c in changes if c.suspect.effect == "command_delay"):
+        low, high = interval(change, "time")
         own = drive[list(change.suspect.indices)]
         damped = (own["kind"] == PID) & (own["kp"] > 0.0) & (own["kd"] > 0.0) & (own["ki"] == 0.0)
-        if change.suspect.effect != "command_delay" or not damped.all():
+        if not damped.all():
             continue
         late = own["kd"] / own["kp"]
         if low <= late.min() and late.max() <= high:

@@ -192,8 +192,7 @@ def diagnose(
         deviations={c.suspect: deviations(problem, c) for c in told},
         blamed=tuple(sorted(blamed)),
     )
-    values = [(c, result.interval(c, next(iter(c.parameters)))) for c in result.changes if c.free]
-    result.notes.extend(derivative_on_speed(problem, values))
+    result.notes.extend(derivative_on_speed(problem, result.changes, result.interval))
     rest = result.verdict in ("partly explained", "unexplained")
     return replace(result, left=locate(problem, found.floors, after)) if rest else result
 
