@@ -68,7 +68,8 @@ def dialect_of(path: Path) -> Dialect:
 
     Cells are separated by the first of semicolon, tab, comma and white space that stands in the header, or by what a
     first line as `sep=;` says, which spreadsheets write; the decimal mark is a comma where numbers have one that
-    separates nothing. The header may stand in the last of some lines of comment (# or %) above the numbers.
+    separates nothing. The header may stand in the last of some lines of comment (# or %) above the numbers, or above a
+    row with text in it that begins with a number, as `rostopic echo -p` writes.
     """
     with path.open("rb") as file:
         head = file.read(HEAD)
@@ -87,9 +88,11 @@ def dialect_of(path: Path) -> Dialect:
         return Dialect(",", ".", 0, None, encoding)
     header = body[0]
     names = None
-    if above > first and _numbers(body[0], separator_of(body[0])):
-        header = lines[above - 1].lstrip().lstrip("".join(COMMENT)).strip()
-        names = tuple(cell.strip().strip('"') for cell in re.split(_split(separator_of(header)), header))
+    if above > first:
+        last = lines[above - 1].lstrip().lstrip("".join(COMMENT)).strip()
+        named = tuple(cell.strip().strip('"') for cell in re.split(_split(separator_of(last)), last))
+        if _numbers(body[0], separator_of(body[0])) or _names(named, body[0], separator_of(last)):
+            header, names = last, named
     separator = separator_of(header)
     rows = body[1:] if names is None else body
     decimal = "," if separator != "," and any(re.search(r"\d,\d", r) for r in rows) else "."
@@ -121,6 +124,16 @@ def _separator(header: str) -> str:
 
 def _split(separator: str) -> str:
     return separator if separator == r"\s+" else re.escape(separator)
+
+
+def _names(named: tuple[str, ...], line: str, separator: str) -> bool:
+    """Whether words of a comment are the names of the cells of a line."""
+    cells = [cell.strip() for cell in re.split(_split(separator), line.strip())]
+    return (
+        len(cells) == len(named) > 1
+        and bool(cells[0] and NUMBER.fullmatch(cells[0]))
+        and not any(cell and NUMBER.fullmatch(cell) for cell in named)
+    )
 
 
 def _numbers(line: str, separator: str) -> bool:

@@ -16,6 +16,7 @@ from realitygap.recording.frames import rotate, unit_quaternions
 from realitygap.recording.lack import Lack
 from realitygap.recording.readers.cells import Cells, Frame
 from realitygap.recording.readers.dialect import dialect_of
+from realitygap.recording.readers.echoed import by_joint
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.parquet_columns import WHOLE, ParquetColumns
 from realitygap.recording.readers.rows import (
@@ -136,7 +137,7 @@ def _of_text(path: Path) -> pd.DataFrame:
         frame = frame[:-1]
         frame.attrs["cut_off"] = 1
     frame.attrs |= {"first_line": dialect.first_line, "decimal": dialect.decimal}
-    return frame
+    return by_joint(frame)
 
 
 class Table(Cells):
