@@ -126,3 +126,15 @@ def test_the_unit_that_an_effort_says_is_its_factor(said: str, factor: float, tm
     _, (recording,) = read_all(draft.path, JOINTS)
     np.testing.assert_allclose(Signals(recording.trace).effort[:, 0], np.sin(CLOCK), atol=1e-9)
     assert any(line.startswith("effort: ") and "as its name says" in line for line in draft.guessed) is (factor != 1.0)
+
+
+@pytest.mark.parametrize("name", ["torque_enabled", "motors enabled", "servo_enable"])
+def test_one_switch_of_all_servos_is_that_of_every_joint(name: str, tmp_path: Path) -> None:
+    frame = pd.DataFrame({"time": CLOCK, name: CLOCK < 0.5, "enabled_lamp_2": 1})
+    for joint in JOINTS:
+        frame[f"{joint}_pos"], frame[f"{joint}_goal"] = goal(CLOCK - 0.05), goal(CLOCK)
+    draft = drafted(tmp_path, frame)
+    asked = Signals(read_all(draft.path, JOINTS)[1][0].trace).command
+    np.testing.assert_allclose(asked[CLOCK < 0.5], np.tile(goal(CLOCK[CLOCK < 0.5])[:, None], 2))
+    assert np.isnan(asked[CLOCK >= 0.5]).all()
+    assert draft.told[0] == "not used: enabled_lamp_2"

@@ -87,6 +87,19 @@ def measured_joints(labels: Sequence[str], joints: Sequence[str]) -> tuple[str, 
     return tuple(joint for joint in joints if joint in found or joint in alone & beside)
 
 
+def of_all(labels: Sequence[str], joints: Sequence[str], quantity: str) -> str | None:
+    """The only label of a quantity that names no joint, neither by its name nor by a number; None where none is, or
+    several are.
+    """
+    found = [
+        label
+        for label in labels
+        if (parts := words(label)) and _named(parts, joints)[0] is None and not any(part.isdigit() for part in parts)
+        if (role := role_of(parts)) is not None and role[:2] == (quantity, False)
+    ]
+    return found[0] if len(found) == 1 else None
+
+
 def unmeasured(labels: Sequence[str], joints: Sequence[str], held: Sequence[str]) -> dict[str, list[str]]:
     """The labels of signals that name a joint that is held: it was there, though its position was not recorded."""
     out: dict[str, list[str]] = {}

@@ -14,6 +14,7 @@ from realitygap.init.names import (
     by_stem,
     meant,
     measured_joints,
+    of_all,
     role_of,
     stands_alone,
     told_by,
@@ -133,6 +134,8 @@ def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Colu
         if found and (key != "current" or "effort" not in columns):
             best = max(found, key=lambda s: (s == (key,), roles[s][2], -len(s)))  # plain names, then what says measured
             columns["effort" if key == "current" else key] = _written(stems[best], labels, joints)
+    if "torque_enabled" not in columns and (switch := of_all(labels, joints, "torque_enabled")) is not None:
+        columns["torque_enabled"] = switch
     for kind in ("position", "velocity", "duty", "effort"):
         found = [s for s, (k, command, _) in roles.items() if k == kind and (command or kind == "duty")]
         if found:

@@ -146,7 +146,9 @@ class Columns(Section):
     effort: str | dict[str, str] = Field(
         default="effort", description="measured effort, in the unit that `effort` states"
     )
-    torque_enabled: str | dict[str, str] = Field(default="torque_enabled", description="0: the servo is off")
+    torque_enabled: str | dict[str, str] = Field(
+        default="torque_enabled", description="0: the servo is off; one for all or by joint"
+    )
     supply: str = Field(default="supply_voltage", description="supply voltage [V]")
     temperature: str | dict[str, str] = Field(
         default="temperature", description="temperature of the motors, one for all or by joint [°C]"

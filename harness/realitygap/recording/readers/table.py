@@ -210,11 +210,18 @@ class Table(Cells):
         if kind != "effort":
             command = self._si("command", command)
         said: Mask = ~np.isnan(command)
-        enabled = self._joints("torque_enabled", required="torque_enabled" in self.columns.model_fields_set)
+        enabled = self._enabled()
         if enabled is not None:
             command = np.where(enabled == 0, np.nan, command)
             said |= enabled == 0
         return {kind: command}, said
+
+    def _enabled(self) -> Array | None:
+        """Whether servos are on: a column for each joint (t, n), or one for all (t, 1); None where nothing says it."""
+        named, stated = self.columns.torque_enabled, "torque_enabled" in self.columns.model_fields_set
+        if isinstance(named, str) and named in self.frame:
+            return self._column(named, "torque_enabled")[:, None]
+        return self._joints("torque_enabled", required=stated)
 
     def _by_columns(self, recorded: str) -> bool:
         """Whether `columns.command` says which columns the recorded command is: by the key's own name, or of a topic
