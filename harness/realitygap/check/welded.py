@@ -77,7 +77,7 @@ def _as_measured(file: ScenarioFile, o: Observed, model: Model, names: list[str]
     assert motion is not None
     assert motion.recorded is not None
     assert recordings is not None
-    topic, stated = motion.recorded, recordings.columns
+    topic, stated = motion.recorded if isinstance(motion.recorded, str) else "command", recordings.columns
     called = dict(zip(model.joint_names, recorded_names(recordings.joints, model.joint_names, file.path), strict=True))
     by_columns = o.holder == "table" and (topic == "command" or topic.startswith("/"))
     column = stated.command if by_columns else topic

@@ -1,6 +1,6 @@
 """The first scenario of bags: which topic is what."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,8 +59,11 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
     told = [*_told(contents, roles, joints), *_other_names(contents, roles, list(names.values()))]
     held = tuple(j for j in joints if roles.state is not None and names[j] not in roles.state.stream.joints)
     seen = {j: [s.topic for s in contents.joint_streams if names[j] in s.joints] for j in held}
+    own = {name: joint for joint, name in names.items()}
+    order = tuple(own[name] for name in roles.order)
+    topics = {own[name]: topic for name, topic in roles.topics.items()}
     return Sections(
-        _motion(replace(roles, order=tuple(joint for name in roles.order for joint in joints if names[joint] == name))),
+        _motion(replace(roles, order=order, topics=topics), [joint for joint in joints if joint not in held]),
         [*said, *_recordings(contents, roles)],
         runs_of(paths, out),
         roles.meaning,
@@ -120,12 +123,12 @@ def _current(roles: Roles) -> bool:
     return apart and roles.effort is not None and bool(CURRENT.search(roles.effort.stream.topic))
 
 
-def _motion(roles: Roles) -> Motion:
+def _motion(roles: Roles, joints: Sequence[str]) -> Motion:
     if _followed(roles):
         return FOLLOWED
     if roles.command is None:
         return no_motion("TOPIC")
-    items = {"recorded": quoted(roles.command.stream.topic)}
+    items = {"recorded": _topics(roles.topics, joints) if roles.topics else quoted(roles.command.stream.topic)}
     if roles.meaning != "position":
         items["as"] = roles.meaning
     if roles.order:
@@ -133,6 +136,16 @@ def _motion(roles: Roles) -> Motion:
     if roles.command.stream.goal:
         items["held"] = "false"
     return Motion(items, roles.command.reason)
+
+
+def _topics(topics: Mapping[str, str], joints: Sequence[str]) -> str:
+    """The topics of commands by joint, or by one pattern that gives these joints, which are all, the same."""
+    patterns = [
+        p for p in name_patterns(topics.values(), joints) if all(topics[j] == p.replace(JOINT, j) for j in topics)
+    ]
+    if len(topics) == len(joints) > 1 and patterns:
+        return f'{{"*": {quoted(patterns[0])}}}'
+    return f"{{{', '.join(f'{quoted(joint)}: {quoted(topic)}' for joint, topic in topics.items())}}}"
 
 
 def _recordings(contents: Contents, roles: Roles) -> list[str]:
@@ -158,6 +171,7 @@ def _recordings(contents: Contents, roles: Roles) -> list[str]:
 def _told(contents: Contents, roles: Roles, joints: Sequence[str]) -> list[str]:
     """What was seen and not used, and what is missing."""
     chosen = [role.stream.topic for role in (roles.state, roles.command, roles.effort) if role is not None]
+    chosen += roles.topics.values()
     chosen += [topics[0] for topics in (contents.poses, contents.imus, contents.batteries) if topics]
     spare = [f"{topic} ({kind})" for topic, kind in sorted(contents.kinds.items()) if topic not in chosen]
     told = [f"not used: {', '.join(spare)}"] if spare else []

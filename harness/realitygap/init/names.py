@@ -55,6 +55,11 @@ def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str
     return {stem: found for stem, found in named.items() if len(found) == len(joints)}
 
 
+def joint_of(label: str, joints: Sequence[str]) -> str | None:
+    """The joint whose name stands in a label; None where none does."""
+    return _named(words(label), joints)[0]
+
+
 def _named(parts: Stem, joints: Sequence[str]) -> tuple[str | None, Stem]:
     """The joint whose words stand in a label, and what is left of the label; the longest name wins."""
     best: tuple[str | None, Stem] = None, parts

@@ -10,6 +10,7 @@ from realitygap.recording.merged import on_one_clock
 from realitygap.recording.readers.alike import Taking
 from realitygap.recording.readers.kinds import in_order, kinds_of
 from realitygap.recording.readers.messages import NAMES, POSES, JointMessages
+from realitygap.recording.readers.one_by_one import SINGLE
 from realitygap.recording.readers.ros_control import ARRAYS, collector_of
 from realitygap.recording.readers.rosbag import Bag, opened, short, told
 from realitygap.recording.readers.trajectory import Trajectories
@@ -37,13 +38,15 @@ class JointStream:
 @dataclass(frozen=True)
 class Contents:
     """What is in a bag, by what it can serve as; `kinds` are the types of all its topics, `unnamed` the streams of
-    values whose joints no message names, `others` the names in topics that name none of the robot's joints.
+    values whose joints no message names, `single` those of one number, `others` the names in topics that name none of
+    the robot's joints.
     """
 
     path: Path
     listing: str
     joint_streams: list[JointStream] = field(default_factory=list)
     unnamed: list[JointStream] = field(default_factory=list)
+    single: list[JointStream] = field(default_factory=list)
     poses: list[str] = field(default_factory=list)
     imus: list[str] = field(default_factory=list)
     batteries: list[str] = field(default_factory=list)
@@ -65,7 +68,8 @@ def probe(path: Path, joints: Sequence[str]) -> Contents:
             path,
             bag.listing(),
             list(streams.values()),
-            [found for topic in sorted(bag.types) if (found := _unnamed(bag, topic)) is not None],
+            _unnamed(bag, ARRAYS),
+            _unnamed(bag, SINGLE),
             sorted(t for t, kind in bag.types.items() if kind in POSES),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/Imu"),
             sorted(t for t, kind in kinds.items() if kind == "sensor_msgs/BatteryState"),
@@ -124,12 +128,13 @@ def _controls(kind: str) -> bool:
     return kind.endswith("JointTrajectoryControllerState")
 
 
-def _unnamed(bag: Bag, topic: str) -> JointStream | None:
-    """The values of a topic whose messages name no joints, as many in each; None for other topics."""
-    if bag.types[topic] not in ARRAYS:
-        return None
-    found = [(receive * 1e-9, message.data) for _, receive, message in bag.messages({topic})]
-    if not found or len({len(data) for _, data in found}) > 1 or not len(found[0][1]):
-        return None
-    time, rows = zip(*found, strict=True)
-    return JointStream(topic, short(bag.types[topic]), (), np.array(time), {"position": np.array(rows, dtype=float)})
+def _unnamed(bag: Bag, kinds: Sequence[str]) -> list[JointStream]:
+    """The values of topics of some types whose messages name no joints, as many in each."""
+    out = []
+    for topic in sorted(topic for topic, kind in bag.types.items() if kind in kinds):
+        found = [(receive * 1e-9, np.atleast_1d(message.data)) for _, receive, message in bag.messages({topic})]
+        if found and len({len(data) for _, data in found}) == 1 and len(found[0][1]):
+            time, rows = zip(*found, strict=True)
+            values = {"position": np.array(rows, dtype=float)}
+            out.append(JointStream(topic, short(bag.types[topic]), (), np.array(time), values))
+    return out

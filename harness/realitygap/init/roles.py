@@ -1,12 +1,13 @@
 """Which stream of a recording is the command, which the state, and which the effort: guesses, with their reasons."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from realitygap.init.names import by_stem, joint_of
 from realitygap.init.probe import Contents, JointStream
 from realitygap.recording.commands import held_at
 from realitygap.recording.delay import MOVING, mean_squared_difference
@@ -36,7 +37,7 @@ class Role:
 @dataclass(frozen=True)
 class Roles:
     """The streams of a scenario; `meaning` is what the command is: position, velocity, duty or effort. `order` are the
-    joints of a command whose messages name none.
+    joints of a command whose messages name none, `topics` those of commands that come in one for each joint.
     """
 
     state: Role | None = None
@@ -44,6 +45,7 @@ class Roles:
     meaning: str = "position"
     effort: Role | None = None
     order: tuple[str, ...] = ()
+    topics: dict[str, str] = field(default_factory=dict)
 
 
 def roles_of(contents: Contents) -> Roles:
@@ -76,6 +78,8 @@ def roles_of(contents: Contents) -> Roles:
         return replace(roles, command=Role(asked[0], "a controller's state holds what it asks for"))
     if goals:
         return replace(roles, command=Role(goals[0], "its type is that of a command"))
+    if (single := commands_by_joint(contents, state)) is not None:
+        return replace(roles, command=single[0], meaning=single[1], topics=single[2])
     unnamed = unnamed_command(contents.unnamed, state)
     if unnamed is not None:
         return replace(roles, command=unnamed[0], order=unnamed[1])
@@ -127,6 +131,30 @@ def other_command(contents: Contents, state: JointStream) -> tuple[Role, str, tu
             reason = f"its name says command and {meant[0]}; its values name no joints, and this is the robot's order"
             return Role(stream, reason), meant[0], state.joints
     return None
+
+
+def commands_by_joint(contents: Contents, state: JointStream) -> tuple[Role, str, dict[str, str]] | None:
+    """Topics of one value each whose names say that they command a joint: one of them, what they command, and all by
+    joint. Of several kinds, as of controllers that took turns, positions come first.
+    """
+    streams = [*contents.single, *(s for s in contents.unnamed if s.signals["position"].shape[1] == 1)]
+    by_topic = {s.topic: s for s in streams if COMMAND.search(s.topic)}
+    named = {joint for topic in by_topic if (joint := joint_of(topic, state.joints)) is not None}
+    joints = [joint for joint in state.joints if joint in named] or state.joints
+    if len(joints) == 1 < len(state.joints):  # of the only joint of a robot, any topic is
+        by_topic = {topic: s for topic, s in by_topic.items() if joint_of(topic, state.joints) is not None}
+    kinds = {_meaning(found[joints[0]]): found for found in by_stem(list(by_topic), joints).values()}
+    for meaning in ("position", *TOLD):
+        if meaning in kinds:
+            topics = {joint: kinds[meaning][joint] for joint in joints}
+            said = "" if meaning == "position" else f" and {meaning}"
+            reason = f"topics of one value each, whose names say command{said} and which joint"
+            return Role(by_topic[topics[joints[0]]], reason), meaning, topics
+    return None
+
+
+def _meaning(topic: str) -> str:
+    return next((meaning for meaning, name in TOLD.items() if name.search(topic)), "position")
 
 
 def unnamed_command(streams: list[JointStream], state: JointStream) -> tuple[Role, tuple[str, ...]] | None:

@@ -100,7 +100,7 @@ class Request:
     @property
     def command_factor(self) -> Array | None:
         """N·m (or N) per unit of a command that is the measured effort itself, shape (n,); None for other commands."""
-        if self.motion is None or self.motion.meaning != "effort":
+        if self.motion is None or self.motion.meaning != "effort" or not isinstance(self.motion.recorded, str):
             return None
         state, columns = self.recordings.state, self.recordings.columns.effort
         source = self.effort_topic or (state.topic if isinstance(state, Stream) else state)

@@ -39,7 +39,12 @@ class Robot(Section):
 class Motion(Section):
     """What the servos are told (a recorded stream of commands, or keyframes), or a measured motion that is followed."""
 
-    recorded: str | None = Field(default=None, description="topic or column of the recorded commands")
+    recorded: str | Annotated[dict[str, str], Field(min_length=1)] | None = Field(
+        default=None,
+        description="topic or column of the recorded commands; or, where every joint has a topic of its own "
+        "(std_msgs/Float64), the topics by patterns over joint names (the first that matches), `*` in one being the "
+        'joint\'s own name: `{"*": "/*_position_controller/command"}`',
+    )
     keyframes: str | None = Field(default=None, description="animation file with goals in degrees, duration and pause")
     followed: bool = Field(
         default=False,
@@ -65,6 +70,8 @@ class Motion(Section):
     def _one_source(self) -> Motion:
         if (self.recorded is not None) + (self.keyframes is not None) + self.followed != 1:
             raise ValueError("expected one of recorded, keyframes and followed")
+        if isinstance(self.recorded, dict) and self.joints is not None:
+            raise ValueError("found joints beside a topic for each of them; expected joints for one topic of all")
         return self
 
 

@@ -135,7 +135,12 @@ class JointMessages:
     @property
     def present(self) -> NDArray[np.bool_] | None:
         """Which joints the messages named (m, n); None: all."""
-        return None if all(part.all() for part in self._present) else np.concatenate(self._present)
+        return None if all(part.all() for part in self._present) else self.named
+
+    @property
+    def named(self) -> NDArray[np.bool_]:
+        """Which joints the messages named. Shape (m, n)."""
+        return np.concatenate([np.zeros((0, len(self.joints)), dtype=bool), *self._present])
 
     @property
     def lacking(self) -> str:

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 from realitygap_engines.errors import in_a_line
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_typestore
 
 from realitygap.files.errors import InputError
-from realitygap.files.plain_file import check_plain
 from realitygap.files.unpacked import unpacked
 from realitygap.recording.lack import Lack
 from realitygap.recording.readers.alike import Taking
@@ -23,21 +23,24 @@ from realitygap.recording.readers.clock import Clock, Nanoseconds, choose_clock
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.kinds import Kind, in_order, kinds_of, told_kinds
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
-from realitygap.recording.readers.ros_control import NoNames, collector_of
+from realitygap.recording.readers.one_by_one import KEY, SINGLE, SingleValues, together, topics_of
+from realitygap.recording.readers.ros_control import ARRAYS, NoNames, collector_of
+from realitygap.recording.readers.storage import storage_of
 from realitygap.recording.readers.trajectory import Trajectories, followed
 from realitygap.recording.readers.units import as_commanded, in_si
 from realitygap.recording.streams import Request, Streams
 from realitygap.scenario import schema as scenario
 from realitygap.scenario.joint_names import hint
+from realitygap.trace.trace import Array
 
 Found = TypeVar("Found")
 Collector = JointMessages | Trajectories | BodyMessages | Reading
+Part = tuple[Array, Array, NDArray[np.intp]]
+"""Times and times of reception [s] of messages (k,), and which of their topic these are (k,)."""
 JOINT_ROLES = {"state": "recordings.state.joints", "command": "motion.joints", "effort": "recordings.effort.joints"}
 """Streams of joint values, and the key that names their joints where the messages do not."""
 FARTHEST = 2**63
 """ns: times that are kept are smaller, either way."""
-TABLES = {".csv", ".parquet", ".tsv"}
-"""In a folder that is taken for a bag, people have recordings of another kind."""
 MAKE_WHOLE = "`rosbag reindex` (rosbag 1), `ros2 bag reindex` or `mcap recover` (rosbag 2)"
 
 
@@ -73,13 +76,17 @@ def read(path: Path, request: Request) -> Streams:
         for topic in topics:
             with told(path, topic.name):
                 topic.taking.finish()
+    single = [topic for topic in topics if isinstance(topic.collector, SingleValues)]
+    silent = [topic for topic in single if not topic.taking.received]  # of joints that were not commanded
+    topics = [topic for topic in topics if topic not in silent or len(silent) == len(single)]
     for topic in topics:
         _check_there(path, topic, request)
     clock, kinds = _clock(topics, request)
     roles: dict[str, Any] = {}
     notes, dropped = [clock.note], [Lack("clock", clock.note, 1.0)] if clock.by_reception else []
+    one_by_one: list[tuple[JointMessages, list[Part]]] = []
     for topic in topics:
-        source, parts = f"{path}: {topic.name}", []
+        source, parts = f"{path}: {topic.name}", list[Part]()
         for own in kinds[topic.name]:
             time, received, keep, mended = clock.times(own.name)
             if mended is not None:
@@ -90,9 +97,15 @@ def read(path: Path, request: Request) -> Streams:
             measured = None if "state" not in roles else as_commanded(roles["state"], request)
             roles[topic.role] = followed(source, request.joints, topic.collector, time, keep, measured)
             continue
+        if isinstance(topic.collector, SingleValues):
+            one_by_one.append((topic.collector, parts))
+            continue
         joints = request.joints if isinstance(topic.collector, JointMessages) else ()
         roles[topic.role] = in_order(source, joints, *topic.collector.arrays(), parts)
         notes += [f"{topic.name}: {told}" for told in (topic.collector.note, told_kinds(kinds[topic.name])) if told]
+    if one_by_one:
+        source, joined = f"{path}: commands by joint", together(one_by_one, request.command_signal)
+        roles["command"] = in_order(source, request.joints, *joined)
     roles = {role: in_si(samples, role, request) for role, samples in roles.items()}
     return Streams(**roles, notes=tuple(dict.fromkeys(notes)), dropped=tuple(dict.fromkeys(dropped)))
 
@@ -130,9 +143,11 @@ def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str
             f"{request.file}: recordings.state: is missing; expected the topic of the joint states in {path}; it has "
             f"{bag.listing()}"
         )
+    recorded = request.motion.recorded if request.motion and request.joints else None
+    commands = [recorded] if isinstance(recorded, str) else [*_topics(request)]
     asked = [
         ("state", state if request.joints else None, "recordings.state"),
-        ("command", request.motion.recorded if request.motion and request.joints else None, "motion.recorded"),
+        *(("command", topic, KEY) for topic in commands),
         ("effort", request.effort_topic if request.joints else None, "recordings.effort.topic"),
         ("pose", recordings.pose, "recordings.pose"),
         ("imu", recordings.imu, "recordings.imu"),
@@ -146,12 +161,21 @@ def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str
     return found
 
 
+def _topics(request: Request) -> dict[str, int]:
+    """The topics of commands that hold one joint each, and the numbers of these joints; none where one holds all."""
+    stated = None if request.motion is None else request.motion.recorded
+    return topics_of(stated, request.joints, request.file) if isinstance(stated, dict) and request.joints else {}
+
+
 def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request: Request) -> Collector:
     """What takes the messages of a topic in a role."""
     kind = bag.types[topic]
     made: Collector | None
     expected = "a BatteryState"
-    if role in JOINT_ROLES:
+    if role == "command" and topic in (by_joint := _topics(request)):
+        own = SingleValues(request.names, request.names[by_joint[topic]], request.command_signal)
+        made, expected = own if kind in (*SINGLE, *ARRAYS) else None, "a Float64 of one joint"
+    elif role in JOINT_ROLES:
         made = _joint_collector(bag, path, role, topic, request)
         expected = (
             "a JointState, JointTrajectoryControllerState, DynamicJointState, Float64MultiArray or another message "
@@ -297,7 +321,7 @@ def opened(path: Path) -> Iterator[Bag]:
     """
     store = get_typestore(Stores.LATEST)
     with unpacked(path) as plain, limited(plain) as limits:
-        source = _storage(plain)
+        source = storage_of(plain)
         if source.is_file():
             _reading(path, partial(check_kind, path if source == plain else source, source))
         reader = _reading(path, lambda: AnyReader([source], default_typestore=store))
@@ -309,22 +333,6 @@ def opened(path: Path) -> Iterator[Bag]:
             yield bag
         finally:
             reader.close()
-
-
-def _storage(path: Path) -> Path:
-    """The path to read: a folder without metadata, as a recorder leaves behind that was killed, is its one file."""
-    for part in path.iterdir() if path.is_dir() else ():
-        check_plain(part)
-    if not path.is_dir() or (path / "metadata.yaml").exists():
-        return path
-    files = sorted([*path.glob("*.mcap"), *path.glob("*.db3"), *path.glob("*.bag")])
-    if len(files) == 1:
-        return files[0]
-    found = f"{len(files)} storage files" if files else "no .mcap, .db3 or .bag"
-    tables = sorted({part.suffix for part in path.iterdir()} & TABLES)
-    inside = [*([f"{path}/*{files[0].suffix}"] if files else []), *(f"{path}/*{suffix}" for suffix in tables)]
-    hint = f"; for several recordings name the files in it: {' '.join(inside)}" if inside else ""
-    raise InputError(f"{path}: is a folder without metadata.yaml and with {found}; expected a rosbag 2 folder{hint}")
 
 
 def _reading(path: Path, action: Callable[[], Found]) -> Found:

@@ -202,7 +202,7 @@ class Table(Cells):
             command = self._joints("command", required=False)
             kind = "position"
         else:
-            stem = None if self._by_columns(recorded) else recorded
+            stem = recorded if isinstance(recorded, str) and not self._by_columns(recorded) else None
             command = self._joints("command", stem=stem, required=True)
             kind = self.request.command_signal
         if command is None:
