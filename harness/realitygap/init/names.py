@@ -3,8 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 
-WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|°")
-"""Of lower case, with a capital before it, or of capitals; and mA and °, which people write so."""
+WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|(?<![A-Za-z])m°|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|°")
+"""Of lower case, with a capital before it, or of capitals; and mA, m° and °, which people write so."""
 Stem = tuple[str, ...]
 """The words of a label without those that say which joint."""
 GENERIC = {"joint", "motor", "servo", "actuator"}
@@ -32,7 +32,7 @@ def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str
     """What is there for every joint: stem to joint to label. A label names a joint by its name or by its number.
 
     Numbers count from 0 or from 1 in the robot's order, or are those in the joints' own names. A robot with one joint
-    needs no name.
+    needs no name. Units are no part of a stem, as joints may differ in them.
     """
     named: dict[Stem, dict[str, str]] = {}
     numbered: dict[Stem, dict[int, str]] = {}
@@ -41,18 +41,24 @@ def by_stem(labels: Sequence[str], joints: Sequence[str]) -> dict[Stem, dict[str
         joint, rest = _named(parts, joints)
         numbers = [part for part in parts if part.isdigit()]
         if joint is not None:
-            named.setdefault(rest, {}).setdefault(joint, label)
+            named.setdefault(bare(rest), {}).setdefault(joint, label)
         elif numbers:
             place = len(parts) - 1 - parts[::-1].index(numbers[-1])
-            stem = parts[:place] + parts[place + 1 :]
+            stem = bare(parts[:place] + parts[place + 1 :])
             numbered.setdefault(stem, {}).setdefault(int(numbers[-1]), label)
         if joint is None and parts and len(joints) == 1:
-            named.setdefault(parts, {}).setdefault(joints[0], label)
+            named.setdefault(bare(parts), {}).setdefault(joints[0], label)
     for stem, found in numbered.items():
         ordered = _in_order(found, joints)
         if ordered is not None:
             named.setdefault(stem, ordered)
     return {stem: found for stem, found in named.items() if len(found) == len(joints)}
+
+
+def bare(stem: Stem) -> Stem:
+    """The words of a stem but for units; of one that has no others, they are kept where they are none of a position."""
+    kept = tuple(word for word in stem if word not in UNITS)
+    return kept if kept or stands_alone(stem) else stem
 
 
 def joint_of(label: str, joints: Sequence[str]) -> str | None:
@@ -160,8 +166,8 @@ QUANTITIES: dict[str, set[str]] = {
         *("limit", "limits", "mode"),
     },
 }
-OF_POSITIONS = {"rad", "rads", "deg", "degrees", "degree", "°", "m", "mm"}
-UNITS = OF_POSITIONS | {"nm", "a", "ma", "s", "ms", "v"}
+OF_POSITIONS = {"rad", "rads", "mrad", "deg", "degrees", "degree", "grad", "°", "mdeg", "m°", "m", "cm", "mm"}
+UNITS = OF_POSITIONS | {"nm", "a", "ma", "s", "ms", "v", "rpm"}
 
 
 def stands_alone(stem: Stem) -> bool:

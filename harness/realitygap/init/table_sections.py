@@ -9,8 +9,6 @@ from realitygap.files.errors import InputError
 from realitygap.init.names import (
     COMMAND_WORDS,
     QUANTITIES,
-    UNITS,
-    Stem,
     by_stem,
     meant,
     measured_joints,
@@ -40,10 +38,20 @@ from realitygap.init.sections import (
 from realitygap.init.time_column import time_column, time_unit
 from realitygap.recording.readers.table import FORMS, column_of, load
 from realitygap.scenario.schema import Columns
-from realitygap.scenario.schema import Units as Stated
 
-NOT_SI = {"°": "deg", "deg": "deg", "degree": "deg", "degrees": "deg", "mm": "mm", "ms": "ms", "us": "us", "ns": "ns"}
-"""Words of a label that say a unit, and how a scenario says it."""
+LENGTHS = {
+    **dict.fromkeys(("°", "deg", "degree", "degrees", "grad"), "deg"),
+    **dict.fromkeys(("m°", "mdeg"), "mdeg"),
+    **{name: name for name in ("mrad", "mm", "cm")},
+}
+RATES = LENGTHS | {"rpm": "rpm"}
+NOT_SI = {
+    "time": {name: name for name in ("ms", "us", "ns")},
+    "position": LENGTHS,
+    "velocity": RATES,
+    "command": RATES,
+}
+"""Words of a signal's labels that say a unit, and how a scenario says it."""
 NOT_NM = {"mNm": 1e-3, "Nmm": 1e-3, "Ncm": 1e-2}
 """Units of an effort that a label says, and N·m per unit."""
 SAID_NM = {name: re.compile(rf"(?<![a-z]){name.replace('N', 'n[·.*]?', 1)}(?![a-z])", re.IGNORECASE) for name in NOT_NM}
@@ -124,11 +132,11 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
 
 def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Column], str]:
     """The columns of position, velocity, effort, torque_enabled and command, and what the command is."""
-    stems = {_bare(stem): found for stem, found in by_stem(labels, joints).items()}
+    stems = by_stem(labels, joints)
     roles = {stem: role for stem in stems if (role := role_of(stem)) is not None}
     columns: dict[str, Column] = {}
-    if roles and (bare := next((stem for stem in stems if stands_alone(stem)), None)) is not None:
-        columns["position"] = _written(stems[bare], labels, joints)  # as shoulder beside shoulder_cmd
+    if roles and (alone := next((stem for stem in stems if stands_alone(stem)), None)) is not None:
+        columns["position"] = _written(stems[alone], labels, joints)  # as shoulder beside shoulder_cmd
     for key in ("position", "velocity", "effort", "current", "torque_enabled"):
         found = [s for s, (kind, command, _) in roles.items() if kind == key and not command]
         if found and (key != "current" or "effort" not in columns):
@@ -143,11 +151,6 @@ def _roles(labels: Sequence[str], joints: Sequence[str]) -> tuple[dict[str, Colu
             columns["command"] = _written(stems[best], labels, joints)
             return columns, kind
     return columns, "position"
-
-
-def _bare(stem: Stem) -> Stem:
-    kept = tuple(word for word in stem if word not in UNITS)
-    return kept or stem
 
 
 def _written(found: dict[str, str], labels: Sequence[str], joints: Sequence[str]) -> Column:
@@ -242,10 +245,13 @@ def _labels(column: Column) -> list[str]:
 
 
 def _units(columns: Mapping[str, Column]) -> Units:
-    """The units that the names of columns say, where they are not SI."""
+    """The units that the names of columns say, where they are not SI, by joint where joints differ."""
     out: Units = {}
-    for key, name in columns.items():
-        said = sorted(NOT_SI[word] for word in _words(name) & NOT_SI.keys())
-        if said and key in Stated.model_fields:
+    for key, column in columns.items():
+        known = NOT_SI.get(key, {})
+        said = [next((known[w] for w in words(label) if w in known), "rad") for label in _labels(column)]
+        if len(set(said)) > 1 and isinstance(column, dict):
+            out[key] = dict(zip(column, said, strict=True))
+        elif said[0] in known.values():
             out[key] = said[0]
     return out

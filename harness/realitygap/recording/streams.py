@@ -129,7 +129,7 @@ def request_of(
     """What a scenario asks of its recordings.
 
     Raises:
-        InputError: where servos name two different recorded supplies.
+        InputError: where servos name two different recorded supplies, or commands in rpm are no velocities.
     """
     recordings = scenario.recordings or Recordings()
     servos = [s for s in scenario.servos if isinstance(s, DcServo)]
@@ -139,5 +139,13 @@ def request_of(
     if len(named) > 1:
         found = ", ".join(sorted(named))
         raise InputError(f"{file}: servos: the supply is recorded in {found}; expected one topic or column for all")
+    told = recordings.columns.units.command
+    if "rpm" in ([told] if isinstance(told, str) else told.values()):
+        meaning = None if scenario.motion is None else scenario.motion.meaning
+        if meaning not in (None, "velocity"):
+            raise InputError(
+                f"{file}: recordings.columns.units.command: found rpm of commands that are `as: {meaning}`; expected "
+                "`as: velocity` in motion, or a unit of positions"
+            )
     base = scenario.robot.base != "fixed"
     return Request(file, recordings, scenario.motion, joints, next(iter(named), None), base, limits or {})

@@ -113,7 +113,7 @@ class EffortStream(Section):
     )
 
 
-Length = Literal["rad", "deg", "m", "mm"]
+Length = Literal["rad", "mrad", "deg", "mdeg", "m", "cm", "mm"]
 Lengths = Length | dict[str, Length]
 Rate = Literal[Length, "rpm"]
 Rates = Rate | dict[str, Rate]
@@ -127,7 +127,9 @@ class Units(Section):
     """The units of a table's columns or a bag's joints, for all joints or by joint pattern; velocities are per s."""
 
     time: Literal["s", "ms", "us", "ns"] = Field(default="s", description="of a table's time")
-    command: Lengths = Field(default="rad", description="of a command that is a position or velocity")
+    command: Rates = Field(
+        default="rad", description="of a command that is a position, or a velocity, per s or in revolutions per minute"
+    )
     position: Lengths = Field(default="rad", description="of the measured position (rad and m are the same here)")
     velocity: Rates = Field(default="rad", description="of the measured velocity, per s, or revolutions per minute")
 

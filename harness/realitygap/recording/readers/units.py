@@ -15,7 +15,16 @@ from realitygap.trace.trace import Array
 SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 RPM = 2.0 * np.pi / 60.0
 """rad/s per revolution a minute."""
-FACTORS = {"rad": 1.0, "deg": np.pi / 180, "m": 1.0, "mm": 1e-3, "rpm": RPM}
+FACTORS = {
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "deg": np.pi / 180,
+    "mdeg": np.pi / 180e3,
+    "m": 1.0,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "rpm": RPM,
+}
 """SI per unit, of a velocity per unit and second."""
 RATES_AND_ANGLES = {"position", "velocity"}
 """What a bag may hold in other units; efforts are in SI."""
