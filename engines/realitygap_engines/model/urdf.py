@@ -23,7 +23,7 @@ from realitygap_engines.model.robot import (
     rotation_from_quaternion,
 )
 from realitygap_engines.model.touching import touching
-from realitygap_engines.model.urdf_check import parse_urdf
+from realitygap_engines.model.urdf_check import FLOATING, parse_urdf
 
 AXIS = 1e-3
 """By how much an axis may miss the length 1 before it is told; one that is so short or 1/so long is a mistake."""
@@ -40,7 +40,8 @@ def read_urdf(
 
     Args:
         path: the URDF.
-        floating: whether the root link moves freely.
+        floating: whether the root link moves freely; with a floating joint, that joint's child is the root. On a fixed
+            base it is held where that joint stands.
         packages: where `package://NAME/` lies; without an entry, NAME is looked for beside and above the URDF.
         contact_links: URDF links whose collision shapes touch the ground (default: the root and the leaves).
 
@@ -53,11 +54,13 @@ def read_urdf(
     for joint in robot.joints:
         children[joint.parent].append(joint)
     (root,) = links.keys() - {joint.child for joint in robot.joints}
+    free = next((joint for joint in robot.joints if joint.type == FLOATING), None)
+    root = free.child if free is not None and floating else root
 
     bodies: list[Link] = []
     joints: list[Joint] = []
     shapes: list[list[tuple[yourdfpy.Collision, Array]]] = []
-    notes: list[str] = []
+    notes = [] if free is None else [f"{FLOATING} joint {free.name} in the URDF: link {free.child} is the base"]
     parts, branches = _carried(root, links, children)
     todo: list[tuple[yourdfpy.Joint, Array, int]] = []  # depth first, in the file's order
     while True:
@@ -118,7 +121,7 @@ def _carried(
     todo = [(joint, _pose(joint.origin)) for joint in reversed(children[name])]
     while todo:
         joint, origin = todo.pop()
-        if joint.type == "fixed":
+        if joint.type in ("fixed", FLOATING):  # what floats is held where the base is fixed
             parts.append((links[joint.child], origin))
             todo += [(further, origin @ _pose(further.origin)) for further in reversed(children[joint.child])]
         else:

@@ -15,6 +15,8 @@ from realitygap_engines.model.quiet import quiet
 from realitygap_engines.model.xacro_file import expanded, is_xacro
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+FLOATING = "floating"
+"""The type of a joint that says that its child is the robot's base and moves freely."""
 LONGEST_NAME = 1000
 """Characters of a name: PyBullet dies of longer ones."""
 FAR, MANY = 1e4, 1e9
@@ -153,20 +155,41 @@ def _check_tree(path: Path, robot: yourdfpy.Robot) -> None:
     if len(roots) != 1:
         found = ", ".join(roots) or "none (a loop)"
         raise ModelError(f"{path}: expected one root link, found {found}")
-    reached, todo = set(), roots
+    reached, todo = set(), list(roots)
     while todo:
         name = todo.pop()
         reached.add(name)
         todo += children.get(name, [])
     if len(reached) < len(links):
         raise ModelError(f"{path}: link {min(links - reached)} is in a loop of joints; expected a tree")
+    for joint in robot.joints:
+        if joint.type == FLOATING:
+            _check_floating(path, joint, robot, roots[0])
+
+
+def _check_floating(path: Path, joint: yourdfpy.Joint, robot: yourdfpy.Robot, root: str) -> None:
+    """A joint that floats may only join the robot to a root link that is none of its bodies."""
+    (link,) = [link for link in robot.links if link.name == root]
+    others = [other.name for other in robot.joints if other.parent == root and other is not joint]
+    found = ""
+    if joint.parent != root:
+        found = f"hangs on link {joint.parent}"
+    elif link.inertial is not None or link.collisions:
+        found = f"hangs on the root link {root}, which has a mass or a shape of its own"
+    elif others:
+        found = f"hangs on the root link {root} beside joint {others[0]}"
+    if found:
+        raise ModelError(
+            f"{path}: joint {joint.name} is floating and {found}; expected it between an empty root link and the "
+            f"robot's base alone, which moves freely then; make it one of {', '.join(JOINT_TYPES)}"
+        )
 
 
 def _check_joint(path: Path, joint: yourdfpy.Joint, links: set[str]) -> None:
     for end in (joint.parent, joint.child):
         if end not in links:
             raise ModelError(f"{path}: joint {joint.name} names link {end}, which is not defined")
-    if joint.type not in JOINT_TYPES:
+    if joint.type not in (*JOINT_TYPES, FLOATING):
         raise ModelError(
             f"{path}: joint {joint.name} is {joint.type or 'of no type'}; expected one of {', '.join(JOINT_TYPES)}"
         )

@@ -40,6 +40,8 @@ def base_of(model: Model, fixed: str | None, moving: str | None) -> tuple[str, s
         return "free", "the robot has no joints"
     if fixed is not None:
         return "fixed", fixed
+    if any(note.startswith("floating joint ") for note in model.notes):
+        return "floating", f"the URDF has a floating joint above the link {root}"
     if root.lower() in FIXED_ROOTS:
         return "fixed", f"the root link is called {root}"
     if moving is not None:
