@@ -17,7 +17,7 @@ def engines() -> None:
 
 def init(
     urdf: Annotated[Path, file_argument("the robot")],
-    bags: Annotated[list[Path], file_argument("recordings: bags, bag folders, tables or LeRobot data sets")],
+    bags: Annotated[list[Path], file_argument("recordings: bags, tables, LeRobot data sets, or folders of them")],
     out: Annotated[Path, out_option("the one that one is in", "folder for the scenario")] = Path(),
     package: Annotated[
         list[str] | None, typer.Option("--package", help="NAME=DIR: where package://NAME/ lies; may be repeated")

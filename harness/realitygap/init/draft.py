@@ -19,6 +19,7 @@ from realitygap.files.whole import made, write_whole
 from realitygap.init.bag_sections import bag_sections
 from realitygap.init.dataset_sections import dataset_sections
 from realitygap.init.degrees import in_degrees
+from realitygap.init.folders import recordings_in
 from realitygap.init.measured_gains import measured_gains
 from realitygap.init.repeated import repeated, without_copies
 from realitygap.init.robot_guess import base_of, servo_lines
@@ -66,7 +67,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
 
     Args:
         urdf: the robot.
-        bags: bags, bag folders, tables or data sets, in the order of the runs.
+        bags: bags, bag folders, tables, data sets or folders of several of them, in the order of the runs.
         out: the folder, made where it is not there.
         packages: where `package://NAME/` lies.
 
@@ -79,6 +80,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
         raise InputError(f"{target}: is already there; remove it or give another folder with --out")
     if not bags:
         raise InputError(f"{urdf}: no recordings were given; expected at least one bag or table after the URDF")
+    bags, held_in = recordings_in(bags)
     _check_given(urdf, bags)
     packages = packages or {}
     model, fixed = _model(urdf, packages)
@@ -100,6 +102,7 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
             better, runs, copies = without_copies(sections, every)
             by_path = {case.path: run.recording for case, run in zip(cases, every, strict=True)}
             told = [
+                *held_in,
                 *sections.unsure,
                 *_following(sections, model).values(),
                 *sections.told,
