@@ -82,7 +82,7 @@ def angle_mistakes(o: Observed) -> list[Mistake]:
             continue
         sentence = f"the position of {joint.name} {told}; divided by 57.3 it fits: degrees, as it seems; expected rad"
         key, or_say = POSITION[o.holder]
-        out.append(Mistake("degrees", "certain", (joint.name,), sentence + or_say, key, (o.name,)))
+        out.append(Mistake("degrees", "certain", (joint.name,), sentence + or_say, key, (o.name,), "position"))
     return out
 
 

@@ -54,6 +54,7 @@ class Mistake:
         sentence: what was found, what was expected and what to do, with the numbers that show it.
         key: the line of the scenario that it stands at or that mends it.
         runs: the recordings that show it.
+        signal: that is in another unit; "" where it is none, or the robot's file is.
     """
 
     kind: str
@@ -62,6 +63,7 @@ class Mistake:
     sentence: str
     key: str
     runs: tuple[str, ...] = ()
+    signal: str = ""
 
     @property
     def found(self) -> str:

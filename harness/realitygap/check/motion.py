@@ -81,7 +81,7 @@ def _unit(o: Observed, fit: Following, j: int) -> Mistake | None:
     who = "position" if factor > 1.0 else "command"
     found_so = f"the position of {joint} is {slope:.3g} times its command (explains {share:.1%})"
     sentence = f"{found_so}: {_blamed(o, j, kind, who, max(factor, 1 / factor))}"
-    return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, o.line(who), (o.name,))
+    return Mistake(kind, "certain" if certain else "likely", (joint,), sentence, o.line(who), (o.name,), who)
 
 
 def _blamed(o: Observed, j: int, kind: str, who: str, factor: float) -> str:

@@ -139,7 +139,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
                 f"the velocity of {joint} is {abs(a):.3g} times the derivative of its position (explains {own:.1%}): "
                 f"a factor of {times:.3g}, as of a unit; expected {unit(o, int(j))}/s{_told_units(o, kind, times)}"
             )
-            out.append(Mistake(kind, "certain", (joint,), sentence, key, (o.name,)))
+            out.append(Mistake(kind, "certain", (joint,), sentence, key, (o.name,), "velocity"))
         elif a < 0:
             sentence = (
                 f"the velocity of {joint} is {a:.2f} times the derivative of its position (explains {own:.1%}): its "

@@ -70,6 +70,7 @@ def bag_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Path
         moving,
         told=told,
         followed=_followed(roles),
+        angles=_angles(roles),
         held=held,
         unmeasured={joint: topics for joint, topics in seen.items() if topics},
     )
@@ -121,6 +122,15 @@ def _current(roles: Roles) -> bool:
     """Whether the effort is in a topic of its own whose name says that it is a current."""
     apart = roles.effort is not None and (roles.state is None or roles.effort.stream is not roles.state.stream)
     return apart and roles.effort is not None and bool(CURRENT.search(roles.effort.stream.topic))
+
+
+def _angles(roles: Roles) -> tuple[str, ...]:
+    """The signals that are angles, or angles per s."""
+    if roles.state is None:
+        return ()
+    measured = [s for s in ("position", "velocity") if s in roles.state.stream.signals]
+    told = roles.command is not None and not _followed(roles) and roles.meaning in ("position", "velocity")
+    return (*measured, "command") if told else tuple(measured)
 
 
 def _motion(roles: Roles, joints: Sequence[str]) -> Motion:

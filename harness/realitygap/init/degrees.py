@@ -1,4 +1,4 @@
-"""Angles in degrees in a table: what the check of a draft says of them, and units under which it says nothing."""
+"""Angles in degrees in a table or bag: what the check of a draft says of them, and units under which it is silent."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -13,13 +13,6 @@ from realitygap.files.errors import InputError
 from realitygap.init.sections import Sections, Units
 from realitygap.recording import Recording
 from realitygap.scenario.file import ScenarioFile
-
-SIGNALS = {
-    "recordings.columns.position": "position",
-    "recordings.columns.velocity": "velocity",
-    "motion.recorded": "command",
-}
-"""Where the check says that it found degrees, and the signal that is meant."""
 
 
 def in_degrees(
@@ -57,7 +50,7 @@ def in_degrees(
 
 
 def _turned(mistakes: list[Mistake]) -> list[Mistake]:
-    return [m for m in mistakes if m.kind == "degrees" and m.key in SIGNALS]
+    return [m for m in mistakes if m.kind == "degrees" and m.signal]
 
 
 def _possible(sure: list[Mistake], angles: tuple[str, ...], model: Model) -> Iterator[Units]:
@@ -66,7 +59,7 @@ def _possible(sure: list[Mistake], angles: tuple[str, ...], model: Model) -> Ite
     Where the position is, the others are compared with what it was: most of them in degrees come first. A position of
     which nothing is said stays as it is.
     """
-    named = [s for s in angles if s in {SIGNALS[m.key] for m in sure}]
+    named = [s for s in angles if s in {m.signal for m in sure}]
     others = [s for s in angles if s not in named and s != "position"]
     most_first = -1 if "position" in named else 1
     joints = [j.name for j in model.joints if not j.prismatic]

@@ -110,12 +110,16 @@ def init(urdf: Path, bags: list[Path], out: Path, packages: Mapping[str, Path] |
                 *repeated(runs),
                 *noticed((run.name, lack) for run in runs for lack in run.recording.absent),
             ]
-            turned = in_degrees(loaded, better, model, by_path)
-            better, recordings = turned or better, [run.recording for run in runs]
+            recordings = [run.recording for run in runs]
+            if (turned := in_degrees(loaded, better, model, by_path)) is not None:
+                better = turned
+                text = _text(urdf, out, packages, model, fixed, better, held)
+                draft.write_text(text, encoding="utf-8")
+                loaded = load_scenario(draft)
+                recordings = [_read(c.path, bags[0], c.scenario, model, target) for c in loaded.cases()]
             better = between_samples(loaded, better, recordings) or better
-            if turned is None:  # else the recordings were read in units that are wrong
-                gains = measured_gains(loaded, model.joints, recordings, held=better.motion.holds)
-                better = replace(better, gains=gains) if gains else better
+            gains = measured_gains(loaded, model.joints, recordings, held=better.motion.holds)
+            better = replace(better, gains=gains) if gains else better
             if better is not sections:
                 text = _text(urdf, out, packages, model, fixed, better, held)
                 draft.write_text(text, encoding="utf-8")
