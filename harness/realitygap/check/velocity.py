@@ -16,6 +16,7 @@ from realitygap.check.words import FACTORS, FAR_BETTER, factor_of, joined, unit
 from realitygap.recording.faults import STRETCH
 from realitygap.recording.noise import FEWEST, beyond_noise
 from realitygap.recording.readers.units import RPM
+from realitygap.scenario.schema import Stream
 from realitygap.trace.trace import Array
 
 QUANTA = 20.0
@@ -27,12 +28,6 @@ FITS = 0.8
 """The share of the travel that a velocity explains where it belongs to the position: 0.95 to 1 was measured."""
 NOTHING = 0.25
 """What one that does not belong to it may explain by chance: as two motions of the same robot do."""
-NO_VELOCITY = {
-    "bag": "recordings.state: {topic: TOPIC, names: name, position: position} leaves it out",
-    "table": "`velocity: none` under recordings.columns leaves it out",
-    "data set": "`velocity: none` under recordings.columns leaves it out",
-}
-"""What to do about a velocity that is none, by what holds it."""
 NEAR_RPM = 1.15
 """So near to revolutions per minute a velocity may be in them: with what filters take off a fast motion."""
 SENSOR = 3.0
@@ -125,7 +120,7 @@ def velocity_mistakes(o: Observed, judged: Mask, usual: Mapping[str, float]) -> 
         if not told[j]:
             sentence = (
                 f"the velocity of {joint} never changes while its position moves; expected its derivative, or none: "
-                f"{NO_VELOCITY[o.holder]}"
+                f"{_without(o)}"
             )
             out.append(Mistake("velocity", "certain", (joint,), sentence, key, (o.name,)))
             continue
@@ -161,10 +156,21 @@ def _as_of_counts(slope: float) -> bool:
     return bool(abs(off - np.log(PER_RAD)) < np.log(between))
 
 
+def _without(o: Observed) -> str:
+    """What to do about a velocity that is none, by what holds it."""
+    state = None if o.scenario.recordings is None else o.scenario.recordings.state
+    if o.holder != "bag" or state is None:
+        return "`velocity: none` under recordings.columns leaves it out"
+    if isinstance(state, Stream) and state.velocity is not None:
+        return "recordings.state without `velocity` leaves it out"
+    topic = state.topic if isinstance(state, Stream) else state
+    return f"recordings.state: {{topic: {topic}, names: name, position: position}} leaves it out"
+
+
 def _told_units(o: Observed, kind: str, times: float) -> str:
     """How a scenario says the unit of a velocity that is so many times too large, or does without it."""
     if o.holder == "data set":
-        return f" where positions are in recordings.dataset.units: {NO_VELOCITY[o.holder]}"
+        return f" where positions are in recordings.dataset.units: {_without(o)}"
     said = kind == "degrees" and times > 1.0
     return ", or `units: {velocity: deg}` under recordings.columns" if said else ""
 
@@ -196,7 +202,7 @@ def _of_others(o: Observed, share: Array, slope: Array, lost: list[int], key: st
         if j not in swapped and share[j, j] < NOTHING:
             sentence = (
                 f"the derivative of its position explains {share[j, j]:.1%} of the velocity of {o.joints[j]}; expected "
-                f"more than 95 %: a velocity of another joint, another time, or none: {NO_VELOCITY[o.holder]}"
+                f"more than 95 %: a velocity of another joint, another time, or none: {_without(o)}"
             )
             out.append(Mistake("velocity", "likely", (o.joints[j],), sentence, key, (o.name,)))
     return out
