@@ -11,6 +11,7 @@ from realitygap.files.text_table import once
 from realitygap.recording.readers.parquet_columns import ParquetColumns
 from realitygap.recording.readers.rows import Mask
 from realitygap.recording.readers.table_time import DATES, seconds
+from realitygap.recording.readers.thousands import pointed
 from realitygap.recording.readers.units import SECONDS
 from realitygap.recording.streams import Request
 from realitygap.trace.trace import Array
@@ -54,7 +55,9 @@ class Cells:
         column = self.frame[name]
         if isinstance(column.dtype, np.dtype) and column.dtype.kind in "iuf":
             return self._finite(name, np.asarray(column, dtype=np.float64))
-        told = column.astype("str").str.replace(",", ".") if self.frame.attrs.get("decimal") == "," else column
+        told = column
+        if self.frame.attrs.get("decimal") == ",":
+            told = pointed(column.astype("str"), thousands="note" in self.frame.attrs)
         numbers = pd.to_numeric(told, errors="coerce")  # with one cell that is none, all of a column are text
         self._check_parsed(name, column, numbers.isna().to_numpy(), expected)
         return self._finite(name, numbers.to_numpy(dtype=float))

@@ -19,6 +19,11 @@ MARKS = {
 """Marks at the begin of a file, and the encodings that they say; the longer ones first, as one begins like another."""
 STATED = re.compile(r"""(?P<quote>"?)sep=(?P<separator>[;,|\t])(?P=quote)[;,|\t]*""", re.IGNORECASE)
 """The line that spreadsheets write above a table to say what separates its cells."""
+ABSENT = (
+    *("-", "--", "---", "k.A.", "k. A.", "#NV", "#WERT!", "#BEZUG!", "#ZAHL!", "#DIV/0!"),
+    *("#VALUE!", "#REF!", "#NUM!", "#NULL!"),
+)
+"""What stands in a cell without a reading, beside what pandas knows as such (n/a, NaN, null, ...)."""
 NUMBER = re.compile(r"[-+]?(\d+[.,]?\d*|[.,]\d+)([eE][-+]?\d+)?|nan|inf|", re.IGNORECASE)
 
 
@@ -46,6 +51,7 @@ class Dialect:
         return {
             "sep": self.separator,
             "decimal": self.decimal,
+            "na_values": ABSENT,
             "skiprows": self.skipped,
             "encoding": self.encoding,
             **header,
@@ -94,7 +100,7 @@ def dialect_of(path: Path) -> Dialect:
         if _numbers(body[0], separator_of(body[0])) or _names(named, body[0], separator_of(last)):
             header, names = last, named
     separator = separator_of(header)
-    rows = body[1:] if names is None else body
+    rows = lines[above + 1 :] if names is None else lines[above:]
     decimal = "," if separator != "," and any(re.search(r"\d,\d", r) for r in rows) else "."
     return Dialect(separator, decimal, above, names, encoding)
 

@@ -31,6 +31,7 @@ from realitygap.recording.readers.rows import (
     rows_with,
 )
 from realitygap.recording.readers.table_time import rows_by_time
+from realitygap.recording.readers.thousands import without_points
 from realitygap.recording.readers.units import SECONDS, joint_factors
 from realitygap.recording.streams import Request, Samples, Streams
 from realitygap.scenario.schema import LEFT_OUT, Columns
@@ -78,7 +79,7 @@ def read(path: Path, request: Request) -> Streams:
         pose=samples(table.base()) if request.base else None,
         supply=samples(table.supply()),
         temperature=_where_known(samples(table.temperature(), joints)) if joints else None,
-        notes=(APART,) if apart else (),
+        notes=(*([table.frame.attrs["note"]] if "note" in table.frame.attrs else []), *([APART] if apart else [])),
         dropped=(
             *table.dropped,
             *([disorder] if disorder else []),
@@ -137,7 +138,7 @@ def _of_text(path: Path) -> pd.DataFrame:
         frame = frame[:-1]
         frame.attrs["cut_off"] = 1
     frame.attrs |= {"first_line": dialect.first_line, "decimal": dialect.decimal}
-    return by_joint(frame)
+    return by_joint(without_points(frame) if dialect.decimal == "," else frame)
 
 
 class Table(Cells):
