@@ -95,13 +95,17 @@ def test_a_joint_without_commands_is_never_commanded(tmp_path: Path, write_bag: 
     [
         ({"*": "/*_controller/command"}, r"motion.recorded: .* has no topic /joint1_controller/command; it has "),
         ({"*": POSITIONS.format("joint1")}, r"gives joint1 and joint2 the same topic .*expected another for each"),
+        (
+            POSITIONS.format("*"),
+            r"has no topic /\*_position_controller/command; .*; a pattern is written as \{\"\*\": ",
+        ),
         ({"hip": "/hip/command"}, r"motion.recorded: hip matches no joint; the robot has joint1, joint2"),
         ({"joint1": "/joint_states"}, r"/joint_states in .* is a sensor_msgs/JointState; expected a Float64 of one"),
         ({"joint1": "/pair"}, r"/pair: message 1: holds 2 values, but 1 joints are named: joint1"),
     ],
 )
 def test_what_does_not_fit_is_told(
-    recorded: dict[str, str], sentence: str, tmp_path: Path, write_bag: Callable[..., Path]
+    recorded: str | dict[str, str], sentence: str, tmp_path: Path, write_bag: Callable[..., Path]
 ) -> None:
     pair = [("/pair", EPOCH + t, ARRAY, {"data": [0.0, 1.0]}) for t in TIME]
     path = write_bag(tmp_path / "run.bag", "bag", [*states(), *commands({POSITIONS.format("joint1"): 0}), *pair])

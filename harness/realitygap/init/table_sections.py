@@ -19,6 +19,7 @@ from realitygap.init.names import (
     unmeasured,
     words,
 )
+from realitygap.init.other_shapes import told_shape
 from realitygap.init.sections import (
     AS_FOLLOWED,
     ASKED_AND_MEASURED,
@@ -89,6 +90,7 @@ def table_sections(paths: list[Path], joints: Sequence[str], urdf: Path, out: Pa
             f"{path}: no column holds the position of {', '.join(joints)} of {urdf}; it has {', '.join(labels)}; "
             "expected one of position, pos, q, angle, measured, with the joint's name or number before or behind it: "
             f"rename columns, or write a scenario with recordings.columns.position: {{{joints[0]}: COLUMN}}"
+            f"{told_shape(frame, joints, time)}"
         )
     columns: dict[str, Column] = {"time": time[0] if len(time) == 1 else time, **chosen}
     current = _current(chosen)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from realitygap.files.errors import InputError
 from realitygap.recording.readers.messages import JointMessages, Layout
+from realitygap.recording.streams import Request
 from realitygap.scenario.joint_names import JOINT
 from realitygap.trace.trace import Array
 
@@ -28,6 +29,12 @@ class SingleValues(JointMessages):
     def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         names, values = super().read(message)
         return names, {signal: np.atleast_1d(value) for signal, value in values.items()}
+
+
+def topics_asked(request: Request) -> dict[str, int]:
+    """The topics of commands that hold one joint each, and the numbers of these joints; none where one holds all."""
+    stated = None if request.motion is None else request.motion.recorded
+    return topics_of(stated, request.joints, request.file) if isinstance(stated, dict) and request.joints else {}
 
 
 def topics_of(stated: Mapping[str, str], joints: Sequence[str], file: Path) -> dict[str, int]:

@@ -23,7 +23,7 @@ from realitygap.recording.readers.clock import Clock, Nanoseconds, choose_clock
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.kinds import Kind, in_order, kinds_of, told_kinds
 from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
-from realitygap.recording.readers.one_by_one import KEY, SINGLE, SingleValues, together, topics_of
+from realitygap.recording.readers.one_by_one import KEY, SINGLE, SingleValues, together, topics_asked
 from realitygap.recording.readers.ros_control import ARRAYS, NoNames, collector_of
 from realitygap.recording.readers.storage import storage_of
 from realitygap.recording.readers.trajectory import Trajectories, followed
@@ -144,7 +144,7 @@ def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str
             f"{bag.listing()}"
         )
     recorded = request.motion.recorded if request.motion and request.joints else None
-    commands = [recorded] if isinstance(recorded, str) else [*_topics(request)]
+    commands = [recorded] if isinstance(recorded, str) else [*topics_asked(request)]
     asked = [
         ("state", state if request.joints else None, "recordings.state"),
         *(("command", topic, KEY) for topic in commands),
@@ -157,14 +157,9 @@ def _asked(bag: "Bag", path: Path, request: Request) -> list[tuple[str, str, str
     found = [(role, topic, key) for role, topic, key in asked if topic is not None]
     for _, topic, key in found:
         if topic not in bag.types:
-            raise InputError(f"{request.file}: {key}: {path} has no topic {topic}; it has {bag.listing()}")
+            way = f'; a pattern is written as {{"*": "{topic}"}}' if key == KEY and "*" in topic else ""
+            raise InputError(f"{request.file}: {key}: {path} has no topic {topic}; it has {bag.listing()}{way}")
     return found
-
-
-def _topics(request: Request) -> dict[str, int]:
-    """The topics of commands that hold one joint each, and the numbers of these joints; none where one holds all."""
-    stated = None if request.motion is None else request.motion.recorded
-    return topics_of(stated, request.joints, request.file) if isinstance(stated, dict) and request.joints else {}
 
 
 def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request: Request) -> Collector:
@@ -172,7 +167,7 @@ def _collector(bag: "Bag", path: Path, role: str, topic: str, key: str, request:
     kind = bag.types[topic]
     made: Collector | None
     expected = "a BatteryState"
-    if role == "command" and topic in (by_joint := _topics(request)):
+    if role == "command" and topic in (by_joint := topics_asked(request)):
         own = SingleValues(request.names, request.names[by_joint[topic]], request.command_signal)
         made, expected = own if kind in (*SINGLE, *ARRAYS) else None, "a Float64 of one joint"
     elif role in JOINT_ROLES:

@@ -120,7 +120,8 @@ def load(path: Path) -> Frame:
             raise InputError(f"{path}: is not a table ({what}); expected {expected}") from None
     if not len(frame) or not len(frame.columns):
         raise InputError(f"{path}: the table holds no rows; it has the columns {', '.join(frame.columns)}")
-    if all(NUMBER_LIKE.fullmatch(name) for name in frame.columns):
+    numbers = [name for name in frame.columns if NUMBER_LIKE.fullmatch(name)]
+    if len(numbers) == len(frame.columns) or (2 * len(numbers) > len(frame.columns) and any("." in n for n in numbers)):
         raise InputError(f"{path}: begins with numbers; expected a line with the names of the columns above them")
     return frame
 
