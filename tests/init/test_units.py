@@ -68,3 +68,27 @@ def test_a_velocity_in_m_per_s_is_not_one_in_ms(tmp_path: Path) -> None:
     frame.to_csv(tmp_path / "run.csv", index=False)
     draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
     np.testing.assert_allclose(Signals(read_all(draft.path, JOINTS)[1][0].trace).velocity[:, 0], RATE)
+
+
+@pytest.mark.parametrize("per", ["U/min", "1/min", "rpm", "rev/min"])
+def test_german_words_and_revolutions(per: str, tmp_path: Path) -> None:
+    """As a laboratory's table has them, also written as one word."""
+    frame = pd.DataFrame({"Zeit [s]": CLOCK})
+    signals = {
+        ("", "Winkel", "Grad"): goal(CLOCK) * DEG,
+        ("Soll", "winkel", "Grad"): np.cos(CLOCK) * DEG,
+        ("", "Drehzahl", per): RATE * RPM,
+        ("", "Drehmoment", "Nm"): np.sin(CLOCK),
+        ("", "Strom", "A"): np.cos(CLOCK),
+        ("", "Temperatur", "C"): np.full(len(CLOCK), 30.0),
+    }
+    for joint in JOINTS:
+        for (word, quantity, unit), value in signals.items():
+            frame[f"{joint} {word}{quantity} [{unit}]"] = value
+    frame.to_csv(tmp_path / "run.csv", index=False, sep=";", decimal=",", encoding="latin-1")
+    draft = init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "out")
+    _, (recording,) = read_all(draft.path, JOINTS)
+    trace = Signals(recording.trace)
+    expected = {"position": goal(CLOCK), "velocity": RATE, "effort": np.sin(CLOCK), "command": np.cos(CLOCK)}
+    for signal, value in expected.items():
+        np.testing.assert_allclose(getattr(trace, signal), np.tile(value[:, None], 2), atol=1e-9, err_msg=signal)

@@ -3,8 +3,10 @@
 import re
 from collections.abc import Mapping, Sequence
 
-WORD = re.compile(r"(?<![A-Za-z])mA(?![a-z])|(?<![A-Za-z])m°|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|°")
-"""Of lower case, with a capital before it, or of capitals; and mA, m° and °, which people write so."""
+WORD = re.compile(
+    r"(?<![A-Za-z])mA(?![a-z])|(?<![A-Za-z])m°|(?<![A-Za-z0-9_])(?:[UuRr1]|rev)/min(?![A-Za-z])|[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|°"
+)
+"""Of lower case, with a capital before it, or of capitals; and mA, m°, ° and U/min, which people write so."""
 Stem = tuple[str, ...]
 """The words of a label without those that say which joint."""
 GENERIC = {"joint", "motor", "servo", "actuator"}
@@ -155,19 +157,23 @@ MEASURED = {
     *("ist", "istwert"),
 }
 QUANTITIES: dict[str, set[str]] = {
-    "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints"},
+    "position": {"position", "positions", "pos", "q", "angle", "angles", "theta", "joint", "joints", "winkel"},
     "torque_enabled": {"enabled", "enable"},  # before the torque, which is not what a torque_enabled holds
-    "velocity": {"velocity", "velocities", "vel", "qd", "dq", "qdot", "speed", "omega"},
-    "effort": {"effort", "efforts", "torque", "torques", "tau", "force", "trq", "moment"},
-    "current": {"current", "currents", "amp", "amps", "curr"},
+    "velocity": {
+        *("velocity", "velocities", "vel", "qd", "dq", "qdot", "speed", "omega"),
+        *("drehzahl", "geschwindigkeit", "winkelgeschwindigkeit"),
+    },
+    "effort": {"effort", "efforts", "torque", "torques", "tau", "force", "trq", "moment", "drehmoment", "kraft"},
+    "current": {"current", "currents", "amp", "amps", "curr", "strom"},
     "duty": {"duty", "pwm"},
     "other": {
         *("acceleration", "acc", "qdd", "ddq", "temperature", "temp", "voltage", "volt", "error", "err", "status"),
-        *("limit", "limits", "mode"),
+        *("limit", "limits", "mode", "beschleunigung", "temperatur", "spannung", "fehler"),
     },
 }
 OF_POSITIONS = {"rad", "rads", "mrad", "deg", "degrees", "degree", "grad", "°", "mdeg", "m°", "m", "cm", "mm"}
-UNITS = OF_POSITIONS | {"nm", "a", "ma", "s", "ms", "v", "rpm"}
+OF_TURNS = {"rpm", "u/min", "r/min", "rev/min", "1/min"}
+UNITS = OF_POSITIONS | OF_TURNS | {"nm", "a", "ma", "s", "ms", "v"}
 
 
 def stands_alone(stem: Stem) -> bool:

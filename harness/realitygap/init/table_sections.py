@@ -8,6 +8,7 @@ from pathlib import Path
 from realitygap.files.errors import InputError
 from realitygap.init.names import (
     COMMAND_WORDS,
+    OF_TURNS,
     QUANTITIES,
     by_stem,
     meant,
@@ -45,7 +46,7 @@ LENGTHS = {
     **dict.fromkeys(("m°", "mdeg"), "mdeg"),
     **{name: name for name in ("mrad", "mm", "cm")},
 }
-RATES = LENGTHS | {"rpm": "rpm"}
+RATES = LENGTHS | dict.fromkeys(OF_TURNS, "rpm")
 NOT_SI = {
     "time": {name: name for name in ("ms", "us", "ns")},
     "position": LENGTHS,
