@@ -138,3 +138,17 @@ def test_one_switch_of_all_servos_is_that_of_every_joint(name: str, tmp_path: Pa
     np.testing.assert_allclose(asked[CLOCK < 0.5], np.tile(goal(CLOCK[CLOCK < 0.5])[:, None], 2))
     assert np.isnan(asked[CLOCK >= 0.5]).all()
     assert draft.told[0] == "not used: enabled_lamp_2"
+
+
+def test_other_positions_of_all_joints_are_told_as_what_may_be_the_commands(tmp_path: Path) -> None:
+    """As PlotJuggler writes the points of trajectories; what is told can be written so."""
+    points = "/arm_controller/joint_trajectory/points[0]/positions"
+    frame = pd.DataFrame({"__time": CLOCK})
+    for joint in JOINTS:
+        frame[f"/joint_states/position/{joint}"], frame[f"{points}/{joint}"] = goal(CLOCK - 0.05), goal(CLOCK)
+    draft = drafted(tmp_path, frame)
+    (told,) = [line for line in draft.told if line.startswith("not used")]
+    assert told.endswith(f'(where they are what was asked for, `motion: {{recorded: "{points}"}}` takes them)')
+    draft.path.write_text(f'{draft.path.read_text()}motion: {{recorded: "{points}"}}\n')
+    _, (recording,) = read_all(draft.path, JOINTS)
+    np.testing.assert_allclose(recording.command, np.tile(goal(CLOCK)[:, None], 2))

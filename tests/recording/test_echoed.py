@@ -49,3 +49,21 @@ def test_a_comment_above_a_header_is_no_header(tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text(f"# robot, lab, anna, 2024\n{frame.to_csv(index=False)}")
     _, (recording,) = read_all(init(arm(tmp_path / "arm.urdf"), [tmp_path / "run.csv"], tmp_path / "o").path, JOINTS)
     np.testing.assert_allclose(Signals(recording.trace).position[:, 0], goal(CLOCK))
+
+
+def test_the_arrays_of_a_controllers_state_are_of_its_joints(tmp_path: Path) -> None:
+    """Other arrays are none of joints, as they have other numbers of elements."""
+    frame = pd.DataFrame({"%time": 1_700_000_000_990_000_000 + (CLOCK * 1e9).round().astype(np.int64)})
+    for k, joint in enumerate(JOINTS):
+        frame[f"field.joint_names{k}"] = joint
+    for part, late in (("desired", 0.0), ("actual", 0.05)):
+        for k in (0, 1):
+            frame[f"field.{part}.positions{k}"] = goal(CLOCK - late) + k
+    for k in range(3):
+        frame[f"field.gains{k}"] = 1.0
+    frame.to_csv(tmp_path / "run.csv", index=False)
+    draft = init(arm(tmp_path / "arm.urdf", JOINTS[::-1]), [tmp_path / "run.csv"], tmp_path / "out")
+    _, (recording,) = read_all(draft.path, JOINTS)
+    for value, late in ((recording.command, 0.0), (Signals(recording.trace).position, 0.05)):
+        np.testing.assert_allclose(value, np.column_stack([goal(CLOCK - late), goal(CLOCK - late) + 1]))
+    assert draft.told[0] == "not used: field.gains0, field.gains1, field.gains2"

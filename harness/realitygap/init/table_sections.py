@@ -229,6 +229,10 @@ def _way_to_use(spare: Sequence[str], columns: Mapping[str, Column], joints: Seq
     """How a scenario names the columns that every joint has and whose names say nothing that is known."""
     found = (_written(labels, spare, joints) for labels in by_stem(spare, joints).values()) if len(joints) > 1 else ()
     stems = [name for name in found if isinstance(name, str)]
+    angles = [name for name in stems if (role := role_of(words(name))) is not None and role[0] == "position"]
+    if angles and "command" not in columns:  # the measured one is another
+        return f" (where they are what was asked for, `motion: {{recorded: {quoted(angles[0])}}}` takes them)"
+    stems = [name for name in stems if name not in angles]
     free = [key for key in ("velocity", "effort") if key not in columns]
     if not stems or not free:
         return ""
