@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rosbags.interfaces import Nodetype
 
 from realitygap.files.found import counted
 from realitygap.recording.frames import rotate, unit_quaternions
@@ -33,6 +34,16 @@ SIGNALS = {
     "velocity": ("velocity", "velocities"),
     "effort": ("effort", "efforts"),
 }
+
+
+def holds_joints(field: str, node: Nodetype, what: Any) -> bool:
+    """Whether a field of a message is text or numbers, one or several, as its name says; any of another name is."""
+    text, numbers = field in NAMES, any(field in options for options in SIGNALS.values())
+    if not text and not numbers:
+        return True
+    if node in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        node, what = what[0]
+    return node == Nodetype.BASE and (what[0] == "string") == text
 
 
 def layout_of(fields: tuple[str, ...]) -> Layout | None:
@@ -67,9 +78,13 @@ class JointMessages:
         """Keep what the message says of the joints; False where it names none of them."""
         try:
             names, values = self.read(message)
+            rows = {signal: np.asarray(value, dtype=float)[None, :] for signal, value in values.items()}
         except AttributeError as error:
             raise Refused(f"{error}; expected the fields that recordings.state names") from None
-        return self.take_many(names, {s: np.asarray(v, dtype=float)[None, :] for s, v in values.items()}, 1)
+        except (TypeError, ValueError, IndexError):
+            held = ", ".join(self.paths.values())
+            raise Refused(f"holds no array of numbers in {held}; expected fields with one for every joint") from None
+        return self.take_many(names, rows, 1)
 
     def take_many(self, names: tuple[str, ...], values: dict[str, Array], count: int) -> bool:
         """Keep what messages with the same names say, values (count, m) by signal; False where they name no joint."""
@@ -105,8 +120,11 @@ class JointMessages:
 
     def read(self, message: Any) -> tuple[tuple[str, ...], dict[str, Any]]:
         """The names and the values of a message, signal by signal."""
-        names = self._given if self._names is None else tuple(self._names(message))
-        return names, {signal: get(message) for signal, get in self._getters.items()}
+        names = self._given if self._names is None else self._names(message)
+        values = {signal: get(message) for signal, get in self._getters.items()}
+        if isinstance(names, str):  # a message of one joint
+            return (names,), {signal: np.atleast_1d(value) for signal, value in values.items()}
+        return tuple(names), values
 
     def _order(self, names: tuple[str, ...]) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         if names not in self._orders:

@@ -22,7 +22,7 @@ from realitygap.recording.readers.bag_limits import Allowance, limited
 from realitygap.recording.readers.clock import Clock, Nanoseconds, choose_clock
 from realitygap.recording.readers.kind import check_kind
 from realitygap.recording.readers.kinds import Kind, in_order, kinds_of, told_kinds
-from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of
+from realitygap.recording.readers.messages import BodyMessages, JointMessages, Reading, Refused, body_of, holds_joints
 from realitygap.recording.readers.one_by_one import KEY, SINGLE, SingleValues, together, topics_asked
 from realitygap.recording.readers.ros_control import ARRAYS, NoNames, collector_of
 from realitygap.recording.readers.storage import storage_of
@@ -240,9 +240,9 @@ class Bag:
         return ", ".join(f"{t} ({short(k)})" for t, k in sorted(self.types.items())) or "no topics"
 
     def fields(self, kind: str) -> tuple[str, ...]:
-        """The field names of a message type."""
+        """The field names of a message type, without those that are called as joint values are and hold none."""
         definition = self._reader.typestore.fielddefs.get(kind)
-        return () if definition is None else tuple(name for name, _ in definition[1])
+        return () if definition is None else tuple(name for name, what in definition[1] if holds_joints(name, *what))
 
     def messages(self, topics: set[str]) -> Iterator[tuple[str, int, Any]]:
         """Topic, time of reception [ns] and message, in the order of reception."""
