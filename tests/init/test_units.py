@@ -27,6 +27,7 @@ DEG, RPM = 180 / np.pi, 30 / np.pi
         (("pos1 (mdeg)", "pos2 (mm)"), (1e3 * DEG, 1e3)),
         (("winkel1 pos [Grad]", "winkel2 pos [Grad]"), (DEG, DEG)),
         (("pos1_cm", "pos2_m"), (100.0, 1.0)),
+        (("shoulder pos [turns]", "elbow pos [rev]"), (0.5 / np.pi, 0.5 / np.pi)),
     ],
 )
 def test_each_column_of_positions_is_in_the_unit_that_its_name_says(

@@ -171,7 +171,10 @@ QUANTITIES: dict[str, set[str]] = {
         *("limit", "limits", "mode", "beschleunigung", "temperatur", "spannung", "fehler"),
     },
 }
-OF_POSITIONS = {"rad", "rads", "mrad", "deg", "degrees", "degree", "grad", "°", "mdeg", "m°", "m", "cm", "mm"}
+OF_POSITIONS = {
+    *("rad", "rads", "mrad", "deg", "degrees", "degree", "grad", "°", "mdeg", "m°", "rev", "revs", "turn", "turns"),
+    *("m", "cm", "mm"),
+}
 OF_TURNS = {"rpm", "u/min", "r/min", "rev/min", "1/min"}
 UNITS = OF_POSITIONS | OF_TURNS | {"nm", "a", "ma", "s", "ms", "v"}
 

@@ -44,6 +44,7 @@ from realitygap.scenario.schema import Columns
 LENGTHS = {
     **dict.fromkeys(("°", "deg", "degree", "degrees", "grad"), "deg"),
     **dict.fromkeys(("m°", "mdeg"), "mdeg"),
+    **dict.fromkeys(("rev", "revs", "turn", "turns"), "rev"),
     **{name: name for name in ("mrad", "mm", "cm")},
 }
 RATES = LENGTHS | dict.fromkeys(OF_TURNS, "rpm")

@@ -113,7 +113,7 @@ class EffortStream(Section):
     )
 
 
-Length = Literal["rad", "mrad", "deg", "mdeg", "m", "cm", "mm"]
+Length = Literal["rad", "mrad", "deg", "mdeg", "rev", "m", "cm", "mm"]
 Lengths = Length | dict[str, Length]
 Rate = Literal[Length, "rpm"]
 Rates = Rate | dict[str, Rate]

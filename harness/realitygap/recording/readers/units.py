@@ -20,6 +20,7 @@ FACTORS = {
     "mrad": 1e-3,
     "deg": np.pi / 180,
     "mdeg": np.pi / 180e3,
+    "rev": 2.0 * np.pi,
     "m": 1.0,
     "cm": 1e-2,
     "mm": 1e-3,
