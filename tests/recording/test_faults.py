@@ -179,17 +179,26 @@ def test_a_reading_that_no_motion_explains_is_taken_out_and_told(signal: str, jo
     assert np.array_equal(np.delete(mended, 730, axis=0), np.delete(before, 730, axis=0))
 
 
-@pytest.mark.parametrize("bad", [[730, 732], [730, 732, 734], [730, 731], [730, 731, 733]])
-def test_a_sound_reading_between_outliers_keeps_its_value(bad: list[int]) -> None:
-    sound = recording()
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {730: -999.0, 732: -999.0},
+        {730: -999.0, 732: -999.0, 734: -999.0},
+        {730: -999.0, 731: 65535.0},
+        {730: -999.0, 731: 65535.0, 733: -999.0},
+    ],
+    ids=str,
+)
+def test_a_sound_reading_between_outliers_keeps_its_value(bad: dict[int, float]) -> None:
+    sound, rows = recording(), [*bad]
     garbled = Signals(sound.trace).position.copy()
-    garbled[bad, 0] = [(-999.0) ** k if k % 2 else 65535.0 for k in range(1, len(bad) + 1)]
+    garbled[rows, 0] = [*bad.values()]
     trace, outliers = without_outliers(replace(sound.trace, position=garbled))
-    assert [o.time for o in outliers] == sound.trace.time[bad].tolist()
+    assert [o.time for o in outliers] == sound.trace.time[rows].tolist()
     mended, before = Signals(trace).position, Signals(sound.trace).position
-    kept = np.setdiff1d(np.arange(len(before)), bad)
+    kept = np.setdiff1d(np.arange(len(before)), rows)
     np.testing.assert_array_equal(mended[kept], before[kept])
-    np.testing.assert_allclose(mended[bad, 0], np.interp(bad, kept, before[kept, 0]))
+    np.testing.assert_allclose(mended[rows, 0], np.interp(rows, kept, before[kept, 0]))
 
 
 def test_an_impact_is_not_an_outlier() -> None:
