@@ -106,6 +106,23 @@ def test_held_out_runs_do_not_keep_a_richer_name_that_training_runs_find_less_li
     assert [c.suspect for c in told.best.fit.changes] == [dry if behind > 0.0 else sides]
 
 
+def test_a_richer_name_is_compared_where_its_evidence_is_best() -> None:
+    """Values as if laws were exact, or of before something was adjusted, may have less evidence than a plain name."""
+    bare = demo_problem()
+    sides, dry = (suspect_of(bare, e, "elbow") for e in ("direction_friction", "coulomb_friction"))
+    missing = guess(bare, sides).at({"forward": 0.35, "backward": 0.85})
+    problem = planted(missing)
+    with Simulations(problem, 2) as simulations:
+        criterion = Criterion(simulations, [missing])
+        best, plain = criterion.fit([missing]), criterion.fit([guess(bare, dry).at({"torque": 0.6})])
+        assert best is not None
+        assert plain is not None
+        criterion.set_discrepancy(best.fit, criterion.responses(best.fit, [sides, dry]))
+        away = replace(criterion.score(best.fit), evidence=criterion.score(plain.fit).evidence - 100.0)
+        found = Found(away, away, away, 6.0, {}, criterion.floors, criterion)
+        assert plainer(simulations, found, [dry], []) is found
+
+
 def test_the_models_without_another_finding_have_the_plain_name_too() -> None:
     """Where that finding goes afterwards, the richer name does not come back."""
     bare = demo_problem()

@@ -8,6 +8,7 @@ from realitygap.diagnose.fit.space import SLAB, Space, negative_log_prior
 from realitygap.diagnose.result.diagnosis import why
 from realitygap.diagnose.search.exchange import Exchanged, exchanged
 from realitygap.diagnose.search.rivals import ODDS
+from realitygap.diagnose.search.simpler import narrower, says_otherwise
 from stood import Effects, stood
 
 
@@ -23,6 +24,26 @@ def test_a_zero_that_is_off_and_a_turned_centre_of_mass_are_not_told_apart() -> 
     assert rival.open
     assert rival.behind > ODDS, "evidence alone would not tell it"
     assert "the same traces" in why(rival)
+
+
+@pytest.mark.parametrize(
+    ("effect", "target", "richer", "told"),
+    [
+        ("link_mass", "forearm", "payload", True),
+        ("link_mass", "forearm", "center_of_mass", True),
+        ("coulomb_friction", "elbow", "direction_friction", False),
+        ("coulomb_friction", "elbow", "stribeck_friction", False),
+    ],
+)
+def test_what_a_richer_law_says_in_other_words_is_nothing_else(
+    effect: str, target: str, richer: str, told: bool
+) -> None:
+    """A load in the middle of a link, and a heavier link, are two things; equal friction by side is dry friction."""
+    problem = demo_problem()
+    finding, law = suspect_of(problem, effect, target), suspect_of(problem, richer, target)
+    assert narrower(finding, law)
+    assert says_otherwise(finding, law) is not told
+    assert not says_otherwise(law, finding)
 
 
 @pytest.mark.parametrize(("name", "target", "values"), [("joint_offset", "elbow", {"angle": 0.1})])

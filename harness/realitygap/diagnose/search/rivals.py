@@ -20,7 +20,7 @@ from realitygap.diagnose.search.apart import ERRORS, compare, told_apart
 from realitygap.diagnose.search.evidence import EQUAL, Scored
 from realitygap.diagnose.search.linear import Linear
 from realitygap.diagnose.search.round import Round
-from realitygap.diagnose.search.simpler import limits, narrower
+from realitygap.diagnose.search.simpler import limits, narrower, says_otherwise
 
 ODDS = 3.0
 """Difference in evidence (odds of 20 to 1) below which a rival stays in it anyway."""
@@ -187,7 +187,7 @@ def rivals_of(place: Place, before: Sequence[Rival]) -> list[Rival]:
         close = place.close(quick)
         scored = criterion.refined(quick) if close else quick
         if scored is not None:
-            as_one = not narrower(place.change.suspect, suspect) and told_apart(round_.now, scored) < ODDS
+            as_one = not says_otherwise(place.change.suspect, suspect) and told_apart(round_.now, scored) < ODDS
             out.append(Rival(suspect, scored, *compare(criterion.channels, round_.now, scored), same=as_one))
             if close:
                 round_.say(f"  {suspect} for {place.change.suspect}: {-out[-1].behind:+.1f} ± {out[-1].error:.1f}")

@@ -39,6 +39,13 @@ def narrower(a: Suspect, b: Suspect) -> bool:
     return b.effect in a.kind.special_of and a.indices == b.indices
 
 
+def says_otherwise(finding: Suspect, richer: Suspect) -> bool:
+    """Whether a richer law says a finding in other words, as friction by side dry friction: it is nothing else that may
+    be there. A load is something else than a heavier link, and may stand beside it.
+    """
+    return narrower(finding, richer) and richer.kind.rules_out(finding.kind)
+
+
 def limits(problem: Problem, a: Suspect, b: Suspect) -> bool:
     """Whether one suspect is a limit that is narrower than another one whose values only mean something together. A
     line of torque over speed that ended at 254 rad/s, where no speed came to 10, stood for a limit of the effort.
