@@ -5,10 +5,11 @@ from realitygap_engines.model.robot import Model
 
 from realitygap.check.mistake import Certainty, Mistake
 from realitygap.robot.plant import Plant
-from realitygap.robot.reach import gyration, reach
+from realitygap.robot.reach import bulk, gyration, reach
 
 WIDE, ABSURD = 5.0, 30.0
-"""A body whose mass lies further from its centre than this many times the robot's reach is none; the second certain."""
+"""A body whose mass lies further from its centre than this many times the robot's reach is none, and than that many
+times its own size where it is as light as bodies come, as a disc on its axis reaches nowhere; the second certain."""
 ODD = 100.0
 """A single link that is this many times heavier than the next is in another unit: 30 is a rotor beside its housing."""
 LONG, ENDLESS = 20.0, 100.0
@@ -48,18 +49,18 @@ def _long_links(model: Model) -> list[Mistake]:
 
 def _heavy_links(model: Model) -> list[Mistake]:
     """Inertias that are far too large for the size of a robot, and a link that is far heavier than all others."""
-    size = reach(model)
+    far = reach(model)
     out = []
     first = 0 if model.floating else 1
     for i in range(first, len(model.links)):
         link = model.links[i]
-        if size <= 0 or not _turns(model, i):
+        if far <= 0 or not _turns(model, i):
             continue
-        wide = gyration(link)
+        wide, size = gyration(link), max(far, bulk(link))
         if wide > WIDE * size:
             sentence = (
                 f"the inertia of link {link.name} puts its {link.mass:.3g} kg {wide:.3g} m from its centre, "
-                f"and the whole robot reaches {size:.3g} m: an inertia in another unit than kg·m², or a mass in "
+                f"and the whole robot reaches {far:.3g} m: an inertia in another unit than kg·m², or a mass in "
                 "another than kg; expected both to fit the link's size"
             )
             certainty: Certainty = "certain" if wide > ABSURD * size else "likely"

@@ -27,6 +27,15 @@ def extent(model: Model, index: int) -> float:
     return max([rod, _contact(link), *carried])
 
 
+LIGHT = 100.0
+"""kg/m³: no body of a robot is lighter than balsa wood; printed links and hollow ones of metal have 200 and more."""
+
+
+def bulk(link: Link) -> float:
+    """How large a link is at most [m]: the radius of a sphere of its mass, where it is as light as bodies come."""
+    return float(np.cbrt(link.mass / LIGHT * 3.0 / (4.0 * np.pi)))
+
+
 def _contact(link: Link) -> float:
     """How far from its frame a link touches, at most [m]."""
     return max((float(np.linalg.norm(s.center)) + s.radius for s in link.spheres), default=0.0)
