@@ -82,7 +82,10 @@ COMMANDS = {
         ["init", "arm.urdf", "chirp_1.mcap", "results/../chirp_1.mcap", "--out", "new"],
         "chirp_1.mcap: is given 2 times; expected every recording once",
     ),
-    "a folder of tables": (["init", "arm.urdf", "tables", "--out", "new"], "name the files in it: tables/*.csv\n"),
+    "a folder of a table without joints": (
+        ["init", "arm.urdf", "tables", "--out", "new"],
+        "tables/run.csv: no column holds the position of shoulder, elbow",
+    ),
     "a scenario that is there": (["init", "arm.urdf", "chirp_1.mcap"], "scenario.yaml: is already there"),
 }
 
